@@ -1,0 +1,1 @@
+"""What people use: the `softcradle` command, the frames, the films and the window. The only package that draws."""
