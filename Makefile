@@ -1,0 +1,41 @@
+# Both commands do their own set-up: a .venv in this folder, made from PYTHON (3.11 or newer).
+PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
+BIN := .venv/bin
+
+.PHONY: demo test check play bench clean help
+help:
+	@echo "make demo   render the first scene of the paper to out/, with its table of results"
+	@echo "make test   run the whole test suite"
+	@echo "make check  linter, formatter and type checker"
+	@echo "make bench  measure speed against accuracy, and against peers where installed"
+	@echo "make play   open the sandbox window"
+
+.venv/.installed: pyproject.toml
+	@test -n "$(PYTHON)" || { echo "softcradle needs Python 3.11 or newer; set PYTHON=..."; exit 2; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	@touch $@
+
+demo: .venv/.installed
+	@mkdir -p out
+	$(BIN)/softcradle render one-on-four -o out/one-on-four.mp4
+	$(BIN)/softcradle run one-on-four -o out/one-on-four.csv | tee out/one-on-four.txt
+
+test: .venv/.installed
+	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist loadfile
+
+check: .venv/.installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: .venv/.installed
+	$(BIN)/python -m benchmarks
+
+play: .venv/.installed
+	$(BIN)/softcradle
+
+clean:
+	rm -rf .venv out dist

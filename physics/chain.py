@@ -1,0 +1,122 @@
+"""The chain: masses on a line and the contacts between neighbours. Immutable: what moves is the State."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physics.contact import Contact
+
+Array = NDArray[np.float64]
+
+
+class Parameters(NamedTuple):
+    """What a kernel needs of a chain, as plain contiguous arrays."""
+
+    law: Array  # (n, 3): preload, stiffness, exponent of each contact
+    inverse_mass: Array  # (n+1,) [1/kg]; 0 for a wall
+
+
+@dataclass(frozen=True)
+class Chain:
+    """n+1 masses on a line and n contacts between neighbours, Eq. (3).
+
+    Arguments:
+        mass: (n+1,) masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
+        contact: one Contact for all, or n of them; kinds mix freely.
+        gap: distance [m] >= 0 between neighbours at the start, one for all or n of them; 0 is just touching.
+
+    Raises:
+        ValueError: a number out of range, a wrong length, or two walls side by side.
+
+    >>> from physics import power_law
+    >>> Chain([1, 1, math.inf], power_law(1.0, 0.1)).contacts
+    2
+    """
+
+    mass: tuple[float, ...]
+    contact: tuple[Contact, ...]
+    gap: tuple[float, ...]
+
+    def __init__(self, mass: ArrayLike, contact: Contact | Sequence[Contact], gap: ArrayLike = 0.0) -> None:
+        masses = _checked_masses(mass)
+        n = len(masses) - 1
+        object.__setattr__(self, "mass", masses)
+        object.__setattr__(self, "contact", _checked_contacts(contact, n))
+        object.__setattr__(self, "gap", _checked_gaps(gap, n))
+
+    @property
+    def contacts(self) -> int:
+        """Number n of contacts; there are n+1 beads."""
+        return len(self.contact)
+
+    @property
+    def walls(self) -> int:
+        """Number of beads of infinite mass."""
+        return sum(math.isinf(mass) for mass in self.mass)
+
+    @cached_property
+    def anchor(self) -> int:
+        """Index of the heaviest bead (a wall if there is one): the one whose position and velocity the State keeps."""
+        return int(np.argmax(self.mass))
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The same chain as arrays for the kernels; made once."""
+        law = np.array([(c.preload, c.stiffness, c.exponent) for c in self.contact])
+        inverse_mass = 1.0 / np.array(self.mass)
+        for array in (law, inverse_mass):
+            array.setflags(write=False)
+        return Parameters(law, inverse_mass)
+
+
+def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
+    masses = np.asarray(mass, dtype=np.float64)
+    if masses.ndim != 1 or len(masses) < 2:
+        raise ValueError(f"a chain needs a list of at least 2 masses, not shape {masses.shape}")
+    if np.isnan(masses).any() or (masses <= 0.0).any():
+        raise ValueError(f"every mass must be > 0 (inf is a wall), not {masses[~(masses > 0.0)][0]!r}")
+    infinite = np.isinf(masses)
+    if (infinite[:-1] & infinite[1:]).any():
+        raise ValueError("two walls side by side: a contact between them could never be solved")
+    return tuple(masses.tolist())
+
+
+def _checked_contacts(contact: Contact | Sequence[Contact], n: int) -> tuple[Contact, ...]:
+    contacts = (contact,) * n if isinstance(contact, Contact) else tuple(contact)
+    if len(contacts) != n:
+        raise ValueError(f"{n + 1} masses need one contact for all or {n} contacts, not {len(contacts)}")
+    for item in contacts:
+        if not isinstance(item, Contact):
+            raise ValueError(f"every contact must be a Contact, not {item!r}")
+    return contacts
+
+
+def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
+    gaps = np.asarray(gap, dtype=np.float64)
+    if gaps.ndim > 1 or (gaps.ndim == 1 and len(gaps) != n):
+        raise ValueError(f"{n + 1} masses need one gap for all or {n} gaps, not shape {gaps.shape}")
+    if not (np.isfinite(gaps) & (gaps >= 0.0)).all():
+        raise ValueError(f"every gap must be a finite number >= 0, not {gap!r}")
+    return tuple(np.broadcast_to(gaps, (n,)).tolist())
+
+
+def one_on(n: int, contact: Contact | Sequence[Contact], mass: ArrayLike = 1.0) -> Chain:
+    """A striker and a target cluster of `n` >= 1 beads, all just touching; Fig. 1. `mass` [kg]: one for all or n+1."""
+    return cluster_on_cluster(1, n, contact, mass)
+
+
+def cluster_on_cluster(m: int, n: int, contact: Contact | Sequence[Contact], mass: ArrayLike = 1.0) -> Chain:
+    """`m` >= 1 beads that strike `n` >= 1 beads, all just touching; Appendix A (ii). `mass` [kg]: one for all or m+n."""
+    if m < 1 or n < 1:
+        raise ValueError(f"a cluster needs at least one bead, not {min(m, n)}")
+    masses = np.full(m + n, mass, dtype=np.float64) if np.ndim(mass) == 0 else np.asarray(mass, dtype=np.float64)
+    if len(masses) != m + n:
+        raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {len(masses)}")
+    return Chain(masses, contact)

@@ -1,0 +1,100 @@
+"""The contact law: one preloaded power law covers every contact of the paper and of the railway draft gear.
+
+    overlap d < 0   open      f = 0
+    overlap d = 0   touching  f anywhere in [0, F]   (set-valued; fixed by the motion)
+    overlap d > 0   loaded    f = F + K * d**a
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A contact that only pushes: ``force = preload + stiffness * overlap**exponent`` while the beads overlap.
+
+    Arguments:
+        preload: force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
+        stiffness: factor K of the power [N / m**exponent]; 0 for the step force.
+        exponent: power a > 0 of the overlap; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
+
+    Raises:
+        ValueError: a number is negative, not finite, or preload and stiffness are both 0.
+
+    >>> Contact(preload=2.0, stiffness=3.0, exponent=1.0).force([-1.0, 0.5])
+    array([0. , 3.5])
+    """
+
+    preload: float
+    stiffness: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        for name in ("preload", "stiffness", "exponent"):
+            value = float(getattr(self, name))
+            if not math.isfinite(value) or value < 0.0:
+                raise ValueError(f"contact {name} must be a finite number >= 0, not {value!r}")
+            object.__setattr__(self, name, value)
+        if self.exponent <= 0.0:
+            raise ValueError(f"contact exponent must be > 0, not {self.exponent!r}; its limit 0 is step_force(f0)")
+        if self.preload + self.stiffness <= 0.0:
+            raise ValueError("contact preload and stiffness are both 0: the contact would never push")
+
+    def force(self, overlap: ArrayLike) -> NDArray[np.float64] | float:
+        """Force [N] at `overlap` [m], any shape; Eq. (2), Eq. (C1). At overlap 0 exactly the set's smallest value, 0."""
+        pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
+        force = np.where(pressed > 0.0, self.preload + self.stiffness * pressed**self.exponent, 0.0)
+        return _like(overlap, force)
+
+    def energy(self, overlap: ArrayLike) -> NDArray[np.float64] | float:
+        """Energy stored [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open."""
+        pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
+        power = 1.0 + self.exponent
+        return _like(overlap, self.preload * pressed + self.stiffness * pressed**power / power)
+
+    def overlap(self, force: ArrayLike) -> NDArray[np.float64] | float:
+        """Overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
+
+        0 for a force that the preload alone carries; inf for one that a step force can never reach.
+        """
+        excess = np.maximum(np.asarray(force, dtype=np.float64) - self.preload, 0.0)
+        if self.stiffness == 0.0:
+            return _like(force, np.where(excess > 0.0, math.inf, 0.0))
+        return _like(force, (excess / self.stiffness) ** (1.0 / self.exponent))
+
+
+def _like(argument: ArrayLike, result: NDArray[np.float64]) -> NDArray[np.float64] | float:
+    """`result` as an array, or as a plain float where `argument` was a scalar."""
+    return float(result) if np.ndim(argument) == 0 else result
+
+
+def power_law(f0: float, alpha: float) -> Contact:
+    """Bead that pushes with ``f0 * overlap**alpha``, Eq. (2): f0 > 0 [N / m**alpha], alpha > 0."""
+    return Contact(0.0, f0, alpha)
+
+
+def draft_gear(stiffness: float, precompression: float) -> Contact:
+    """Spring behind a piston, Eq. (C1): `stiffness` k > 0 [N/m], `precompression` Delta_0 >= 0 [m]; preload k Delta_0."""
+    if not (math.isfinite(precompression) and precompression >= 0.0):
+        raise ValueError(f"draft gear precompression must be a finite number >= 0, not {precompression!r}")
+    return Contact(stiffness * precompression, stiffness, 1.0)
+
+
+def hertz(stiffness: float) -> Contact:
+    """Two elastic spheres: ``stiffness * overlap**1.5``, stiffness [N / m**1.5]; the usual Newton's cradle."""
+    return Contact(0.0, stiffness, 1.5)
+
+
+def hooke(stiffness: float) -> Contact:
+    """One-sided linear spring: ``stiffness * overlap``, stiffness [N/m]; the interface of Appendix A (iii)."""
+    return Contact(0.0, stiffness, 1.0)
+
+
+def step_force(f0: float) -> Contact:
+    """The limit alpha -> 0 of :func:`power_law`: f0 [N] at any overlap, anything in [0, f0] while just touching."""
+    return Contact(f0, 0.0, 1.0)

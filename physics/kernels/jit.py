@@ -1,0 +1,49 @@
+"""`jit`: numba's njit with a disk cache that an edit of any kernel empties; plain Python where numba is not to be had."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import platformdirs
+
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
+
+
+def source_key(folder: Path = Path(__file__).parent) -> str:
+    """Digest of every kernel source in `folder`: numba itself notices only the file a kernel stands in, not its callees."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """Where the compiled kernels of exactly this source are kept; NUMBA_CACHE_DIR moves it."""
+    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("softcradle", appauthor=False)
+    return Path(base) / "kernels" / source_key()
+
+
+try:
+    import numba
+except ImportError:  # no wheel for this machine: the same functions run as plain Python
+
+    def jit(function: Kernel) -> Kernel:
+        """The function itself, uncompiled."""
+        return function
+
+else:
+    _FOLDER = str(cache_folder())
+
+    def jit(function: Kernel) -> Kernel:
+        """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources."""
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = _FOLDER  # read while decorating; other users of numba keep their own folder
+        try:
+            compiled: Kernel = numba.njit(cache=True, error_model="numpy")(function)
+        finally:
+            numba.config.CACHE_DIR = before
+        return compiled

@@ -1,0 +1,41 @@
+"""The one tuple of methods: it parametrises `simulate`, tests, charts, menus and documentation alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to integrate a chain.
+
+    Attributes:
+        name: what `simulate(method=...)` takes.
+        order: order of convergence on smooth motion.
+        adaptive: True: takes a tolerance and chooses its steps; False: takes a fixed step.
+        set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
+        module: where its runner is; imported on first use.
+        summary: one line for menus.
+    """
+
+    name: str
+    order: int
+    adaptive: bool
+    set_valued: bool
+    module: str
+    summary: str
+
+
+METHODS: tuple[Method, ...] = (
+    Method("euler", 1, False, False, "physics.fixed_step", "symplectic Euler, what one pymunk step does"),
+    Method("verlet", 2, False, False, "physics.fixed_step", "leapfrog"),
+    Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs"),
+)
+
+
+def find_method(name: str) -> Method:
+    """The Method called `name`; ValueError with the names there are."""
+    for method in METHODS:
+        if method.name == name:
+            return method
+    raise ValueError(f"unknown method {name!r}; there are {', '.join(m.name for m in METHODS)}")

@@ -1,0 +1,76 @@
+"""What `simulate` hands to a method and what it gets back: one Problem in, one Record out, whatever the method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.chain import Chain
+from physics.state import State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A motion to compute.
+
+    Attributes:
+        chain, state: the chain and its start; a runner leaves `state` alone.
+        method: name of the method.
+        duration: time to run [s], or None: until every contact is open and none can close again.
+        step: fixed step [s]; 0 for adaptive methods.
+        tolerance: wanted error; 0 for fixed steps.
+        samples: number of evenly spaced samples, or their times (T,) [s].
+    """
+
+    chain: Chain
+    state: State
+    method: str
+    duration: float | None
+    step: float
+    tolerance: float
+    samples: int | Array
+
+    def sample_times(self, end: float) -> Array:
+        """(T,) sample times [s] for a run that ends at `end`."""
+        if isinstance(self.samples, int):
+            return self.state.time + np.linspace(0.0, end - self.state.time, self.samples)
+        return self.samples
+
+
+@dataclass
+class Record:
+    """What a runner found: sample rows, contact switches in order of time, the end, the cost.
+
+    Attributes:
+        time (T,), overlap (T, n), rate (T, n), anchor (T, 2), force (T, n): the samples.
+        switch_contact, switch_time: every change of a contact between open and closed (all start open).
+        end: State at the end of the run.
+        steps, evaluations: cost.
+        warnings: sentences on what may be wrong.
+    """
+
+    time: Array
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+    switch_contact: NDArray[np.int64]
+    switch_time: Array
+    end: State
+    steps: int
+    evaluations: int
+    warnings: tuple[str, ...] = ()
+
+
+def empty_samples(count: int, contacts: int) -> tuple[Array, Array, Array, Array]:
+    """Rows for `count` samples: overlap, rate, anchor, force."""
+    return (
+        np.zeros((count, contacts)),
+        np.zeros((count, contacts)),
+        np.zeros((count, 2)),
+        np.zeros((count, contacts)),
+    )

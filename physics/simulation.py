@@ -1,0 +1,168 @@
+"""`simulate` and `advance`: from a chain and its start to a Trajectory, or to the state a moment later."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from importlib import import_module
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physics.chain import Chain
+from physics.methods import Method, find_method
+from physics.run import Problem, Record
+from physics.state import State
+from physics.time_scale import default_step
+from physics.trajectory import Interval, Trajectory
+
+Array = NDArray[np.float64]
+
+
+def simulate(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None = None,
+    method: str = "verlet",
+    step: float | None = None,
+    samples: int | ArrayLike = 201,
+    tolerance: float = 1e-8,
+) -> Trajectory:
+    """Let `chain` move from its start with the given bead velocities, Eq. (3).
+
+    Arguments:
+        chain: the Chain.
+        velocity: (n+1,) start velocities [m/s].
+        duration: time to run [s]; None runs until every contact is open and none can close again.
+        method: a name from METHODS. Explicit methods (euler, verlet, yoshida4, pymunk) take f = 0 at overlap 0, so a
+            contact with preload that should rest there chatters.
+        step: step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
+        samples: number of evenly spaced samples from start to end, or their times (T,) [s], ascending.
+        tolerance: wanted error of velocities, relative to the closing speed, for adaptive methods.
+
+    Raises:
+        ValueError: a value out of range, or duration None for a chain that may never come apart (two walls).
+
+    >>> from physics import one_on, power_law, simulate
+    >>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
+    array([-0.57,  0.17,  0.45,  0.47,  0.47])
+    """
+    problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
+    runner = import_module(find_method(method).module)
+    began = perf_counter()
+    record: Record = runner.run(problem)
+    seconds = perf_counter() - began
+    for sentence in record.warnings:
+        warnings.warn(sentence, RuntimeWarning, stacklevel=2)
+    return _trajectory(problem, record, seconds)
+
+
+def advance(
+    chain: Chain,
+    state: State,
+    duration: float,
+    method: str = "verlet",
+    step: float | None = None,
+    tolerance: float = 1e-8,
+) -> None:
+    """Move `state` on by `duration` [s] in place, for live use; fixed-step kernels allocate nothing.
+
+    Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along. A duration that is not a
+    whole number of steps ends in a shorter step.
+    """
+    chosen = find_method(method)
+    _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
+    fineness = tolerance if chosen.adaptive else _step(chain, state.velocity(chain), chosen, step)
+    import_module(chosen.module).advance(chain, state, duration, method, fineness)
+
+
+def _require(condition: bool, sentence: str) -> None:
+    if not condition:
+        raise ValueError(sentence)
+
+
+def _step(chain: Chain, velocity: ArrayLike, method: Method, step: float | None) -> float:
+    if method.adaptive:
+        _require(step is None, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step")
+        return 0.0
+    if step is None:
+        return default_step(chain, velocity)
+    _require(math.isfinite(step) and step > 0.0, f"step must be a finite time > 0, not {step!r}")
+    return float(step)
+
+
+def _problem(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None,
+    method: Method,
+    step: float | None,
+    samples: int | ArrayLike,
+    tolerance: float,
+) -> Problem:
+    state = State.at_start(chain, velocity)
+    if duration is None:
+        _require(chain.walls < 2, "a chain with two walls may never come apart: give a duration")
+    else:
+        _require(math.isfinite(duration) and duration >= 0.0, f"duration must be a finite time >= 0, not {duration!r}")
+        duration = float(duration)
+    _require(math.isfinite(tolerance) and tolerance > 0.0, f"tolerance must be > 0, not {tolerance!r}")
+    return Problem(
+        chain=chain,
+        state=state,
+        method=method.name,
+        duration=duration,
+        step=_step(chain, velocity, method, step),
+        tolerance=tolerance if method.adaptive else 0.0,
+        samples=_samples(samples, duration),
+    )
+
+
+def _samples(samples: int | ArrayLike, duration: float | None) -> int | Array:
+    if isinstance(samples, (int, np.integer)):
+        _require(samples >= 2, f"samples must be at least 2 (start and end), not {samples}")
+        return int(samples)
+    times = np.array(samples, dtype=np.float64)
+    _require(times.ndim == 1 and times.size > 0, "sample times must be a list of at least one time")
+    _require(bool((np.diff(times) >= 0.0).all()) and times[0] >= 0.0, "sample times must be >= 0 and ascending")
+    _require(math.isfinite(times[-1]), "sample times must be finite")
+    _require(duration is None or times[-1] <= duration, f"sample times must lie within the duration {duration}")
+    return times
+
+
+def _trajectory(problem: Problem, record: Record, seconds: float) -> Trajectory:
+    return Trajectory(
+        chain=problem.chain,
+        time=record.time,
+        overlap=record.overlap,
+        rate=record.rate,
+        anchor=record.anchor,
+        force=record.force,
+        final_velocity=record.end.velocity(problem.chain),
+        contact_intervals=_intervals(problem.chain.contacts, record),
+        method=problem.method,
+        step=problem.step,
+        tolerance=problem.tolerance,
+        steps=record.steps,
+        evaluations=record.evaluations,
+        seconds=seconds,
+        warnings=record.warnings,
+    )
+
+
+def _intervals(contacts: int, record: Record) -> tuple[tuple[Interval, ...], ...]:
+    """Pair the switches of each contact into (closed, opened); inf for one that never opens."""
+    found: list[list[Interval]] = [[] for _ in range(contacts)]
+    closed_at: list[float | None] = [None] * contacts
+    for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
+        closed = closed_at[contact]
+        if closed is None:
+            closed_at[contact] = time
+        else:
+            found[contact].append((closed, time))
+            closed_at[contact] = None
+    for contact, closed in enumerate(closed_at):
+        if closed is not None:
+            found[contact].append((closed, math.inf))
+    return tuple(tuple(intervals) for intervals in found)

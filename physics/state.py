@@ -1,0 +1,75 @@
+"""The state: what moves. Overlaps and their rates, because deep overlaps drown when taken as differences of positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physics.chain import Chain
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class State:
+    """Time, overlaps, rates and one anchor bead; everything else is rebuilt from them by summation.
+
+    Attributes:
+        time: [s].
+        overlap: (n,) overlaps d_i = u_i - u_(i+1) [m], Eq. (1); negative where the beads are apart.
+        rate: (n,) overlap rates w_i = v_i - v_(i+1) [m/s].
+        anchor: (2,) position [m] and velocity [m/s] of bead ``chain.anchor``.
+        force: (n,) contact forces [N] of the last step: what a touching contact carries is not in its overlap.
+        push: (n+1,) external force on each bead [N] for the next `advance` (a hand, a spring to the pointer), or None.
+        work: scratch memory of the methods, theirs alone.
+    """
+
+    time: float
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+    push: Array | None = None
+    work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @classmethod
+    def at_start(cls, chain: Chain, velocity: ArrayLike) -> State:
+        """The start of a scene: bead 0 at position 0, the chain's gaps between neighbours, `velocity` (n+1,) [m/s]."""
+        speeds = checked_velocity(chain, velocity)
+        gap = np.array(chain.gap)
+        position = np.concatenate(([0.0], np.cumsum(gap)))
+        anchor = np.array([position[chain.anchor], speeds[chain.anchor]])
+        return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, np.zeros(chain.contacts))
+
+    def position(self, chain: Chain) -> Array:
+        """(n+1,) positions [m], bead lengths taken out: two beads that just touch have the same position."""
+        return from_anchor(self.overlap, self.anchor[0], chain.anchor)
+
+    def velocity(self, chain: Chain) -> Array:
+        """(n+1,) bead velocities [m/s]."""
+        return from_anchor(self.rate, self.anchor[1], chain.anchor)
+
+    def copy(self) -> State:
+        """An independent copy, without the scratch memory."""
+        push = None if self.push is None else self.push.copy()
+        return State(self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(), push)
+
+
+def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
+    """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
+    down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
+    np.cumsum(-difference, axis=-1, out=down[..., 1:])
+    return down - down[..., anchor : anchor + 1] + np.asarray(value)[..., None]
+
+
+def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
+    """`velocity` as (n+1,) finite floats, or a ValueError that says what is wrong."""
+    speeds = np.asarray(velocity, dtype=np.float64)
+    if speeds.shape != (chain.contacts + 1,):
+        raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not shape {speeds.shape}")
+    if not np.isfinite(speeds).all():
+        raise ValueError("every velocity must be finite")
+    return speeds.copy()

@@ -1,0 +1,102 @@
+"""The trajectory: what a simulation returns. Arrays with shapes and units, the switches of every contact, and the cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.chain import Chain
+from physics.state import from_anchor
+
+Array = NDArray[np.float64]
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Samples of a motion, when each contact closed and opened, and what it cost.
+
+    Attributes:
+        chain: the Chain that moved.
+        time: (T,) sample times [s].
+        overlap: (T, n) overlaps [m], Eq. (1).
+        rate: (T, n) overlap rates [m/s]; finer than differences of `velocity` deep inside a cluster.
+        anchor: (T, 2) position [m] and velocity [m/s] of bead ``chain.anchor``.
+        force: (T, n) contact forces [N].
+        final_velocity: (n+1,) bead velocities [m/s] at the end of the run, wherever the samples lie.
+        contact_intervals: per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens.
+        method, step, tolerance: how it was made; step in s (0 for adaptive methods), tolerance 0 for fixed steps.
+        steps, evaluations, seconds: cost: steps, evaluations of all contact forces, wall time of the solver [s].
+        warnings: sentences on what may be wrong with it; empty when nothing is.
+    """
+
+    chain: Chain
+    time: Array
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+    final_velocity: Array
+    contact_intervals: tuple[tuple[Interval, ...], ...]
+    method: str
+    step: float = 0.0
+    tolerance: float = 0.0
+    steps: int = 0
+    evaluations: int = 0
+    seconds: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    @cached_property
+    def position(self) -> Array:
+        """(T, n+1) positions [m], bead lengths taken out: two beads that just touch have the same position."""
+        return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
+
+    @cached_property
+    def velocity(self) -> Array:
+        """(T, n+1) bead velocities [m/s]."""
+        return from_anchor(self.rate, self.anchor[:, 1], self.chain.anchor)
+
+    @cached_property
+    def kinetic_energy(self) -> Array:
+        """(T,) kinetic energy [J] of the beads, walls left out."""
+        return 0.5 * self.velocity[:, self._bead] ** 2 @ self._mass
+
+    @cached_property
+    def contact_energy(self) -> Array:
+        """(T,) energy [J] stored in the contacts."""
+        return sum((np.asarray(c.energy(d)) for c, d in zip(self.chain.contact, self.overlap.T, strict=True)), np.zeros(1))
+
+    @cached_property
+    def momentum(self) -> Array:
+        """(T,) momentum [N s] of the beads, walls left out."""
+        return self.velocity[:, self._bead] @ self._mass
+
+    @cached_property
+    def _bead(self) -> NDArray[np.bool_]:
+        return np.isfinite(self.chain.mass)
+
+    @cached_property
+    def _mass(self) -> Array:
+        return np.array(self.chain.mass)[self._bead]
+
+    def save(self, path: str) -> None:
+        """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
+        from physics.storage import save_trajectory
+
+        save_trajectory(self, path)
+
+    @staticmethod
+    def load(path: str) -> Trajectory:
+        """Read what :meth:`save` wrote."""
+        from physics.storage import load_trajectory
+
+        return load_trajectory(path)
+
+    def to_csv(self, path: str) -> None:
+        """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""
+        from physics.storage import write_csv
+
+        write_csv(self, path)
