@@ -1,8 +1,8 @@
 """The contact law: one preloaded power law covers every contact of the paper and of the railway draft gear.
 
-    overlap d < 0   open      f = 0
-    overlap d = 0   touching  f anywhere in [0, F]   (set-valued; fixed by the motion)
-    overlap d > 0   loaded    f = F + K * d**a
+overlap d < 0   open      f = 0
+overlap d = 0   touching  f anywhere in [0, F]   (set-valued; fixed by the motion)
+overlap d > 0   loaded    f = F + K * d**a
 """
 
 from __future__ import annotations

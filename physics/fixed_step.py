@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.chain import Chain
+from physics.kernels import explicit
 from physics.kernels import march as kernel
 from physics.run import Problem, Record, empty_samples
 from physics.state import State
 
 Array = NDArray[np.float64]
 
-CODE = {"euler": kernel.EULER, "verlet": kernel.VERLET, "yoshida4": kernel.YOSHIDA4, "conserving": kernel.CONSERVING}
+PARTS = {"euler": explicit.EULER, "verlet": explicit.VERLET, "yoshida4": explicit.YOSHIDA4}
 MOST_STEPS = 100_000_000  # a run that needs more has a step that does not fit its motion
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 NO_TIMES = np.zeros(0)
@@ -39,7 +40,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int) -> 
     switches = np.zeros(book, dtype=np.int64), np.zeros(book)
     rows = empty_samples(times.size, chain.contacts)
     status, time = kernel.march(
-        CODE[problem.method], problem.step, state.time, end, stop, MOST_STEPS, *chain.parameters, _push(chain, state),
+        *PARTS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, *chain.parameters, _push(chain, state),
         chain.anchor, *_moving(state), *_spare(chain.contacts), np.zeros(chain.contacts, dtype=np.uint8),
         *switches, times, *rows, counter,
     )  # fmt: skip
@@ -50,7 +51,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int) -> 
     kept = min(used, book)
     return Record(
         times, *rows, switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), _warnings(problem, status, time, used, kept),
+        _evaluations(problem.method, counter), _warnings(problem, status, time, used, kept),
     )  # fmt: skip
 
 
@@ -61,6 +62,10 @@ def _warnings(problem: Problem, status: int, time: float, used: int, kept: int) 
     if used > kept:
         found.append(f"contacts switched {used} times, only the first {kept} are listed")
     return tuple(found)
+
+
+def _evaluations(method: str, counter: NDArray[np.int64]) -> int:
+    return int(counter[kernel.STEP] + counter[kernel.EXTRA]) * PARTS[method][1].size
 
 
 def _push(chain: Chain, state: State) -> Array:
@@ -77,11 +82,13 @@ def _spare(contacts: int) -> tuple[Array, Array, Array, Array]:
 
 def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
-    work: tuple[Any, ...] = state.work.get("fixed_step") or state.work.setdefault("fixed_step", _scratch(chain.contacts))
+    work: tuple[Any, ...] = state.work.get("fixed_step") or state.work.setdefault(
+        "fixed_step", _scratch(chain.contacts)
+    )
     *spare, closed, switch_contact, switch_time, rows, counter = work
     counter[:] = 0
     kernel.march(
-        CODE[method], step, state.time, state.time + duration, False, MOST_STEPS, *chain.parameters, _push(chain, state),
+        *PARTS[method], step, state.time, state.time + duration, False, MOST_STEPS, *chain.parameters, _push(chain, state),
         chain.anchor, *_moving(state), *spare, closed, switch_contact, switch_time, NO_TIMES, *rows, counter,
     )  # fmt: skip
     state.time += duration

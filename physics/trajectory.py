@@ -67,7 +67,9 @@ class Trajectory:
     @cached_property
     def contact_energy(self) -> Array:
         """(T,) energy [J] stored in the contacts."""
-        return sum((np.asarray(c.energy(d)) for c, d in zip(self.chain.contact, self.overlap.T, strict=True)), np.zeros(1))
+        return sum(
+            (np.asarray(c.energy(d)) for c, d in zip(self.chain.contact, self.overlap.T, strict=True)), np.zeros(1)
+        )
 
     @cached_property
     def momentum(self) -> Array:

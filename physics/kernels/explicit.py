@@ -1,73 +1,73 @@
-"""Explicit steps in overlap coordinates: symplectic Euler, leapfrog, and its fourth-order composition.
+"""Explicit steps in overlap coordinates: every method is a row of drifts and kicks of different length.
 
-One step of each, from the same two moves, drift ``d += h w`` and kick ``w -= h L f(d)``:
+    drift(c h)   d += c h w              kick(c h)   w -= c h L f(d)
 
-    euler      drift(h) kick(h)                              order 1; what one pymunk step does
-    verlet     drift(h/2) kick(h) drift(h/2)                 order 2
-    yoshida4   verlet(a h) verlet(b h) verlet(a h)           order 4; a = 1/(2 - 2**(1/3)), b = 1 - 2a
+    euler        drift(1) kick(1)                                        order 1; what one pymunk step does
+    verlet       drift(1/2) kick(1) drift(1/2)                           order 2
+    yoshida4     drift(a/2) kick(a) drift((a+b)/2) kick(b) drift((a+b)/2) kick(a) drift(a/2)
+                 order 4: three leapfrogs, the middle one backwards; a = 1/(2 - 2**(1/3)), b = 1 - 2a (Yoshida 1990)
 
 A preload is set-valued at overlap 0; these methods take f = 0 there, so a contact that should only touch chatters.
 """
 
 from __future__ import annotations
 
+import numpy as np
+
 from physics.kernels.jit import jit
 from physics.kernels.law import force as law_force
 
-YOSHIDA_OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
-YOSHIDA_INNER = 1.0 - 2.0 * YOSHIDA_OUTER
+_OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
+_INNER = 1.0 - 2.0 * _OUTER
+
+# (drifts, kicks) as parts of the step; one drift more than kicks
+EULER = np.array([1.0, 0.0]), np.array([1.0])
+VERLET = np.array([0.5, 0.5]), np.array([1.0])
+YOSHIDA4 = (
+    np.array([0.5 * _OUTER, 0.5 * (_OUTER + _INNER), 0.5 * (_OUTER + _INNER), 0.5 * _OUTER]),
+    np.array([_OUTER, _INNER, _OUTER]),
+)
 
 
 @jit
-def drift(h, overlap, rate, anchor):
-    """``d += h w`` for every contact; the anchor bead moves on."""
-    for i in range(overlap.size):
-        overlap[i] += h * rate[i]
-    anchor[0] += h * anchor[1]
+def split_steps(
+    most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
+):  # fmt: skip
+    """Up to `most` steps in place; stops after the first in which a contact leaves the state in `closed`.
 
-
-@jit
-def kick(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead):
-    """``w -= h L f(d)`` by way of the bead accelerations a_i = (f_(i-1) - f_i + push_i) / m_i; w_i += h (a_i - a_(i+1))."""
+    Returns the steps taken. The kick goes by way of the bead accelerations a_i = (f_(i-1) - f_i + push_i) / m_i:
+    w_i += h (a_i - a_(i+1)).
+    """
     n = overlap.size
-    before = 0.0
-    left = 0.0
-    for i in range(n + 1):
-        after = 0.0
-        if i < n:
-            if overlap[i] > 0.0:
-                after = law_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            force[i] = after
-        net = before - after
-        if push.size:
-            net += push[i]
-        acceleration = net * inverse_mass[i]
-        if i > 0:
-            rate[i - 1] += h * (left - acceleration)
-        if i == anchor_bead:
-            anchor[1] += h * acceleration
-        left = acceleration
-        before = after
-
-
-@jit
-def euler_step(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead):
-    """Symplectic Euler: drift, then kick."""
-    drift(h, overlap, rate, anchor)
-    kick(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-
-
-@jit
-def verlet_step(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead):
-    """Leapfrog: half a drift, kick, half a drift."""
-    drift(0.5 * h, overlap, rate, anchor)
-    kick(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-    drift(0.5 * h, overlap, rate, anchor)
-
-
-@jit
-def yoshida4_step(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead):
-    """Fourth order from three leapfrogs, the middle one backwards (Yoshida 1990)."""
-    verlet_step(YOSHIDA_OUTER * h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-    verlet_step(YOSHIDA_INNER * h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-    verlet_step(YOSHIDA_OUTER * h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
+    for step in range(most):
+        for stage in range(kicks.size):
+            part = h * drifts[stage]
+            for i in range(n):
+                overlap[i] += part * rate[i]
+                force[i] = law_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            anchor[0] += part * anchor[1]
+            part = h * kicks[stage]
+            if push.size:
+                anchor[1] += part * push[anchor_bead] * inverse_mass[anchor_bead]
+                for i in range(n):
+                    rate[i] += part * (push[i] * inverse_mass[i] - push[i + 1] * inverse_mass[i + 1])
+            before = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
+            after = force[anchor_bead] if anchor_bead < n else 0.0
+            anchor[1] += part * (before - after) * inverse_mass[anchor_bead]
+            left = -force[0] * inverse_mass[0]
+            for i in range(n - 1):
+                right = (force[i] - force[i + 1]) * inverse_mass[i + 1]
+                rate[i] += part * (left - right)
+                left = right
+            rate[n - 1] += part * (left - force[n - 1] * inverse_mass[n])
+        part = h * drifts[kicks.size]
+        if part != 0.0:
+            for i in range(n):
+                overlap[i] += part * rate[i]
+            anchor[0] += part * anchor[1]
+        switched = False
+        for i in range(n):
+            switched |= (overlap[i] > 0.0) != (closed[i] != 0)
+        if switched:
+            return step + 1
+    return most

@@ -38,12 +38,15 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
 else:
     _FOLDER = str(cache_folder())
 
-    def jit(function: Kernel) -> Kernel:
-        """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources."""
+    def _compiled(function: Kernel, **options: object) -> Kernel:
         before = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = _FOLDER  # read while decorating; other users of numba keep their own folder
         try:
-            compiled: Kernel = numba.njit(cache=True, error_model="numpy")(function)
+            compiled: Kernel = numba.njit(cache=True, error_model="numpy", **options)(function)
         finally:
             numba.config.CACHE_DIR = before
         return compiled
+
+    def jit(function: Kernel) -> Kernel:
+        """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources."""
+        return _compiled(function)

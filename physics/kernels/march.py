@@ -8,32 +8,18 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.explicit import drift, euler_step, verlet_step, yoshida4_step
+from physics.kernels.explicit import split_steps
 from physics.kernels.jit import jit
-
-EULER, VERLET, YOSHIDA4, CONSERVING = 0, 1, 2, 3
 
 # what `march` returns
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
 
-# entries of the counter array
-STEP, SAMPLE, SWITCH, EVALUATION = 0, 1, 2, 3
+# entries of the counter array: steps, sample rows written, switches booked, steps that were samples only
+STEP, SAMPLE, SWITCH, EXTRA = 0, 1, 2, 3
 COUNTERS = 4
 
 GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
-
-
-@jit
-def step_once(method, h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead):
-    """One step of `method`; returns how often it evaluated every contact."""
-    if method == EULER:
-        euler_step(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-        return 1
-    if method == VERLET:
-        verlet_step(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-        return 1
-    yoshida4_step(h, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead)
-    return 3
+MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
 @jit
@@ -50,51 +36,26 @@ def note_switches(time, overlap, rate, closed, switch_contact, switch_time, coun
         if now != (closed[i] != 0):
             closed[i] = 1 if now else 0
             k = counter[SWITCH]
-            back = overlap[i] / rate[i] if rate[i] != 0.0 else 0.0
             if k < switch_contact.size:
                 switch_contact[k] = i
-                switch_time[k] = time - back
+                switch_time[k] = time - (overlap[i] / rate[i] if rate[i] != 0.0 else 0.0)
             counter[SWITCH] = k + 1
     return still
 
 
 @jit
 def flight_time(overlap, rate):
-    """Time until the first contact closes if none pushes: inf when all move apart, 0 when one is closed already."""
+    """Time until the first contact closes if none pushes; inf when all move apart."""
     first = math.inf
     for i in range(overlap.size):
-        if overlap[i] > 0.0:
-            return 0.0
         if rate[i] > 0.0:
             first = min(first, -overlap[i] / rate[i])
     return first
 
 
 @jit
-def write_sample(k, overlap, rate, anchor, force, sample_overlap, sample_rate, sample_anchor, sample_force):
-    """Copy a state into row k of the sample arrays."""
-    for i in range(overlap.size):
-        sample_overlap[k, i] = overlap[i]
-        sample_rate[k, i] = rate[i]
-        sample_force[k, i] = force[i]
-    sample_anchor[k, 0] = anchor[0]
-    sample_anchor[k, 1] = anchor[1]
-
-
-@jit
-def copy_state(overlap, rate, anchor, force, to_overlap, to_rate, to_anchor, to_force):
-    """Copy a state into another, element by element."""
-    for i in range(overlap.size):
-        to_overlap[i] = overlap[i]
-        to_rate[i] = rate[i]
-        to_force[i] = force[i]
-    to_anchor[0] = anchor[0]
-    to_anchor[1] = anchor[1]
-
-
-@jit
 def march(
-    method, h, start, end, stop, most_steps, law, inverse_mass, push, anchor_bead,
+    drifts, kicks, h, start, end, stop, most_steps, law, inverse_mass, push, anchor_bead,
     overlap, rate, anchor, force, spare_overlap, spare_rate, spare_anchor, spare_force,
     closed, switch_contact, switch_time,
     sample_time, sample_overlap, sample_rate, sample_anchor, sample_force, counter,
@@ -104,44 +65,48 @@ def march(
     `closed` (n,) flags, `switch_*` the book of contact switches, `sample_*` the rows to fill, `counter` see above.
     Returns the status and the time reached.
     """
+    n = overlap.size
     still = note_switches(start, overlap, rate, closed, switch_contact, switch_time, counter)
-    first_step = counter[STEP]
-    origin = start - first_step * h
     while True:
-        time = origin + counter[STEP] * h
+        time = start + counter[STEP] * h
         while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE):
             k = counter[SAMPLE]
-            beyond = sample_time[k] - time
-            copy_state(overlap, rate, anchor, force, spare_overlap, spare_rate, spare_anchor, spare_force)
-            if beyond > h * GRID_TOLERANCE:
-                counter[EVALUATION] += step_once(
-                    method, beyond, law, inverse_mass, push, spare_overlap, spare_rate, spare_anchor, spare_force,
-                    anchor_bead,
-                )  # fmt: skip
-            write_sample(
-                k, spare_overlap, spare_rate, spare_anchor, spare_force,
-                sample_overlap, sample_rate, sample_anchor, sample_force,
-            )  # fmt: skip
             counter[SAMPLE] += 1
+            for i in range(n):
+                spare_overlap[i], spare_rate[i], spare_force[i] = overlap[i], rate[i], force[i]
+            spare_anchor[0], spare_anchor[1] = anchor[0], anchor[1]
+            if sample_time[k] - time > h * GRID_TOLERANCE:
+                counter[EXTRA] += split_steps(
+                    1, sample_time[k] - time, drifts, kicks, law, inverse_mass, push, anchor_bead,
+                    spare_overlap, spare_rate, spare_anchor, spare_force, closed,
+                )  # fmt: skip
+            for i in range(n):
+                sample_overlap[k, i], sample_rate[k, i] = spare_overlap[i], spare_rate[i]
+                sample_force[k, i] = spare_force[i]
+            sample_anchor[k, 0], sample_anchor[k, 1] = spare_anchor[0], spare_anchor[1]
         if time > end - h * GRID_TOLERANCE:
             return DONE, end
-        if counter[STEP] - first_step >= most_steps:
+        if counter[STEP] >= most_steps:
             return OUT_OF_STEPS, time
+        until = end if counter[SAMPLE] == sample_time.size else min(end, sample_time[counter[SAMPLE]])
         if still == 0 and push.size == 0:
             flight = flight_time(overlap, rate)
             if stop and flight == math.inf:
                 return SEPARATED, time
-            until = end if counter[SAMPLE] == sample_time.size else min(end, sample_time[counter[SAMPLE]])
             whole = math.floor(min(flight, until - time) / h) - 1.0
             if whole >= 1.0:
-                drift(whole * h, overlap, rate, anchor)
+                for i in range(n):
+                    overlap[i] += whole * h * rate[i]
+                anchor[0] += whole * h * anchor[1]
                 counter[STEP] += int(whole)
                 continue
-        last = min(h, end - time)
-        counter[EVALUATION] += step_once(
-            method, last, law, inverse_mass, push, overlap, rate, anchor, force, anchor_bead
+        whole_step = end - time >= h * (1.0 - GRID_TOLERANCE)
+        length = h if whole_step else end - time
+        most = 1 if not whole_step else int(min(max(1.0, (until - time) / h), MOST_AT_ONCE, most_steps - counter[STEP]))
+        counter[STEP] += split_steps(
+            most, length, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
         )  # fmt: skip
-        counter[STEP] += 1
-        still = note_switches(time + last, overlap, rate, closed, switch_contact, switch_time, counter)
-        if last < h * (1.0 - GRID_TOLERANCE):
+        time = min(end, start + counter[STEP] * h)
+        still = note_switches(time, overlap, rate, closed, switch_contact, switch_time, counter)
+        if not whole_step:
             return DONE, end

@@ -1,0 +1,43 @@
+"""The contact law as a C function pointer, for C libraries that take callbacks: ``double f(void *spring, double dist)``."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from physics.kernels.jit import cache_folder
+from physics.kernels.law import force
+
+LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address of its law
+
+
+def push(spring, distance):
+    """Force at `distance`: the law is (preload, stiffness, exponent, touching distance), found through the spring."""
+    law = spring[LAW_SLOT]
+    return force(law[0], law[1], law[2], law[3] - distance)
+
+
+@cache
+def push_address():
+    """Address of :func:`push` in machine code, compiled once and kept on disk with the other kernels.
+
+    Raises ImportError without numba, RuntimeError where NUMBA_DISABLE_JIT switches it off.
+    """
+    import numba
+    from numba import types
+
+    if numba.config.DISABLE_JIT:
+        raise RuntimeError("NUMBA_DISABLE_JIT switches compiled code off")
+    signature = types.float64(types.CPointer(types.CPointer(types.float64)), types.float64)
+    folder, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache_folder())  # other users keep their own folder
+    try:
+        return _keep(numba.cfunc(signature, cache=True, error_model="numpy")(push))
+    finally:
+        numba.config.CACHE_DIR = folder
+
+
+_kept = []  # compiled code lives as long as the object that made it
+
+
+def _keep(compiled):
+    _kept.append(compiled)
+    return compiled.address
