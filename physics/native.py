@@ -26,7 +26,7 @@ def attach(spring: pymunk.DampedSpring) -> Any:
 
     The law must live as long as the spring: keep a reference to it there.
     """
-    from pymunk._chipmunk_cffi import ffi, lib  # type: ignore[import-untyped]
+    from pymunk._chipmunk_cffi import ffi, lib
 
     law = ffi.new(LAW_TYPE)
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
@@ -53,7 +53,7 @@ def _probe(stiffness: float) -> pymunk.DampedSpring:
 
 
 def _check_layout(ffi: Any) -> None:
-    """The slot that is to hold the law's address must be the spring's stiffness, which a force of our own never reads."""
+    """The slot for the law's address must be the spring's stiffness, which a force of our own never reads."""
     for stiffness in (1.25e67, -3.5e-41):
         if ffi.cast("double *", _probe(stiffness)._constraint)[LAW_SLOT] != stiffness:
             raise RuntimeError(f"pymunk {pymunk.version} lays its springs out in another way")

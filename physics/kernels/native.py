@@ -1,4 +1,4 @@
-"""The contact law as a C function pointer, for C libraries that take callbacks: ``double f(void *spring, double dist)``."""
+"""The contact law as a C function pointer, ``double f(void *spring, double distance)``, for C libraries."""
 
 from __future__ import annotations
 
