@@ -13,7 +13,7 @@ from sandbox.errors import UserError
 
 @contextmanager
 def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path with the same suffix, moved to `path` at the end; UserError at once where `path` is unwritable."""
+    """A temporary path with the same suffix, moved to `path` at the end; UserError at once where that cannot be."""
     with _refusing(files.output_file, path) as temporary:
         yield temporary
 
@@ -33,4 +33,4 @@ def _refusing(
         with opened(path) as temporary:
             yield temporary
     except OSError as error:  # also a full disk while writing
-        raise UserError(str(error)) from error
+        raise UserError(str(error) if error.errno is None else f"cannot write {path}: {error.strerror}") from error

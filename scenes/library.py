@@ -1,0 +1,66 @@
+"""Scenes by name, from the files that ship beside this module, or by path, from a file of one's own."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from scenes.problems import SceneError, scene_error
+from scenes.scene import Scene
+
+CATALOGUE = Path(__file__).parent / "catalogue"
+
+
+def names() -> tuple[str, ...]:
+    """Names of the scenes that ship with softcradle, sorted."""
+    return tuple(sorted(path.stem for path in CATALOGUE.glob("*.toml")))
+
+
+def load(name_or_path: str | Path) -> Scene:
+    """The scene of that name, or of the file at that path (which ends in .toml or names a folder).
+
+    Raises:
+        SceneError: no such scene or file, not TOML, or not a scene; one sentence a problem.
+
+    >>> load("one-on-four").lanes[0].velocity
+    (1.0, 0.0, 0.0, 0.0, 0.0)
+    """
+    return parse(*_read(str(name_or_path)))
+
+
+def parse(text: str, file: str = "scene") -> Scene:
+    """The scene that the TOML `text` describes; `file` is what errors call it. Raises SceneError."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError([f"{file}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}"]) from None
+    try:
+        return Scene.model_validate(table)
+    except ValidationError as error:
+        raise scene_error(file, error) from None
+
+
+def _read(wanted: str) -> tuple[str, str]:
+    """Text of the wanted scene and the name that errors give it."""
+    shipped = CATALOGUE / f"{wanted}.toml"
+    if wanted in names():
+        return shipped.read_text(encoding="utf-8"), shipped.name
+    if not wanted.endswith(".toml") and Path(wanted).name == wanted and not Path(wanted).is_file():
+        raise SceneError([_unknown(wanted)])
+    try:
+        return Path(wanted).read_text(encoding="utf-8"), wanted
+    except FileNotFoundError:
+        raise SceneError([f"there is no file {wanted}"]) from None
+    except UnicodeDecodeError:
+        raise SceneError([f"{wanted}: not a text file in UTF-8"]) from None
+    except OSError as error:
+        raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
+
+
+def _unknown(wanted: str) -> str:
+    near = difflib.get_close_matches(wanted, names(), n=3, cutoff=0.5)
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    return f"there is no scene {wanted!r}{hint} (softcradle scenes lists them; a file of your own ends in .toml)"

@@ -1,0 +1,166 @@
+"""The model of a scene file: Scene, its lanes (one chain each) and its view. Immutable; written back by `to_toml`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
+
+import physics
+from scenes.contact import ContactTable
+from scenes.table import AtLeastOne, Mass, NotNegative, Number, OneOrMany, Positive, Table, meant, problem
+
+MOST_BEADS = 100_000  # a slip of the keyboard (1e12) must not fill the memory
+Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
+Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
+
+
+class Lane(Table):
+    """One chain and its start.
+
+    Attributes:
+        label: what is written beside it.
+        beads: their number, or [strikers, targets]; may be left out where `mass` or `velocity` is a list.
+        mass: one for all or a list [kg]; inf is a wall.
+        contact: one for all or a list, from left to right.
+        velocity: of every bead [m/s]. In a file one number is enough beside ``beads = [strikers, targets]``: the
+            strikers have it, the targets rest.
+        gap: one for all or a list [m]; 0 is just touching.
+        approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
+    """
+
+    label: Text = ""
+    beads: OneOrMany[Count] | None = None
+    mass: OneOrMany[Mass] = 1.0
+    contact: OneOrMany[ContactTable]
+    velocity: tuple[Number, ...]
+    gap: OneOrMany[NotNegative] = 0.0
+    approach: NotNegative | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _spread_velocity(cls, value: Any) -> Any:
+        """Give the one velocity of the strikers to each of them and rest to the targets."""
+        if not isinstance(value, dict) or isinstance(value.get("velocity", ()), list | tuple):
+            return value
+        clusters = value.get("beads")
+        if not (isinstance(clusters, list | tuple) and len(clusters) == 2):
+            raise problem("one velocity for all strikers needs beads = [strikers, targets]; else give a list of them")
+        if not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in clusters):
+            return {**value, "velocity": ()}  # the field itself says what is wrong with the count
+        strikers, targets = clusters
+        return {**value, "velocity": (value["velocity"],) * strikers + (0.0,) * targets}
+
+    @model_validator(mode="after")
+    def _check_lengths(self) -> Self:
+        count = self._count()
+        if count < 2:
+            raise problem(f"a chain needs at least 2 beads, not {count}")
+        expected = {"mass": count, "contact": count - 1, "velocity": count, "gap": count - 1}
+        for key, length in expected.items():
+            given = getattr(self, key)
+            if isinstance(given, tuple) and len(given) != length:
+                raise problem(f"{key} is a list of {len(given)}, but {count} beads need {length}")
+        if self.approach is not None and (not isinstance(self.beads, tuple) or isinstance(self.gap, tuple)):
+            raise problem("approach needs beads = [strikers, targets] and no list of gaps")
+        self.chain()  # refuses what only the whole chain can, such as two walls side by side
+        return self
+
+    def _count(self) -> int:
+        """Number of beads: what `beads` says, else the length of the first list."""
+        if isinstance(self.beads, tuple):
+            if len(self.beads) != 2:
+                raise problem(f"beads must be a number or [strikers, targets], not {list(self.beads)}")
+            return sum(self.beads)
+        if self.beads is not None:
+            return self.beads
+        return len(self.mass) if isinstance(self.mass, tuple) else len(self.velocity)
+
+    def chain(self) -> physics.Chain:
+        """The chain of this lane: n+1 masses, n contacts, n gaps."""
+        count = self._count()
+        masses = self.mass if isinstance(self.mass, tuple) else (self.mass,) * count
+        contacts = (
+            [table.contact() for table in self.contact] if isinstance(self.contact, tuple) else self.contact.contact()
+        )
+        return physics.Chain(masses, contacts, self._gaps(count - 1))
+
+    def _gaps(self, contacts: int) -> tuple[float, ...]:
+        if isinstance(self.gap, tuple):
+            return self.gap
+        gaps = [self.gap] * contacts
+        if self.approach is not None and isinstance(self.beads, tuple):
+            gaps[self.beads[0] - 1] = self.approach
+        return tuple(gaps)
+
+
+class View(Table):
+    """How a scene is shown.
+
+    Attributes:
+        slow: slow motion: seconds of film for one second of motion.
+        length: length of a bead [m].
+        magnify: factor by which overlaps are drawn larger than they are; None leaves it to the drawing.
+        after: free flight [s] that is shown after the last contact has opened; None leaves it to the drawing.
+        labels: whether beads carry their numbers.
+    """
+
+    slow: Positive = 1.0
+    length: Positive = 1.0
+    magnify: AtLeastOne | None = None
+    after: NotNegative | None = None
+    labels: Annotated[bool, Strict()] = True
+
+
+class Scene(Table):
+    """A scene: what moves, from which start, by which method, and how it is shown.
+
+    Attributes:
+        title, text, source: the name, two or three sentences to read aloud, and where it is in the paper.
+        lanes: one chain each, shown side by side on one clock.
+        duration: [s]; None: until every contact is open and none can close again.
+        method, step, tolerance: None leaves them to `physics.simulate`; step [s].
+        view: how it is shown.
+    """
+
+    title: Annotated[Text, Field(min_length=1)]
+    text: Text = ""
+    source: Text = ""
+    lanes: tuple[Lane, ...]
+    duration: Positive | None = None
+    method: str | None = None
+    step: Positive | None = None
+    tolerance: Positive | None = None
+    view: View = View()
+
+    @field_validator("lanes")
+    @classmethod
+    def _check_lanes(cls, lanes: tuple[Lane, ...]) -> tuple[Lane, ...]:
+        if not lanes:
+            raise problem("a scene needs at least one lane")
+        return lanes
+
+    @field_validator("method")
+    @classmethod
+    def _check_method(cls, name: str | None) -> str | None:
+        known = [method.name for method in physics.METHODS]
+        if name is not None and name not in known:
+            raise problem(f"unknown method {name!r}{meant(name, known)}")
+        return name
+
+    def settings(self, **wishes: Any) -> dict[str, Any]:
+        """Keyword arguments for `physics.simulate`: what the scene says, overruled by every wish that is not None.
+
+        A wished method leaves behind the scene's step and tolerance, which were chosen for another method.
+        """
+        said: dict[str, Any] = {"duration": self.duration}
+        if wishes.get("method") in (None, self.method):
+            said |= {"method": self.method, "step": self.step, "tolerance": self.tolerance}
+        said |= {key: value for key, value in wishes.items() if value is not None}
+        return {key: value for key, value in said.items() if value is not None}
+
+    def to_toml(self) -> str:
+        """The scene as the text of a scene file; what it does not use has no line. Reading it gives an equal Scene."""
+        import tomli_w
+
+        return tomli_w.dumps(self.model_dump(exclude_defaults=True))
