@@ -30,6 +30,8 @@ METHODS: tuple[Method, ...] = (
     Method("euler", 1, False, False, "physics.fixed_step", "symplectic Euler, what one pymunk step does"),
     Method("verlet", 2, False, False, "physics.fixed_step", "leapfrog"),
     Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs"),
+    Method("conserving", 2, False, True, "physics.fixed_step", "discrete gradient: energy exact at any step"),
+    Method("pymunk", 1, False, False, "physics.space", "bodies in a pymunk Space; the digits of euler"),
 )
 
 
