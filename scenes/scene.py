@@ -148,6 +148,14 @@ class Scene(Table):
             raise problem(f"unknown method {name!r}{meant(name, known)}")
         return name
 
+    @model_validator(mode="after")
+    def _check_settings(self) -> Self:
+        if self.duration is None and any(lane.chain().walls > 1 for lane in self.lanes):
+            raise problem("two walls may keep beads between them for ever: the scene needs a duration")
+        if self.step is not None and any(method.adaptive for method in physics.METHODS if method.name == self.method):
+            raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
+        return self
+
     def settings(self, **wishes: Any) -> dict[str, Any]:
         """Keyword arguments for `physics.simulate`: what the scene says, overruled by every wish that is not None.
 
