@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from physics.chain import Chain as Chain
     from physics.chain import cluster_on_cluster as cluster_on_cluster
     from physics.chain import one_on as one_on
+    from physics.constraints import SoftContact as SoftContact
     from physics.contact import Contact as Contact
     from physics.contact import draft_gear as draft_gear
     from physics.contact import hertz as hertz
@@ -36,6 +37,7 @@ _HOME = {
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",
+    "SoftContact": "constraints",
 }
 
 __all__ = list(_HOME)  # noqa: PLE0605 - the table above is the one list of public names
