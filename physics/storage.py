@@ -12,7 +12,6 @@ import platform
 import zipfile
 from collections.abc import Iterator
 from dataclasses import asdict, fields
-from importlib.metadata import PackageNotFoundError, version
 from os import PathLike
 from typing import Any
 
@@ -23,6 +22,7 @@ from physics.chain import Chain
 from physics.contact import Contact
 from physics.files import output_file
 from physics.trajectory import Interval, Trajectory
+from physics.version import version
 
 FORMAT = 1
 ARRAYS = ("time", "overlap", "rate", "anchor", "force", "final_velocity")
@@ -66,11 +66,7 @@ def write_csv(trajectory: Trajectory, path: Path) -> None:
 
 def versions() -> dict[str, str]:
     """Versions of what made a result: softcradle, numpy, python."""
-    try:
-        own = version("softcradle")
-    except PackageNotFoundError:  # run from a checkout that is not installed
-        own = "not installed"
-    return {"softcradle": own, "numpy": np.__version__, "python": platform.python_version()}
+    return {"softcradle": version(), "numpy": np.__version__, "python": platform.python_version()}
 
 
 def _plain_fields() -> list[str]:

@@ -31,6 +31,11 @@ def load(name_or_path: str | Path) -> Scene:
     return parse(*_read(str(name_or_path)))
 
 
+def text_of(name_or_path: str | Path) -> str:
+    """The text of that scene's file, to start one's own from. Raises SceneError."""
+    return _read(str(name_or_path))[0]
+
+
 def parse(text: str, file: str = "scene") -> Scene:
     """The scene that the TOML `text` describes; `file` is what errors call it. Raises SceneError."""
     try:

@@ -1,0 +1,113 @@
+"""The `softcradle` command: finds the command that is asked for and imports that one alone, so that help is instant."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any, NamedTuple, NoReturn, Protocol, cast
+
+from sandbox.errors import UserError
+
+
+class Command(NamedTuple):
+    """A command: its name, the module with its `add_arguments` and `main`, and its line in the help."""
+
+    name: str
+    module: str
+    help: str
+
+
+COMMANDS: tuple[Command, ...] = (
+    Command("scenes", "sandbox.commands.scenes", "list the scenes, or print one to start your own from"),
+    Command("check", "sandbox.commands.check", "say whether scene files are right, and what is wrong with them"),
+    Command("run", "sandbox.commands.run", "compute a scene: table of results, .npz or .csv"),
+    Command("render", "sandbox.commands.render", "make a film or pictures of a scene"),
+)
+
+
+class CommandModule(Protocol):
+    """What the module of a command provides."""
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Declare the command's arguments."""
+
+    def main(self, args: argparse.Namespace) -> int:
+        """Do it; return the exit code. Raises UserError."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose refusals are one sentence, like all others."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise `message` as a UserError."""
+        raise UserError(f"{message} (see {self.prog} --help)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line `arguments` (those of the process if None); return the exit code, 2 for a user's mistake."""
+    if arguments is None:
+        # A terminated command ends like an interrupted one: it cleans up half-written files.
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        return _run(list(sys.argv[1:] if arguments is None else arguments))
+    except UserError as error:
+        print(f"softcradle: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("softcradle: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has gone, as in `softcradle scenes | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+
+
+def _run(arguments: list[str]) -> int:
+    parser, parsers = _parsers()
+    wanted = next((word for word in arguments if not word.startswith("-")), None)
+    module = None
+    if wanted is not None:
+        module = _module(wanted)
+        module.add_arguments(parsers[wanted])
+    args = parser.parse_args(arguments)
+    if module is None:
+        parser.print_help()
+        return 0
+    return module.main(args)
+
+
+def _module(name: str) -> CommandModule:
+    for command in COMMANDS:
+        if command.name == name:
+            return cast(CommandModule, import_module(command.module))
+    names = [command.name for command in COMMANDS]
+    near = difflib.get_close_matches(name, names, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
+    raise UserError(f"there is no command {name!r}; {hint}")
+
+
+def _parsers() -> tuple[Parser, dict[str, Parser]]:
+    """The parser, and that of each command, still without the command's arguments."""
+    parser = Parser(
+        prog="softcradle",
+        description="Rows of beads that only push on each other, softly: see them collide, and trust what you see.",
+        epilog="softcradle COMMAND --help says more. A scene is a name from `softcradle scenes` or a file of your own.",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command")
+    return parser, {
+        command.name: commands.add_parser(command.name, help=command.help, description=f"{command.help}.".capitalize())
+        for command in COMMANDS
+    }
+
+
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from physics.version import version  # reads the installation: not for every start
+
+        print(f"softcradle {version()}")
+        parser.exit()

@@ -1,0 +1,119 @@
+"""What a trajectory came to, as plain numbers: for the table of `run` and for its JSON."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from physics import Trajectory
+
+
+@dataclass(frozen=True)
+class BeadSummary:
+    """One bead: mass [kg] (None: a wall), velocities [m/s] at the start and at the end."""
+
+    mass: float | None
+    start_velocity: float
+    final_velocity: float
+
+
+@dataclass(frozen=True)
+class ContactSummary:
+    """One contact: first closed and last opened [s] (None: never), how often, largest overlap [m] and force [N]."""
+
+    closed: float | None
+    opened: float | None
+    times: int
+    largest_overlap: float
+    largest_force: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A lane's results.
+
+    Attributes:
+        label: of the lane.
+        beads, contacts: from left to right.
+        end: time at which it ends [s].
+        energy_error: largest distance of the energy from that at the start, relative to it; None where that is 0.
+        energy_error_at_end: the same at the end, when explicit methods have most of it back.
+        momentum_error: largest distance of the momentum from that at the start, relative to the sum of abs(m v);
+            None where that is 0 or a wall takes momentum.
+        method, step, tolerance: how; step in s (0 where the method chooses), tolerance 0 for fixed steps.
+        steps, evaluations, milliseconds: cost.
+        warnings: sentences.
+    """
+
+    label: str
+    beads: tuple[BeadSummary, ...]
+    contacts: tuple[ContactSummary, ...]
+    end: float
+    energy_error: float | None
+    energy_error_at_end: float | None
+    momentum_error: float | None
+    method: str
+    step: float
+    tolerance: float
+    steps: int
+    evaluations: int
+    milliseconds: float
+    warnings: tuple[str, ...]
+
+
+def summarise(label: str, trajectory: Trajectory) -> Summary:
+    """The Summary of a lane's `trajectory`, from its samples: sample finely where peaks matter."""
+    energy = trajectory.kinetic_energy + trajectory.contact_energy
+    off = np.abs(energy - energy[0])
+    return Summary(
+        label=label,
+        beads=_beads(trajectory),
+        contacts=_contacts(trajectory),
+        end=float(trajectory.time[-1]),
+        energy_error=_ratio(off.max(), energy[0]),
+        energy_error_at_end=_ratio(off[-1], energy[0]),
+        momentum_error=_momentum_error(trajectory),
+        method=trajectory.method,
+        step=trajectory.step,
+        tolerance=trajectory.tolerance,
+        steps=trajectory.steps,
+        evaluations=trajectory.evaluations,
+        milliseconds=1e3 * trajectory.seconds,
+        warnings=trajectory.warnings,
+    )
+
+
+def _beads(trajectory: Trajectory) -> tuple[BeadSummary, ...]:
+    masses = [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass]
+    start, final = trajectory.velocity[0].tolist(), trajectory.final_velocity.tolist()
+    return tuple(BeadSummary(*numbers) for numbers in zip(masses, start, final, strict=True))
+
+
+def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
+    overlaps = np.maximum(trajectory.overlap, 0.0).max(axis=0).tolist()
+    forces = trajectory.force.max(axis=0).tolist()
+    return tuple(
+        ContactSummary(
+            closed=intervals[0][0] if intervals else None,
+            opened=intervals[-1][1] if intervals and math.isfinite(intervals[-1][1]) else None,
+            times=len(intervals),
+            largest_overlap=overlap,
+            largest_force=force,
+        )
+        for intervals, overlap, force in zip(trajectory.contact_intervals, overlaps, forces, strict=True)
+    )
+
+
+def _momentum_error(trajectory: Trajectory) -> float | None:
+    if trajectory.chain.walls:
+        return None
+    off = np.abs(trajectory.momentum - trajectory.momentum[0]).max()
+    return _ratio(off, np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[0]).sum())
+
+
+def _ratio(part: float, whole: float) -> float | None:
+    return float(part / whole) if whole else None
