@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physics import Chain, Contact, Trajectory, draft_gear, hertz, one_on, power_law, simulate
+from physics.files import output_file, output_folder
 
 
 @pytest.fixture(scope="module")
@@ -147,3 +148,33 @@ def test_folder_that_is_not_there_is_named(collision, tmp_path, write):
     with pytest.raises(FileNotFoundError, match=r"there is no folder .*missing"):
         write(collision, tmp_path / "missing" / "one")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_appears_whole_or_not_at_all(tmp_path):
+    target = tmp_path / "frames"
+    with output_folder(target) as temporary:
+        (temporary / "1.png").write_bytes(b"one")
+        assert not target.exists()
+    assert [path.name for path in target.iterdir()] == ["1.png"]
+    with pytest.raises(FileExistsError, match="not an empty folder"), output_folder(target):
+        pass
+    assert [path.name for path in target.iterdir()] == ["1.png"]
+
+
+def test_broken_folder_leaves_nothing(tmp_path):
+    def breaks() -> None:
+        with output_folder(tmp_path / "frames") as temporary:
+            (temporary / "1.png").write_bytes(b"one")
+            raise RuntimeError("no ink")
+
+    with pytest.raises(RuntimeError, match="no ink"):
+        breaks()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_output_file_has_the_suffix_and_the_usual_permissions(tmp_path):
+    (tmp_path / "usual").write_bytes(b"")
+    with output_file(tmp_path / "film.mp4") as temporary:
+        assert temporary.suffix == ".mp4"
+        temporary.write_bytes(b"film")
+    assert (tmp_path / "film.mp4").stat().st_mode == (tmp_path / "usual").stat().st_mode

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from sandbox.summary import Summary
     from scenes import Scene
 
+MOST_SAMPLES = 1_000_000  # a slip of the keyboard must not fill the memory
 WRITERS = {".npz": "save", ".csv": "to_csv"}
 
 
@@ -28,7 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_method(parser)
     parser.add_argument("--tolerance", type=positive, help="wanted error of an adaptive method")
     parser.add_argument("--duration", type=positive, metavar="SECONDS", help="time to run (default: until all is over)")
-    parser.add_argument("--samples", type=whole(2), default=1001, help="samples to take and write (default: 1001)")
+    parser.add_argument(
+        "--samples", type=whole(2, MOST_SAMPLES), default=1001, help="samples to take and write (default: 1001)"
+    )
     parser.add_argument("--json", action="store_true", help="print the results as JSON instead of tables")
 
 
