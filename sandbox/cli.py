@@ -7,6 +7,7 @@ import difflib
 import os
 import signal
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NamedTuple, NoReturn, Protocol, cast
@@ -77,7 +78,13 @@ def _run(arguments: list[str]) -> int:
     if module is None:
         parser.print_help()
         return 0
-    return module.main(args)
+    with warnings.catch_warnings():
+        warnings.showwarning = _say_warning
+        return module.main(args)
+
+
+def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    print(f"softcradle: warning: {message}", file=sys.stderr)
 
 
 def _module(name: str) -> CommandModule:

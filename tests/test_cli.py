@@ -6,6 +6,7 @@ import csv
 import json
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -131,6 +132,28 @@ def test_lanes_are_written_one_file_each(capsys, tmp_path):
         rows = list(csv.DictReader(file))
     assert [float(row["time [s]"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
     assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
+
+
+def test_render_makes_one_picture_and_says_so(capsys, tmp_path):
+    from PIL import Image
+
+    out = output(capsys, "render", "one-on-four", "-o", str(tmp_path / "one.png"), "--size", "640x360")
+    assert out.startswith(f"written: {tmp_path / 'one.png'}, one picture, in ")
+    with Image.open(tmp_path / "one.png") as picture:
+        assert picture.size == (640, 360)
+        assert len(picture.getcolors(1 << 20) or []) > 10
+
+
+def test_warning_of_the_physics_is_a_sentence(capsys, monkeypatch):
+    def warns(_args: object) -> int:
+        warnings.warn("the step is too long", RuntimeWarning, stacklevel=1)
+        return 0
+
+    monkeypatch.setattr("sandbox.commands.check.main", warns)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        assert main(["check", "mixed"]) == 0
+    assert capsys.readouterr().err == "softcradle: warning: the step is too long\n"
 
 
 def test_same_run_twice_is_the_same_to_the_last_digit(capsys):

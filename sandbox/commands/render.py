@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="film .mp4 .gif .webp .avif, one picture .png, or FOLDER/ for one picture a frame",
     )  # fmt: skip
     parser.add_argument("--size", type=size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)")
-    parser.add_argument("--fps", type=positive, default=60.0, help="frames a second (default: 60)")
+    parser.add_argument("--fps", type=positive, help="frames a second (default: 60, less for moving pictures)")
     parser.add_argument("--slow", type=positive, help="seconds of film for a second of motion (default: the scene's)")
     parser.add_argument("--pixel-format", metavar="FORMAT", help="of an .mp4: yuv420p (plays everywhere) or yuv444p")
     add_method(parser)
@@ -26,7 +26,7 @@ def main(args: argparse.Namespace) -> int:
     scene = load_scene(args.scene)
     from sandbox.render import render_scene
 
-    render_scene(
+    report = render_scene(
         scene,
         args.output,
         size=args.size,
@@ -34,6 +34,8 @@ def main(args: argparse.Namespace) -> int:
         slow=args.slow,
         method=args.method,
         step=args.step,
-        pixel_format=args.pixel_format,
+        pixels=args.pixel_format,
     )
+    frames = f"{report.frames} frames, {report.duration:.1f} s of film" if report.frames > 1 else "one picture"
+    print(f"written: {report.output}, {frames}, in {report.seconds:.1f} s")
     return 0
