@@ -63,6 +63,9 @@ def _hidden_sibling(target: Path) -> Path:
 
 
 def _refusal(target: Path, error: OSError) -> OSError:
-    if isinstance(error, FileNotFoundError):
-        return FileNotFoundError(f"cannot write {target}: there is no folder {target.absolute().parent}")
+    folder = target.absolute().parent
+    if not folder.is_dir():
+        return FileNotFoundError(f"cannot write {target}: there is no folder {folder}")
+    if isinstance(error, FileNotFoundError):  # file systems such as /proc answer so
+        return PermissionError(f"cannot write {target}: nothing can be written to {folder}")
     return type(error)(f"cannot write {target}: {(error.strerror or str(error)).lower()}")
