@@ -117,7 +117,7 @@ BAD_ARGUMENTS = {
     "no such folder": (["run", "mixed", "-o", "nowhere/out.npz"], r"there is no folder .*nowhere"),
     "unwritable folder": (
         ["run", "mixed", "-o", "/proc/out.npz"],
-        r"cannot write /proc/out\.npz: nothing can be written|denied",
+        r"cannot write /proc/out\.npz: nothing can|denied",
     ),
 }
 
