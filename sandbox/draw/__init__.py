@@ -1,0 +1,25 @@
+"""Drawing: a scene, its history and a time in, pixels out. Nothing here knows of windows, films or clocks.
+
+tracks = [track_of(trajectory) for trajectory in trajectories]     # one a lane
+draw(surface, scene, tracks, row)                                  # row of the history: the state that is drawn
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pygame
+
+from sandbox.draw.picture import Picture
+from sandbox.draw.scales import Scales, scales_of
+from sandbox.draw.track import Track, longest_lead, track_of
+from scenes import Scene
+
+__all__ = ["Picture", "Scales", "Track", "draw", "longest_lead", "scales_of", "track_of"]
+
+
+def draw(
+    surface: pygame.Surface, scene: Scene, tracks: Sequence[Track], row: int, scales: Scales | None = None
+) -> None:
+    """Draw one moment of `scene` on `surface`; a :class:`Picture` draws many of them faster."""
+    Picture(scene, tracks, surface.get_size(), scales).paint(surface, row)

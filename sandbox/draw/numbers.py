@@ -1,0 +1,78 @@
+"""Numbers as people read them: round ticks, powers of ten with raised exponents, times in s, ms or µs."""
+
+from __future__ import annotations
+
+import math
+
+MINUS = "\N{MINUS SIGN}"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LOWERED = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
+
+
+def power_of_ten(exponent: int) -> str:
+    """10 raised to `exponent`, as text."""
+    return "10" + str(exponent).translate(_RAISED)
+
+
+def index(*numbers: int) -> str:
+    """Lowered index: 12 for the contact of beads 1 and 2; with a minus between where 1 and 12 might be meant."""
+    return ("-" if max(numbers) > 9 else "").join(map(str, numbers)).translate(_LOWERED)
+
+
+def fixed(value: float, decimals: int) -> str:
+    """`value` with `decimals`, a true minus sign, and no minus before zero."""
+    text = f"{value:.{decimals}f}"
+    if float(text) == 0.0:
+        text = text.lstrip("-")
+    return text.replace("-", MINUS)
+
+
+def scientific(value: float, digits: int = 1) -> str:
+    """`value` with `digits` decimals times a power of ten; plain where it lies between 0.01 and 1000."""
+    if value == 0.0 or not math.isfinite(value):
+        return "0" if value == 0.0 else "–"
+    if 0.01 <= abs(value) < 1000.0:
+        return fixed(value, max(0, digits + 1 - math.floor(math.log10(abs(value))) - 1))
+    mantissa, exponent = f"{value:.{digits}e}".split("e")
+    return f"{mantissa.replace('-', MINUS)}·{power_of_ten(int(exponent))}"
+
+
+def factor(value: float) -> str:
+    """A magnification: ×0.5, ×20, ×5·10⁶."""
+    if 0.01 <= value < 1.0:
+        return f"×{value:.2g}"
+    if 1.0 <= value < 100000.0:
+        return f"×{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"×{power_of_ten(int(exponent))}" if mantissa == "1" else f"×{mantissa}·{power_of_ten(int(exponent))}"
+
+
+def round_step(span: float, most: int) -> float:
+    """The smallest of 1, 2, 5 times a power of ten that cuts `span` > 0 into at most `most` parts."""
+    power = 10.0 ** math.floor(math.log10(span / most))
+    return next(k * power for k in (1.0, 2.0, 5.0, 10.0, 20.0) if span <= k * power * most * (1.0 + 1e-9))
+
+
+def round_down(value: float) -> float:
+    """The greatest of 1, 2, 5 times a power of ten that is at most `value` > 0."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(k * power for k in (0.5, 1.0, 2.0, 5.0, 10.0) if k * power <= value * (1.0 + 1e-9))
+
+
+def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
+    """At most `most` + 1 round values inside [low, high] with their labels."""
+    step = round_step(high - low, most)
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [(k * step, fixed(k * step, decimals)) for k in range(first, last + 1)]
+
+
+def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:
+    """At most `most` + 1 whole exponents inside [low, high], labelled as powers of ten."""
+    step = max(1, math.ceil((high - low) / most))
+    return [(float(k), power_of_ten(k)) for k in range(high, low - 1, -step)]
+
+
+def time_unit(span: float) -> tuple[float, str]:
+    """(seconds in the unit, its name) that suits times up to `span` [s]."""
+    return next(((size, name) for size, name in ((1.0, "s"), (1e-3, "ms")) if span >= 0.2 * size), (1e-6, "µs"))

@@ -1,0 +1,46 @@
+"""Colours: Okabe and Ito's, which colour-blind people tell apart too; for long chains a ramp that grows lighter."""
+
+from __future__ import annotations
+
+Colour = tuple[int, int, int]
+
+PAPER: Colour = (255, 255, 255)
+STAGE: Colour = (247, 248, 250)
+INK: Colour = (33, 38, 45)
+MUTED: Colour = (101, 109, 120)
+FAINT: Colour = (196, 202, 209)
+GRID: Colour = (231, 234, 238)
+STEEL: Colour = (170, 178, 187)
+WARNING: Colour = (190, 60, 0)
+GOOD: Colour = (0, 120, 88)
+
+OKABE_ITO: tuple[Colour, ...] = (
+    (0, 114, 178),  # blue: the striker, as in Fig. 1
+    (230, 159, 0),  # orange
+    (0, 158, 115),  # bluish green
+    (204, 97, 30),  # vermillion
+    (204, 121, 167),  # reddish purple
+    (86, 180, 233),  # sky blue
+    (96, 96, 96),  # grey in place of yellow, which white paper swallows
+)
+RAMP: tuple[Colour, ...] = ((72, 26, 108), (62, 74, 137), (38, 130, 142), (53, 183, 121), (190, 200, 50))
+
+
+def mix(colour: Colour, other: Colour, share: float) -> Colour:
+    """`colour` with `share` (0 to 1) of `other` in it."""
+    keep = 1.0 - share
+    red, green, blue = (round(a * keep + b * share) for a, b in zip(colour, other, strict=True))
+    return red, green, blue
+
+
+def bead_colours(count: int) -> tuple[Colour, ...]:
+    """One colour a bead; a contact takes that of the bead on its right, which it pushes on."""
+    if count <= len(OKABE_ITO):
+        return OKABE_ITO[:count]
+    return tuple(_ramp(i / (count - 1)) for i in range(count))
+
+
+def _ramp(share: float) -> Colour:
+    place = share * (len(RAMP) - 1)
+    k = min(int(place), len(RAMP) - 2)
+    return mix(RAMP[k], RAMP[k + 1], place - k)

@@ -1,0 +1,95 @@
+"""Who has the energy and the momentum: two slim bars whose full length must not change, and how well it does not."""
+
+from __future__ import annotations
+
+import pygame
+
+from sandbox.draw.ink import bar
+from sandbox.draw.numbers import scientific
+from sandbox.draw.palette import GOOD, GRID, INK, MUTED, STEEL, WARNING, Colour
+from sandbox.draw.scales import Scales
+from sandbox.draw.text import width, write
+from sandbox.draw.track import Array, Track
+
+HOLDS = 1e-3  # relative error up to which the badge is green: what one pixel of the bars could show
+TITLES = (
+    ("energy: motion of each bead, stored in contacts", "energy, stored in contacts", "energy"),
+    ("momentum of each bead; marks: zero and total", "momentum; marks: zero, total", "momentum"),
+)
+
+
+class Shares:
+    """Energy bar, momentum bar and error badges of one lane."""
+
+    def __init__(self, rect: pygame.Rect, unit: float, colours: tuple[Colour, ...], scales: Scales) -> None:
+        self.unit, self.colours, self.scales = unit, colours, scales
+        third = (rect.width - 2 * 22 * unit) / 3
+        self.bars = [
+            pygame.Rect(
+                round(rect.left + k * (third + 22 * unit)),
+                round(rect.bottom - 15 * unit),
+                round(third),
+                round(11 * unit),
+            )
+            for k in range(2)
+        ]
+        self.badges = pygame.Rect(round(rect.right - third), rect.top, round(third), rect.height)
+        low, high = scales.momentum
+        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width
+
+    def backdrop(self, surface: pygame.Surface) -> None:
+        """Names and empty bars."""
+        unit = self.unit
+        for rect, titles in zip(self.bars, TITLES, strict=True):
+            surface.fill(GRID, rect)
+            fitting = [title for title in titles if width(title, 12.5 * unit) < rect.width - 14 * unit] or [""]
+            end = write(surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, MUTED, align=(0, 1)).right
+            if fitting[0].endswith("contacts"):
+                bar(surface, STEEL, end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit)
+
+    def paint(self, surface: pygame.Surface, track: Track, row: int) -> None:
+        """Draw the shares and errors at row `row` of `track`."""
+        self._energy(surface, track.kinetic[row], float(track.stored[row]))
+        self._momentum(surface, track.momentum[row])
+        errors = (("energy error", track.energy_error[row]), ("momentum error", track.momentum_error[row]))
+        for k, (name, error) in enumerate(errors[:1] if track.chain.walls else errors):  # a wall takes up momentum
+            self._badge(surface, k, name, float(error))
+
+    def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float) -> None:
+        rect, x = self.bars[0], float(self.bars[0].left)
+        for value, colour in zip((*kinetic.tolist(), stored), (*self.colours, STEEL), strict=True):
+            wide = value / self.scales.energy * rect.width
+            bar(surface, colour, x, rect.top, wide, rect.height)
+            x += wide
+
+    def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
+        """Shares to the right lie right of the zero mark, those to the left lie left of it."""
+        rect, (low, high) = self.bars[1], self.scales.momentum
+        ends = [self.zero, self.zero]
+        for value, colour in zip(momentum.tolist(), self.colours, strict=True):
+            wide = value / (high - low) * rect.width
+            side = 1 if wide > 0 else 0
+            bar(surface, colour, min(ends[side], ends[side] + wide), rect.top, abs(wide), rect.height)
+            ends[side] += wide
+        total = self.zero + float(momentum.sum()) / (high - low) * rect.width
+        for x, colour in ((self.zero, MUTED), (total, INK)):
+            bar(
+                surface,
+                colour,
+                x - 0.75 * self.unit,
+                rect.top - 3 * self.unit,
+                1.5 * self.unit,
+                rect.height + 6 * self.unit,
+            )
+
+    def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
+        unit, good = self.unit, error <= HOLDS
+        y = self.badges.top + (6 + 17 * line) * unit
+        text = f"{name}  {scientific(error) if error >= 1e-17 else '0'}"
+        place = write(
+            surface, text, (self.badges.right, y), 12.5 * unit, INK if good else WARNING, bold=not good, align=(1, 0)
+        )
+        mark = "✓" if good else "!"
+        write(
+            surface, mark, (place.left - 6 * unit, y), 12.5 * unit, GOOD if good else WARNING, bold=True, align=(1, 0)
+        )

@@ -1,0 +1,68 @@
+"""Text on surfaces: two weights of one font, rendered once and kept."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import pygame
+
+from sandbox.draw.palette import INK, Colour
+from sandbox.resources import resource
+
+_FONTS = {False: "Inter-Regular.otf", True: "Inter-SemiBold.otf"}
+
+
+@lru_cache(maxsize=64)
+def font(size: int, bold: bool = False) -> pygame.font.Font:
+    """The font at `size` pixels."""
+    if not pygame.font.get_init():
+        pygame.font.init()
+    return pygame.font.Font(str(resource(_FONTS[bold])), max(4, size))
+
+
+@lru_cache(maxsize=4096)
+def rendered(text: str, size: int, colour: Colour = INK, bold: bool = False) -> pygame.Surface:
+    """`text` on a transparent surface of its own; not to be drawn on."""
+    return font(size, bold).render(text, True, colour)
+
+
+def write(
+    surface: pygame.Surface,
+    text: str,
+    place: tuple[float, float],
+    size: float,
+    colour: Colour = INK,
+    *,
+    bold: bool = False,
+    align: tuple[float, float] = (0.0, 0.0),
+) -> pygame.Rect:
+    """Write one line; `align` is the point of the text that lies at `place`: (0, 0) top left, (0.5, 1) foot, middle."""
+    image = rendered(text, round(size), colour, bold)
+    width, height = image.get_size()
+    return surface.blit(image, (round(place[0] - align[0] * width), round(place[1] - align[1] * height)))
+
+
+def width(text: str, size: float, *, bold: bool = False) -> int:
+    """Width [pixels] that :func:`write` needs."""
+    return int(font(round(size), bold).size(text)[0])
+
+
+def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str:
+    """`text`, cut with an ellipsis where it is wider than `room` pixels."""
+    if width(text, size, bold=bold) <= room:
+        return text
+    while text and width(text + "…", size, bold=bold) > room:
+        text = text[:-1]
+    return text.rstrip() + "…"
+
+
+def wrapped(text: str, size: float, room: float) -> list[str]:
+    """`text` broken between words into lines of at most `room` pixels."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and width(longer, size) > room:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines

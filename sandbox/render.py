@@ -1,0 +1,185 @@
+"""Render: a scene into a film. Simulate each lane once, draw every frame, and let the film's thread compress them."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import pygame
+
+import physics
+from sandbox.codecs import check
+from sandbox.draw import Picture, Track, longest_lead, track_of
+from sandbox.draw.track import Array
+from sandbox.errors import UserError
+from sandbox.film import open_film
+from scenes import Scene
+
+LEAD = 0.25  # free flight before the start, as a share of the motion, where the scene begins in touch
+AFTER = 0.35  # free flight after the end, the same way, where the scene does not say
+READING = 0.22  # seconds of film a word of the scene's text
+LONGEST_READING = 5.0
+FADE = 0.5  # seconds in which the text goes
+REST = 1.2  # seconds for which the last frame stays
+LONGEST_FILM = 100_000  # frames
+
+
+@dataclass(frozen=True)
+class RenderReport:
+    """What a film is and what it cost.
+
+    Attributes:
+        output: where it is.
+        frames: their number.
+        duration: of the film [s]; 0 for a single picture.
+        seconds: wall time of all.
+        simulated, first_frame: wall time until the motion was known, and until the first frame was drawn [s].
+    """
+
+    output: Path
+    frames: int
+    duration: float
+    seconds: float
+    simulated: float
+    first_frame: float
+
+
+def render_scene(
+    scene: Scene,
+    output: str | os.PathLike[str],
+    size: tuple[int, int] = (1280, 720),
+    fps: float | None = None,
+    slow: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    pixels: str | None = None,
+    progress: bool = True,
+) -> RenderReport:
+    """Write `scene` as a film to `output`, whole or not at all.
+
+    Arguments:
+        scene: the Scene.
+        output: .mp4, .gif, .webp or .avif; .png: one picture, of the moment of the greatest force; a folder (ends in
+            /): numbered PNG files.
+        size: (width, height) [pixels].
+        fps: frames a second; None: 60 for mp4 and folders, 25 for GIF, 30 for WebP and AVIF.
+        slow: seconds of film for one of motion; None takes the scene's.
+        method, step: for the simulation; None takes the scene's.
+        pixels: yuv420p or yuv444p, for mp4.
+        progress: show a bar with the time left.
+
+    Raises:
+        UserError: what cannot be written or simulated; nothing is left behind.
+    """
+    began = perf_counter()
+    output = os.fspath(output)
+    codec = check(output, size, fps, pixels)
+    rate = fps or (codec.frame_rate if codec else 60.0)
+    slow = scene.view.slow if slow is None else slow
+    if not (math.isfinite(slow) and slow > 0.0):
+        raise UserError(f"slow motion must be a number > 0, not {slow:g}")
+    tracks = simulated_tracks(scene, rate * slow, method=method, step=step)
+    simulated = perf_counter() - began
+    picture = Picture(scene, tracks, size, slow=slow)
+    still = not codec and output.lower().endswith(".png")
+    shots = [_Shot(strongest_row(tracks))] if still else script(scene, len(tracks[0].time), rate)
+    sample = pygame.Surface(size, 0, 32)
+    picture.paint(sample, strongest_row(tracks))
+    first_frame = perf_counter() - began
+    with open_film(output, size, rate, pixels, sample) as film, _bar(progress and not still, len(shots)) as advance:
+        for shot in shots:
+            surface = film.blank()
+            picture.paint(surface, shot.row, told=shot.told)
+            film.add(surface)
+            advance()
+    duration = 0.0 if still else len(shots) / rate
+    return RenderReport(Path(output), len(shots), duration, perf_counter() - began, simulated, first_frame)
+
+
+@dataclass(frozen=True)
+class _Shot:
+    """One frame: the row of the tracks, and how opaque the scene's text is."""
+
+    row: int
+    told: float = 0.0
+
+
+def script(scene: Scene, rows: int, rate: float) -> list[_Shot]:
+    """The frames: the first row while the scene's text can be read, then the motion, then the last row for a moment."""
+    reading = round(min(READING * len(scene.text.split()), LONGEST_READING) * rate)
+    fade = max(1, round(FADE * rate))
+    opening = [_Shot(0, min(1.0, (reading - k) / fade)) for k in range(reading)]
+    return opening + [_Shot(row) for row in range(rows)] + [_Shot(rows - 1)] * round(REST * rate)
+
+
+def strongest_row(tracks: Sequence[Track]) -> int:
+    """Row of the greatest contact force in any lane: the moment for a single picture."""
+    return int(np.argmax(np.max([track.force.max(axis=1) for track in tracks], axis=0)))
+
+
+def simulated_tracks(
+    scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None
+) -> list[Track]:
+    """One track a lane of `scene`, all at the same times, `rows_per_second` of motion, with free flight at both ends.
+
+    Raises UserError where the method or the step does not suit the scene, or where there would be too many rows.
+    """
+    try:
+        settings = scene.settings(method=method, step=step)
+        end = max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in range(len(scene.lanes)))
+        times = _times(scene, float(end), rows_per_second)
+        moving = times[times >= 0.0]
+        settings |= {"duration": float(moving[-1]), "samples": moving}
+        lanes = range(len(scene.lanes))
+        return [track_of(_simulate(scene, k, settings), times[times < 0.0]) for k in lanes]
+    except ValueError as error:
+        raise UserError(str(error)) from error
+
+
+def _simulate(scene: Scene, lane: int, settings: dict[str, Any]) -> physics.Trajectory:
+    return physics.simulate(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
+
+
+def _times(scene: Scene, end: float, rows_per_second: float) -> Array:
+    """Times of all rows [s]; 0, the start, is one of them."""
+    touching = any(0.0 in lane.chain().gap for lane in scene.lanes) and not any(
+        any(lane.chain().gap) for lane in scene.lanes
+    )
+    lead = LEAD * end if touching else 0.0
+    for lane in scene.lanes:
+        lead = min(lead, longest_lead(lane.chain(), np.array(lane.velocity)))
+    after = AFTER * end if scene.view.after is None else scene.view.after
+    if scene.duration is not None:
+        after = 0.0
+    first, last = -math.floor(lead * rows_per_second), math.ceil((end + after) * rows_per_second)
+    if last - first > LONGEST_FILM:
+        raise UserError(f"the film would have {last - first} frames, more than {LONGEST_FILM}: choose less slow motion")
+    return np.arange(first, max(last, first + 1) + 1) / rows_per_second
+
+
+@contextmanager
+def _bar(shown: bool, total: int) -> Iterator[Callable[[], None]]:
+    """A progress bar with the time left on standard error; gives what to call after each frame."""
+    if not shown:
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("rendering"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("frames, left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda: bar.advance(task)
