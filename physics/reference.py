@@ -1,7 +1,7 @@
 """The reference, method `scipy`: its own right-hand side in NumPy, SciPy's `solve_ivp`, every contact switch located.
 
-It shares no kernel with what it checks. Time is cut into phases in which no contact changes its mode; a phase ends at the
-located root of the first margin that runs out, and the next begins there with the modes settled anew.
+It shares no kernel with what it checks. Time is cut into phases in which no contact changes its mode; a phase ends at
+the located root of the first margin that runs out, and the next begins there with the modes settled anew.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from physics.chain import Chain
-from physics.phases import LOADED, TOUCHING, OutOfEvaluations, Phase, System, first_modes, settle
+from physics.phases import LOADED, TOUCHING, OutOfEvaluationsError, Phase, System, first_modes, settle
 from physics.run import Problem, Record
 from physics.state import State
 from physics.time_scale import closing_speed, contact_scales
@@ -60,10 +60,10 @@ class _Run:
         try:
             while self.time < end and not self.warnings and not (np.isinf(end) and self._apart()):
                 if len(self.segments) >= MOST_PHASES:
-                    raise OutOfEvaluations
+                    raise OutOfEvaluationsError
                 self._one_phase(end)
             self._note(self.closed & ~self._carries())
-        except OutOfEvaluations:
+        except OutOfEvaluationsError:
             self.warnings = (
                 f"scipy gave up at t = {self.time:.6g} s after {self.system.evaluations} evaluations and "
                 f"{len(self.segments)} changes of contacts; what follows repeats the state at that time: take 'radau'",
@@ -87,8 +87,9 @@ class _Run:
 
         margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
         found = solve_ivp(
-            slope, (0.0, (end - self.time) / scale), self.y, STIFF if system.stiff else SMOOTH, events=margin, dense_output=True,
-            rtol=system.relative, atol=system.absolute, **({"jac": jacobian} if system.stiff else {}),
+            slope, (0.0, (end - self.time) / scale), self.y, STIFF if system.stiff else SMOOTH, events=margin,
+            rtol=system.relative, atol=system.absolute, dense_output=True,
+            **({"jac": jacobian} if system.stiff else {}),
         )  # fmt: skip
         self._note_closings(found.y[: system.n])
         self.steps += found.t.size - 1
@@ -114,10 +115,8 @@ class _Run:
         self._note(pressed & ~self.closed)
 
     def _note_openings(self) -> None:
-        held = (self.phase.mode == LOADED) | (self.phase.mode == TOUCHING) & (
-            self.system.preload == 0.0
-        ) & self._carries()
-        self._note(self.closed & ~held)
+        carries = (self.phase.mode == TOUCHING) & (self.system.preload == 0.0) & self._carries()
+        self._note(self.closed & (self.phase.mode != LOADED) & ~carries)
 
     def _carries(self) -> NDArray[np.bool_]:
         return self.phase.force(self.y[: self.system.n]) > 0.0
