@@ -10,15 +10,21 @@ from numpy.typing import NDArray
 from physics.chain import Chain
 from physics.kernels import explicit
 from physics.kernels import march as kernel
+from physics.kernels.conserving import WORK_ROWS
 from physics.run import Problem, Record, empty_samples
 from physics.state import State
 
 Array = NDArray[np.float64]
 
-PARTS = {"euler": explicit.EULER, "verlet": explicit.VERLET, "yoshida4": explicit.YOSHIDA4}
+NO_TIMES = np.zeros(0)
+PARTS = {
+    "euler": explicit.EULER,
+    "verlet": explicit.VERLET,
+    "yoshida4": explicit.YOSHIDA4,
+    "conserving": (NO_TIMES, NO_TIMES),
+}
 MOST_STEPS = 100_000_000  # a run that needs more has a step that does not fit its motion
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
-NO_TIMES = np.zeros(0)
 
 
 def run(problem: Problem) -> Record:
@@ -41,7 +47,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int) -> 
     rows = empty_samples(times.size, chain.contacts)
     status, time = kernel.march(
         *PARTS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, *chain.parameters, _push(chain, state),
-        chain.anchor, *_moving(state), *_spare(chain.contacts), np.zeros(chain.contacts, dtype=np.uint8),
+        chain.anchor, *_moving(state), *_spare(chain.contacts), *_marks(problem.method, chain.contacts),
         *switches, times, *rows, counter,
     )  # fmt: skip
     used = int(counter[kernel.SWITCH])
@@ -51,25 +57,24 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int) -> 
     kept = min(used, book)
     return Record(
         times, *rows, switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
-        _evaluations(problem.method, counter), _warnings(problem, status, time, used, kept),
+        int(counter[kernel.EVALUATION]), _warnings(problem, status, time, counter, kept),
     )  # fmt: skip
 
 
-def _warnings(problem: Problem, status: int, time: float, used: int, kept: int) -> tuple[str, ...]:
+def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
     found = []
     if status == kernel.OUT_OF_STEPS:
         found.append(f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: take a larger step")
-    if used > kept:
-        found.append(f"contacts switched {used} times, only the first {kept} are listed")
+    if counter[kernel.FAILURE]:
+        found.append(f"{counter[kernel.FAILURE]} steps of {problem.method} did not converge: take a smaller step")
+    if counter[kernel.SWITCH] > kept:
+        found.append(f"contacts switched {counter[kernel.SWITCH]} times, only the first {kept} are listed")
     return tuple(found)
 
 
-def _evaluations(method: str, counter: NDArray[np.int64]) -> int:
-    return int(counter[kernel.STEP] + counter[kernel.EXTRA]) * PARTS[method][1].size
-
-
 def _push(chain: Chain, state: State) -> Array:
-    return NO_TIMES if state.push is None else state.push
+    push = state.external(chain)
+    return NO_TIMES if push is None else push
 
 
 def _moving(state: State) -> tuple[Array, Array, Array, Array]:
@@ -80,21 +85,27 @@ def _spare(contacts: int) -> tuple[Array, Array, Array, Array]:
     return np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts)
 
 
+def _marks(method: str, contacts: int) -> tuple[NDArray[np.uint8], Array]:
+    """Flags of the closed contacts, and the work rows of `conserving` (none for the explicit methods)."""
+    rows = WORK_ROWS if PARTS[method][1].size == 0 else 0
+    return np.zeros(contacts, dtype=np.uint8), np.empty((rows, contacts))
+
+
 def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
-    work: tuple[Any, ...] = state.work.get("fixed_step") or state.work.setdefault(
-        "fixed_step", _scratch(chain.contacts)
-    )
-    *spare, closed, switch_contact, switch_time, rows, counter = work
+    if state.work.get("fixed_step", ("",))[0] != method:
+        state.work["fixed_step"] = (method, *_scratch(method, chain.contacts))
+    _, spare, marks, switches, rows, counter = state.work["fixed_step"]
     counter[:] = 0
+    end = state.time + duration
     kernel.march(
-        *PARTS[method], step, state.time, state.time + duration, False, MOST_STEPS, *chain.parameters, _push(chain, state),
-        chain.anchor, *_moving(state), *spare, closed, switch_contact, switch_time, NO_TIMES, *rows, counter,
+        *PARTS[method], step, state.time, end, False, MOST_STEPS, *chain.parameters, _push(chain, state), chain.anchor,
+        *_moving(state), *spare, *marks, *switches, NO_TIMES, *rows, counter,
     )  # fmt: skip
-    state.time += duration
+    state.time = end
 
 
-def _scratch(contacts: int) -> tuple[Any, ...]:
-    closed = np.zeros(contacts, dtype=np.uint8)
+def _scratch(method: str, contacts: int) -> tuple[Any, ...]:
     book = np.zeros(0, dtype=np.int64), np.zeros(0)
-    return (*_spare(contacts), closed, *book, empty_samples(0, contacts), np.zeros(kernel.COUNTERS, dtype=np.int64))
+    counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
+    return _spare(contacts), _marks(method, contacts), book, empty_samples(0, contacts), counter

@@ -8,29 +8,47 @@ from __future__ import annotations
 
 import math
 
+from physics.kernels.conserving import conserving_steps
 from physics.kernels.explicit import split_steps
 from physics.kernels.jit import jit
 
 # what `march` returns
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
 
-# entries of the counter array: steps, sample rows written, switches booked, steps that were samples only
-STEP, SAMPLE, SWITCH, EXTRA = 0, 1, 2, 3
-COUNTERS = 4
+# entries of the counter array: evaluations of all contacts, steps that did not converge, steps, sample rows, switches
+EVALUATION, FAILURE, STEP, SAMPLE, SWITCH = 0, 1, 2, 3, 4
+COUNTERS = 5
 
 GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
 MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
 @jit
-def note_switches(time, overlap, rate, closed, switch_contact, switch_time, counter):
+def steps(
+    most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed, work, counter
+):  # fmt: skip
+    """Up to `most` steps, until a contact switches: explicit by its drifts and kicks; conserving where there are none."""
+    if kicks.size == 0:
+        return conserving_steps(
+            most, h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed, work, counter
+        )  # fmt: skip
+    taken = split_steps(
+        most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
+    )  # fmt: skip
+    counter[EVALUATION] += taken * kicks.size
+    return taken
+
+
+@jit
+def note_switches(before, time, overlap, rate, force, closed, switch_contact, switch_time, counter):
     """Compare each contact with its `closed` flag; book (contact, time) of every change. Returns contacts still closed.
 
-    The time is that of the straight line through the new overlap with the new rate: second order in the step.
+    The time is that of the straight line through the new overlap with the new rate, second order in the step; a contact
+    that closes without overlap touches from the start of the step, at time `before`, on.
     """
     still = 0
     for i in range(overlap.size):
-        now = overlap[i] > 0.0
+        now = overlap[i] > 0.0 or (overlap[i] == 0.0 and force[i] > 0.0)
         if now:
             still += 1
         if now != (closed[i] != 0):
@@ -38,7 +56,9 @@ def note_switches(time, overlap, rate, closed, switch_contact, switch_time, coun
             k = counter[SWITCH]
             if k < switch_contact.size:
                 switch_contact[k] = i
-                switch_time[k] = time - (overlap[i] / rate[i] if rate[i] != 0.0 else 0.0)
+                switch_time[k] = before if now and overlap[i] == 0.0 else time
+                if overlap[i] != 0.0 and rate[i] != 0.0:
+                    switch_time[k] = max(before, time - overlap[i] / rate[i])
             counter[SWITCH] = k + 1
     return still
 
@@ -57,7 +77,7 @@ def flight_time(overlap, rate):
 def march(
     drifts, kicks, h, start, end, stop, most_steps, law, inverse_mass, push, anchor_bead,
     overlap, rate, anchor, force, spare_overlap, spare_rate, spare_anchor, spare_force,
-    closed, switch_contact, switch_time,
+    closed, work, switch_contact, switch_time,
     sample_time, sample_overlap, sample_rate, sample_anchor, sample_force, counter,
 ):  # fmt: skip
     """Step from `start` to `end` (or, with `stop`, until no contact can close again); the state is moved in place.
@@ -66,7 +86,7 @@ def march(
     Returns the status and the time reached.
     """
     n = overlap.size
-    still = note_switches(start, overlap, rate, closed, switch_contact, switch_time, counter)
+    still = note_switches(start, start, overlap, rate, force, closed, switch_contact, switch_time, counter)
     while True:
         time = start + counter[STEP] * h
         while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE):
@@ -76,9 +96,9 @@ def march(
                 spare_overlap[i], spare_rate[i], spare_force[i] = overlap[i], rate[i], force[i]
             spare_anchor[0], spare_anchor[1] = anchor[0], anchor[1]
             if sample_time[k] - time > h * GRID_TOLERANCE:
-                counter[EXTRA] += split_steps(
+                steps(
                     1, sample_time[k] - time, drifts, kicks, law, inverse_mass, push, anchor_bead,
-                    spare_overlap, spare_rate, spare_anchor, spare_force, closed,
+                    spare_overlap, spare_rate, spare_anchor, spare_force, closed, work, counter,
                 )  # fmt: skip
             for i in range(n):
                 sample_overlap[k, i], sample_rate[k, i] = spare_overlap[i], spare_rate[i]
@@ -103,10 +123,11 @@ def march(
         whole_step = end - time >= h * (1.0 - GRID_TOLERANCE)
         length = h if whole_step else end - time
         most = 1 if not whole_step else int(min(max(1.0, (until - time) / h), MOST_AT_ONCE, most_steps - counter[STEP]))
-        counter[STEP] += split_steps(
-            most, length, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
+        counter[STEP] += steps(
+            most, length, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed,
+            work, counter,
         )  # fmt: skip
-        time = min(end, start + counter[STEP] * h)
-        still = note_switches(time, overlap, rate, closed, switch_contact, switch_time, counter)
+        before, time = time, min(end, start + counter[STEP] * h)
+        still = note_switches(before, time, overlap, rate, force, closed, switch_contact, switch_time, counter)
         if not whole_step:
             return DONE, end
