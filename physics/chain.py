@@ -31,6 +31,7 @@ class Chain:
         mass: (n+1,) masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
         contact: one Contact for all, or n of them; kinds mix freely.
         gap: distance [m] >= 0 between neighbours at the start, one for all or n of them; 0 is just touching.
+        drive: (n+1,) steady external force on each bead [N], or None; it acts from t = 0 on.
 
     Raises:
         ValueError: a number out of range, a wrong length, or two walls side by side.
@@ -43,13 +44,21 @@ class Chain:
     mass: tuple[float, ...]
     contact: tuple[Contact, ...]
     gap: tuple[float, ...]
+    drive: tuple[float, ...] | None = None
 
-    def __init__(self, mass: ArrayLike, contact: Contact | Sequence[Contact], gap: ArrayLike = 0.0) -> None:
+    def __init__(
+        self,
+        mass: ArrayLike,
+        contact: Contact | Sequence[Contact],
+        gap: ArrayLike = 0.0,
+        drive: ArrayLike | None = None,
+    ) -> None:
         masses = _checked_masses(mass)
         n = len(masses) - 1
         object.__setattr__(self, "mass", masses)
         object.__setattr__(self, "contact", _checked_contacts(contact, n))
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
+        object.__setattr__(self, "drive", None if drive is None else _checked_drive(drive, n))
 
     @property
     def contacts(self) -> int:
@@ -74,6 +83,15 @@ class Chain:
         for array in (law, inverse_mass):
             array.setflags(write=False)
         return Parameters(law, inverse_mass)
+
+    @cached_property
+    def drive_force(self) -> Array | None:
+        """(n+1,) the drive as an array [N], made once; None for a chain that is not driven."""
+        if self.drive is None:
+            return None
+        force = np.array(self.drive)
+        force.setflags(write=False)
+        return force
 
 
 def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
@@ -105,6 +123,16 @@ def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
     if not (np.isfinite(gaps) & (gaps >= 0.0)).all():
         raise ValueError(f"every gap must be a finite number >= 0, not {gap!r}")
     return tuple(np.broadcast_to(gaps, (n,)).tolist())
+
+
+def _checked_drive(drive: ArrayLike, n: int) -> tuple[float, ...] | None:
+    """The forces as a tuple, or None where all are 0: such a chain is not driven."""
+    forces = np.asarray(drive, dtype=np.float64)
+    if forces.shape != (n + 1,):
+        raise ValueError(f"{n + 1} masses need {n + 1} drive forces, not shape {forces.shape}")
+    if not np.isfinite(forces).all():
+        raise ValueError("every drive force must be finite")
+    return tuple(forces.tolist()) if forces.any() else None
 
 
 def one_on(n: int, contact: Contact | Sequence[Contact], mass: ArrayLike = 1.0) -> Chain:

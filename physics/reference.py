@@ -17,7 +17,7 @@ from physics.chain import Chain
 from physics.phases import LOADED, TOUCHING, OutOfEvaluationsError, Phase, System, first_modes, settle
 from physics.run import Problem, Record
 from physics.state import State
-from physics.time_scale import closing_speed, contact_scales
+from physics.time_scale import contact_scales, speed_scale
 
 Array = NDArray[np.float64]
 
@@ -42,10 +42,10 @@ class _Run:
 
     def __init__(self, chain: Chain, state: State, tolerance: float) -> None:
         velocity = state.velocity(chain)
-        speed = closing_speed(velocity)
+        speed = speed_scale(chain, velocity)
         depth, contact_time = contact_scales(chain, velocity)
         self.scale = float(contact_time.max())
-        self.system = System(chain, state.push, speed, depth, tolerance)
+        self.system = System(chain, state.external(chain), speed, depth, tolerance)
         self.time = state.time
         self.y = np.concatenate((state.overlap, state.rate, state.anchor))
         self.phase = Phase.of(self.system, first_modes(self.system, self.y))
@@ -71,7 +71,7 @@ class _Run:
 
     def _apart(self) -> bool:
         n = self.system.n
-        return not self._carries().any() and bool((self.y[n : 2 * n] <= 0.0).all())
+        return not self._carries().any() and bool((self.y[n : 2 * n] <= self.system.least_rate).all())
 
     def _one_phase(self, end: float) -> None:
         system, phase, scale = self.system, self.phase, self.scale

@@ -34,7 +34,8 @@ def simulate(
     Arguments:
         chain: the Chain.
         velocity: (n+1,) start velocities [m/s].
-        duration: time to run [s]; None runs until every contact is open and none can close again.
+        duration: time to run [s]; None runs until every contact is open and none can close again. A chain with a
+            drive needs one.
         method: a name from METHODS. Explicit methods (euler, verlet, yoshida4, pymunk) take f = 0 at overlap 0, so a
             contact with preload that should rest there chatters.
         step: step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
@@ -42,7 +43,7 @@ def simulate(
         tolerance: wanted error of velocities, relative to the closing speed, for adaptive methods.
 
     Raises:
-        ValueError: a value out of range, or duration None for a chain that may never come apart (two walls).
+        ValueError: a value out of range, or duration None for a chain that may never come apart (two walls, a drive).
 
     >>> from physics import one_on, power_law, simulate
     >>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
@@ -68,8 +69,8 @@ def advance(
 ) -> None:
     """Move `state` on by `duration` [s] in place, for live use; fixed-step kernels allocate nothing.
 
-    Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along. A duration that is not a
-    whole number of steps ends in a shorter step.
+    Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along, with the chain's drive. A
+    duration that is not a whole number of steps ends in a shorter step.
     """
     chosen = find_method(method)
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
@@ -104,6 +105,7 @@ def _problem(
     state = State.at_start(chain, velocity)
     if duration is None:
         _require(chain.walls < 2, "a chain with two walls may never come apart: give a duration")
+        _require(chain.drive is None, "a driven chain may never come apart: give a duration")
     else:
         _require(math.isfinite(duration) and duration >= 0.0, f"duration must be a finite time >= 0, not {duration!r}")
         duration = float(duration)

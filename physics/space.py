@@ -18,7 +18,7 @@ from physics.chain import Chain
 from physics.constraints import SoftContact
 from physics.run import Problem, Record, empty_samples
 from physics.state import State
-from physics.time_scale import closing_speed, contact_scales
+from physics.time_scale import contact_scales, speed_scale
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ class Row:
     def look_ahead(self, step: float, state: State) -> None:
         """Put into `state` what one step under its push would give, and take the step back."""
         kept = [(body.position, body.velocity) for body in self.bodies]
-        self.step(step, state.push)
+        self.step(step, state.external(self.chain))
         self.read(state)
         for body, (position, velocity) in zip(self.bodies, kept, strict=True):
             body.position = position
@@ -114,7 +114,7 @@ def _body(mass: float) -> pymunk.Body:
 def _row(chain: Chain, state: State, step: float) -> Row:
     velocity = state.velocity(chain)
     depth = float(contact_scales(chain, velocity)[0].max())
-    return Row(chain, _power_of_two(8.0 * max(depth, step * closing_speed(velocity))))
+    return Row(chain, _power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity))))
 
 
 def _power_of_two(least: float) -> float:
@@ -140,6 +140,7 @@ class _Run:
     def __init__(self, problem: Problem, times: Array) -> None:
         self.problem, self.h, self.times = problem, problem.step, times
         self.state = problem.state.copy()
+        self.push = self.state.external(problem.chain)
         self.row = _row(problem.chain, self.state, self.h)
         self.row.write(self.state)
         self.rows = empty_samples(times.size, problem.chain.contacts)
@@ -165,7 +166,7 @@ class _Run:
 
     def flight_time(self) -> float:
         """Time until the first contact closes if nothing pushes: 0 when something does, inf when all move apart."""
-        if self.state.push is not None or any(self.closed):
+        if self.push is not None or any(self.closed):
             return 0.0
         both = zip(self.state.overlap.tolist(), self.state.rate.tolist(), strict=True)
         return min((-overlap / rate for overlap, rate in both if rate > 0.0), default=math.inf)
@@ -181,7 +182,7 @@ class _Run:
         else:
             length = h if end - state.time >= h * (1.0 - GRID_TOLERANCE) else end - state.time
             most = max(1.0, min((goal - state.time) / h, MOST_STEPS - self.steps))
-            taken = self.row.steps(int(most), length, state.push)
+            taken = self.row.steps(int(most), length, self.push)
             self.steps += taken
             self.evaluations += taken
         self.row.read(state)
@@ -226,10 +227,11 @@ def advance(chain: Chain, state: State, duration: float, method: str, step: floa
     if row is None or row.chain is not chain:
         row = state.work[method] = _row(chain, state, step)
     row.write(state)
+    push = state.external(chain)
     whole = math.floor(duration / step + GRID_TOLERANCE)
     for length, count in ((step, whole), (duration - whole * step, 1)):
         if length > step * GRID_TOLERANCE:
             for _ in range(count):
-                row.step(length, state.push)
+                row.step(length, push)
     row.read(state)
     state.time += duration

@@ -23,7 +23,8 @@ class State:
         rate: (n,) overlap rates w_i = v_i - v_(i+1) [m/s].
         anchor: (2,) position [m] and velocity [m/s] of bead ``chain.anchor``.
         force: (n,) contact forces [N] of the last step: what a touching contact carries is not in its overlap.
-        push: (n+1,) external force on each bead [N] for the next `advance` (a hand, a spring to the pointer), or None.
+        push: (n+1,) external force on each bead [N] for the next `advance` (a hand, a spring to the pointer), or None;
+            it adds to the chain's drive.
         work: scratch memory of the methods, theirs alone.
     """
 
@@ -51,6 +52,13 @@ class State:
     def velocity(self, chain: Chain) -> Array:
         """(n+1,) bead velocities [m/s]."""
         return from_anchor(self.rate, self.anchor[1], chain.anchor)
+
+    def external(self, chain: Chain) -> Array | None:
+        """(n+1,) external force on each bead [N], the chain's drive and the push; None where there is neither."""
+        if chain.drive_force is None or self.push is None:
+            return chain.drive_force if self.push is None else self.push
+        total: Array = chain.drive_force + self.push
+        return total
 
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""

@@ -18,6 +18,35 @@ def closing_speed(velocity: ArrayLike) -> float:
     return float(np.ptp(speeds)) or 1.0
 
 
+def speed_scale(chain: Chain, velocity: ArrayLike) -> float:
+    """Closing speed [m/s], or what the chain's drive alone brings about where that is more; 1 where neither is."""
+    driven = _driven_speed(chain)
+    return max(float(np.ptp(np.asarray(velocity))), driven) if driven else closing_speed(velocity)
+
+
+def _driven_speed(chain: Chain) -> float:
+    """Largest speed that a contact reaches under the force by which the drive accelerates a rigid chain; 0 without."""
+    if chain.drive_force is None:
+        return 0.0
+    law, inverse_mass = chain.parameters
+    preload, stiffness, exponent = law.T
+    force = np.maximum(_rigid_forces(chain, chain.drive_force) - preload, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = ((1.0 + exponent) * force / stiffness) ** (1.0 / exponent)
+        speed = np.sqrt(2.0 * force * depth * (inverse_mass[:-1] + inverse_mass[1:]))
+    return float(np.max(speed, where=np.isfinite(speed), initial=0.0))
+
+
+def _rigid_forces(chain: Chain, drive: Array) -> Array:
+    """(n,) contact forces [N] that let all beads accelerate as one; with a wall, at most what leans against it."""
+    from_left, from_right = np.cumsum(drive)[:-1], -np.cumsum(drive[::-1])[-2::-1]
+    if chain.walls:
+        return np.maximum(from_left, from_right)
+    share = np.cumsum(chain.mass)[:-1] / sum(chain.mass)
+    rigid: Array = from_left - share * drive.sum()
+    return rigid
+
+
 def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
     """(n,) estimates of largest overlap [m] and contact time [s] if every contact were struck alone.
 
@@ -26,7 +55,7 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
     """
     law, inverse_mass = chain.parameters
     preload, stiffness, exponent = law.T
-    speed = closing_speed(velocity)
+    speed = speed_scale(chain, velocity)
     energy = 0.5 * speed**2 / (inverse_mass[:-1] + inverse_mass[1:])
     with np.errstate(divide="ignore"):
         by_power = ((1.0 + exponent) * energy / stiffness) ** (1.0 / (1.0 + exponent))

@@ -77,6 +77,22 @@ class Trajectory:
         return self.velocity[:, self._bead] @ self._mass
 
     @cached_property
+    def work(self) -> Array:
+        """(T,) work [J] of the chain's drive since t = 0; energy less this is conserved."""
+        if self.chain.drive_force is None:
+            return np.zeros(self.time.size)
+        start = np.concatenate(([0.0], np.cumsum(self.chain.gap)))
+        work: Array = (self.position - start) @ self.chain.drive_force
+        return work
+
+    @cached_property
+    def impulse(self) -> Array:
+        """(T,) momentum [N s] that the chain's drive has given to the beads since t = 0, walls left out."""
+        if self.chain.drive_force is None:
+            return np.zeros(self.time.size)
+        return self.time * self.chain.drive_force[self._bead].sum()
+
+    @cached_property
     def _bead(self) -> NDArray[np.bool_]:
         return np.isfinite(self.chain.mass)
 

@@ -40,9 +40,11 @@ class Summary:
         label: of the lane.
         beads, contacts: from left to right.
         end: time at which it ends [s].
-        energy_error: largest distance of the energy from that at the start, relative to it; None where that is 0.
+        energy_error: largest distance of the energy from that at the start and the work of a drive, relative to it, in
+            a driven chain to the largest energy; None where that is 0.
         energy_error_at_end: the same at the end, when explicit methods have most of it back.
-        momentum_error: largest distance of the momentum from that at the start, relative to the sum of abs(m v);
+        momentum_error: largest distance of the momentum from that at the start and the impulse of a drive, relative to
+            the sum of abs(m v) at the start, in a driven chain to the largest such sum;
             None where that is 0 or a wall takes momentum.
         method, step, tolerance: how; step in s (0 where the method chooses), tolerance 0 for fixed steps.
         steps, evaluations, milliseconds: cost.
@@ -67,15 +69,16 @@ class Summary:
 
 def summarise(label: str, trajectory: Trajectory) -> Summary:
     """The Summary of a lane's `trajectory`, from its samples: sample finely where peaks matter."""
-    energy = trajectory.kinetic_energy + trajectory.contact_energy
+    energy = trajectory.kinetic_energy + trajectory.contact_energy - trajectory.work
     off = np.abs(energy - energy[0])
+    whole = (energy + trajectory.work).max() if trajectory.chain.drive else energy[0]
     return Summary(
         label=label,
         beads=_beads(trajectory),
         contacts=_contacts(trajectory),
         end=float(trajectory.time[-1]),
-        energy_error=_ratio(off.max(), energy[0]),
-        energy_error_at_end=_ratio(off[-1], energy[0]),
+        energy_error=_ratio(off.max(), whole),
+        energy_error_at_end=_ratio(off[-1], whole),
         momentum_error=_momentum_error(trajectory),
         method=trajectory.method,
         step=trajectory.step,
@@ -111,8 +114,10 @@ def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
 def _momentum_error(trajectory: Trajectory) -> float | None:
     if trajectory.chain.walls:
         return None
-    off = np.abs(trajectory.momentum - trajectory.momentum[0]).max()
-    return _ratio(off, np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[0]).sum())
+    kept = trajectory.momentum - trajectory.impulse
+    rows = slice(None) if trajectory.chain.drive else slice(0, 1)
+    whole = np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[rows]).sum(axis=1).max()
+    return _ratio(np.abs(kept - kept[0]).max(), whole)
 
 
 def _ratio(part: float, whole: float) -> float | None:

@@ -27,6 +27,7 @@ class Lane(Table):
             strikers have it, the targets rest.
         gap: one for all or a list [m]; 0 is just touching.
         approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
+        drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
     """
 
     label: Text = ""
@@ -36,6 +37,7 @@ class Lane(Table):
     velocity: tuple[Number, ...]
     gap: OneOrMany[NotNegative] = 0.0
     approach: NotNegative | None = None
+    drive: tuple[Number, ...] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -56,7 +58,7 @@ class Lane(Table):
         count = self._count()
         if count < 2:
             raise problem(f"a chain needs at least 2 beads, not {count}")
-        expected = {"mass": count, "contact": count - 1, "velocity": count, "gap": count - 1}
+        expected = {"mass": count, "contact": count - 1, "velocity": count, "gap": count - 1, "drive": count}
         for key, length in expected.items():
             given = getattr(self, key)
             if isinstance(given, tuple) and len(given) != length:
@@ -83,7 +85,7 @@ class Lane(Table):
         contacts = (
             [table.contact() for table in self.contact] if isinstance(self.contact, tuple) else self.contact.contact()
         )
-        return physics.Chain(masses, contacts, self._gaps(count - 1))
+        return physics.Chain(masses, contacts, self._gaps(count - 1), self.drive)
 
     def _gaps(self, contacts: int) -> tuple[float, ...]:
         if isinstance(self.gap, tuple):
@@ -152,6 +154,8 @@ class Scene(Table):
     def _check_settings(self) -> Self:
         if self.duration is None and any(lane.chain().walls > 1 for lane in self.lanes):
             raise problem("two walls may keep beads between them for ever: the scene needs a duration")
+        if self.duration is None and any(lane.chain().drive for lane in self.lanes):
+            raise problem("a drive may keep beads together for ever: the scene needs a duration")
         if self.step is not None and any(method.adaptive for method in physics.METHODS if method.name == self.method):
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self

@@ -56,12 +56,21 @@ class Track:
     @cached_property
     def energy_error(self) -> Array:
         """(T,) greatest relative change of the energy so far."""
-        return _worst_so_far(self.kinetic.sum(axis=1) + self.stored, self.kinetic.sum(axis=1).max())
+        energy = self.kinetic.sum(axis=1) + self.stored - self._given(self.position)
+        return _worst_so_far(energy, self.kinetic.sum(axis=1).max())
 
     @cached_property
     def momentum_error(self) -> Array:
         """(T,) greatest change of the momentum so far, relative to the sum of the beads' momenta without sign."""
-        return _worst_so_far(self.momentum.sum(axis=1), np.abs(self.momentum).sum(axis=1).max())
+        momentum = self.momentum.sum(axis=1) - self._given(np.where(self._mass > 0.0, self.time[:, None], 0.0))
+        return _worst_so_far(momentum, np.abs(self.momentum).sum(axis=1).max())
+
+    def _given(self, path: Array) -> Array:
+        """(T,) what the drive, which acts from t = 0 on, has given along `path` (T, n+1): work, or impulse."""
+        if self.chain.drive_force is None:
+            return np.zeros(len(self.time))
+        start = np.searchsorted(self.time, 0.0)
+        return np.where(self.time > 0.0, (path - path[start]) @ self.chain.drive_force, 0.0)
 
     @cached_property
     def _mass(self) -> Array:
