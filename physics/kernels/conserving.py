@@ -98,8 +98,7 @@ def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess
             if weight * energy < SMALLEST:
                 return min(s, 0.0), 0.0, 0.0
             apart = quadratic_root(1.0, s - start, -weight * energy)
-            slope = energy / (apart * apart)
-            return start - apart, energy / apart, slope / (1.0 + weight * slope)
+            return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
     elif s < 0.0:
         return s, 0.0, 0.0
     elif start == 0.0 and s <= weight * preload:
