@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ SLOWEST, FASTEST = 1.0, 240.0  # frames a second
 COMMON_COLOURS = 96  # of a GIF's 256: those that fill most of the picture are kept exactly
 BT709, BT601, LIMITED = 1, 6, 1  # as FFmpeg numbers them
 
+os.environ.setdefault("SVT_LOG", "1")  # errors only: the AVIF encoder would tell its life on standard error
 Pixels = NDArray[np.uint8]
 
 
@@ -49,13 +51,13 @@ class Codec:
     container_options: tuple[tuple[str, str], ...] = ()
 
     @property
-    def palette(self) -> bool:
+    def indexed(self) -> bool:
         """Whether frames are numbers of 256 colours."""
         return self.pixels == "pal8"
 
     def tag(self, context: Any) -> None:
         """Say in the file what the colours mean, or players guess and shift them."""
-        if not self.palette:
+        if not self.indexed:
             number = BT709 if self.matrix == "ITU709" else BT601
             context.color_range, context.colorspace = LIMITED, number
             context.color_primaries, context.color_trc = BT709, BT709
@@ -89,7 +91,7 @@ CODECS: tuple[Codec, ...] = (
         "libsvtav1",
         "avif",
         "yuv420p",
-        options=(("preset", "10"), ("crf", "22"), ("svtav1-params", "")),
+        options=(("preset", "9"), ("crf", "22")),
         container_options=ENDLESS,
     ),
 )
@@ -150,17 +152,49 @@ def _require(codec: Codec) -> None:
         ) from None
 
 
-def frame_of(surface: pygame.Surface, codec: Codec, palette: Image.Image | None) -> av.VideoFrame:
+class Palette:
+    """256 colours for a GIF: the commonest of `sample` as they are, the others where they do best."""
+
+    def __init__(self, sample: pygame.Surface) -> None:
+        picture = Image.frombytes("RGB", sample.get_size(), sample.get_view("0").raw, "raw", "BGRX")
+        counted: Any = picture.getcolors(picture.width * picture.height)
+        common = np.array([colour for _, colour in sorted(counted, reverse=True)[:COMMON_COLOURS]], np.uint8)
+        others = np.array(picture.quantize(256 - len(common)).getpalette("RGB"), np.uint8).reshape(-1, 3)
+        self.colours = np.zeros((256, 3), np.uint8)
+        self.colours[: len(common)] = common
+        self.colours[len(common) : len(common) + len(others)] = others
+        self._number = _nearest(self.colours)
+        self._number[_cell(common[::-1])] = np.arange(len(common), dtype=np.uint8)[::-1]  # the commonest comes last
+
+    def frame(self, surface: pygame.Surface) -> av.VideoFrame:
+        """`surface` in these colours; without dither, so that what stands still stays the same from frame to frame."""
+        numbers = self._number[_cell(pixels_of(surface)[..., 2::-1])]
+        opaque = np.concatenate((np.full((256, 1), 255, np.uint8), self.colours), axis=1)
+        picture: Any = (numbers, opaque)  # PyAV documents the pair; its types do not
+        return av.VideoFrame.from_ndarray(picture, format="pal8")
+
+
+def _cell(colours: Pixels) -> NDArray[np.int32]:
+    """Number of the cell, 64 along each axis of colour space, that each of `colours` (..., 3) lies in."""
+    red, green, blue = (colours[..., k].astype(np.int32) >> 2 for k in range(3))
+    return (red << 12) | (green << 6) | blue
+
+
+def _nearest(colours: Pixels) -> Pixels:
+    """(64**3,) the nearest of `colours` (256, 3) to the middle of each cell; Pillow knows how to do it fast."""
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colours.tobytes())
+    middle = (np.arange(64, dtype=np.uint8) << 2) | 2
+    cells = np.stack(np.meshgrid(middle, middle, middle, indexing="ij"), axis=-1).reshape(512, 512, 3)
+    return np.array(Image.fromarray(cells).quantize(palette=palette, dither=Image.Dither.NONE)).reshape(-1)
+
+
+def frame_of(surface: pygame.Surface, codec: Codec, palette: Palette | None) -> av.VideoFrame:
     """The surface as a frame for `codec`; a copy, so that the surface is free again."""
-    if palette is None:
-        frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
-        return frame.reformat(format=codec.pixels, dst_colorspace=codec.matrix, dst_color_range="MPEG")
-    # Without dither flat areas stay flat, and what stands still stays the same from frame to frame.
-    numbers = image_of(surface).quantize(palette=palette, dither=Image.Dither.NONE)
-    colours = np.full((256, 4), 255, np.uint8)
-    colours[:, 1:] = np.array(palette.getpalette("RGB"), np.uint8).reshape(256, 3)
-    picture: Any = (np.asarray(numbers), colours)  # PyAV documents the pair; its types do not
-    return av.VideoFrame.from_ndarray(picture, format="pal8")
+    if palette is not None:
+        return palette.frame(surface)
+    frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
+    return frame.reformat(format=codec.pixels, dst_colorspace=codec.matrix, dst_color_range="MPEG")
 
 
 def pixels_of(surface: pygame.Surface) -> Pixels:
@@ -168,20 +202,3 @@ def pixels_of(surface: pygame.Surface) -> Pixels:
     width, height = surface.get_size()
     view: Any = surface.get_view("0")  # a buffer, which its types do not say
     return np.frombuffer(view, np.uint8).reshape(height, width, 4)
-
-
-def image_of(surface: pygame.Surface) -> Image.Image:
-    """A copy of the surface as a picture."""
-    return Image.frombytes("RGB", surface.get_size(), surface.get_view("0").raw, "raw", "BGRX")
-
-
-def gif_palette(sample: pygame.Surface) -> Image.Image:
-    """Picture that carries 256 colours: the commonest of `sample` as they are, the others where they do best."""
-    picture = image_of(sample)
-    counted: Any = picture.getcolors(picture.width * picture.height)
-    common = [colour for _, colour in sorted(counted, reverse=True)[:COMMON_COLOURS]]
-    others = picture.quantize(256 - len(common), dither=Image.Dither.NONE).getpalette("RGB") or []
-    flat = [part for colour in common for part in colour] + others
-    palette = Image.new("P", (1, 1))
-    palette.putpalette((flat + [0] * 768)[:768])
-    return palette

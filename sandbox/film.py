@@ -14,7 +14,7 @@ import av
 import pygame
 
 from sandbox.atomic import output_file, output_folder
-from sandbox.codecs import Codec, check, frame_of, gif_palette
+from sandbox.codecs import Codec, Palette, check, frame_of
 
 BUFFERS = 3  # frames on their way between drawing and compressing
 
@@ -81,7 +81,7 @@ class _Encoder:
     ) -> None:
         self._codec = codec
         self._error: BaseException | None = None
-        self._palette = gif_palette(sample) if sample is not None and codec.palette else None
+        self._palette = Palette(sample) if sample is not None and codec.indexed else None
         self._container = av.open(str(path), "w", format=codec.container, options=dict(codec.container_options))
         stream: Any = self._container.add_stream(codec.name, rate=Fraction(frame_rate).limit_denominator(1001))
         stream.width, stream.height, stream.pix_fmt = *size, codec.pixels
@@ -127,8 +127,8 @@ class _Encoder:
                 self._free.put(pygame.Surface((1, 1)))
 
     def _compress(self, surface: pygame.Surface) -> None:
-        if self._codec.palette and self._palette is None:
-            self._palette = gif_palette(surface)
+        if self._codec.indexed and self._palette is None:
+            self._palette = Palette(surface)
         self._mux(frame_of(surface, self._codec, self._palette))
 
     def _mux(self, frame: av.VideoFrame | None) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 import pygame
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 import physics
 from sandbox.codecs import check
@@ -29,6 +31,7 @@ LONGEST_READING = 5.0
 FADE = 0.5  # seconds in which the text goes
 REST = 1.2  # seconds for which the last frame stays
 LONGEST_FILM = 100_000  # frames
+PICTURE_RATE = 60.0  # frames a second of a folder of pictures
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class RenderReport:
         duration: of the film [s]; 0 for a single picture.
         seconds: wall time of all.
         simulated, first_frame: wall time until the motion was known, and until the first frame was drawn [s].
+        warnings: sentences of the simulation on what may be wrong with it.
     """
 
     output: Path
@@ -49,6 +53,7 @@ class RenderReport:
     seconds: float
     simulated: float
     first_frame: float
+    warnings: tuple[str, ...] = ()
 
 
 def render_scene(
@@ -81,42 +86,47 @@ def render_scene(
     began = perf_counter()
     output = os.fspath(output)
     codec = check(output, size, fps, pixels)
-    rate = fps or (codec.frame_rate if codec else 60.0)
+    rate = fps or (codec.frame_rate if codec else PICTURE_RATE)
     slow = scene.view.slow if slow is None else slow
     if not (math.isfinite(slow) and slow > 0.0):
         raise UserError(f"slow motion must be a number > 0, not {slow:g}")
-    tracks = simulated_tracks(scene, rate * slow, method=method, step=step)
-    simulated = perf_counter() - began
-    picture = Picture(scene, tracks, size, slow=slow)
-    still = not codec and output.lower().endswith(".png")
-    shots = [_Shot(strongest_row(tracks))] if still else script(scene, len(tracks[0].time), rate)
-    sample = pygame.Surface(size, 0, 32)
-    picture.paint(sample, strongest_row(tracks))
-    first_frame = perf_counter() - began
-    with open_film(output, size, rate, pixels, sample) as film, _bar(progress and not still, len(shots)) as advance:
-        for shot in shots:
-            surface = film.blank()
-            picture.paint(surface, shot.row, told=shot.told)
-            film.add(surface)
-            advance()
+    still = codec is None and output.lower().endswith(".png")
+    with _Bar(progress and not still) as bar:
+        trajectories, tracks = simulated(scene, rate * slow, method=method, step=step)
+        known = perf_counter() - began
+        picture = Picture(scene, tracks, size, slow=slow)
+        strongest = strongest_row(tracks)
+        shots = [Shot(strongest)] if still else script(scene, len(tracks[0].time), rate)
+        sample = pygame.Surface(size, 0, 32)
+        picture.paint(sample, strongest)
+        first_frame = perf_counter() - began
+        bar.begin(len(shots))
+        with open_film(output, size, rate, pixels, sample) as film:
+            for shot in shots:
+                surface = film.blank()
+                picture.paint(surface, shot.row, told=shot.told)
+                film.add(surface)
+                bar.advance()
+    warnings_found = tuple(sentence for trajectory in trajectories for sentence in trajectory.warnings)
     duration = 0.0 if still else len(shots) / rate
-    return RenderReport(Path(output), len(shots), duration, perf_counter() - began, simulated, first_frame)
+    seconds = perf_counter() - began
+    return RenderReport(Path(output), len(shots), duration, seconds, known, first_frame, warnings_found)
 
 
 @dataclass(frozen=True)
-class _Shot:
+class Shot:
     """One frame: the row of the tracks, and how opaque the scene's text is."""
 
     row: int
     told: float = 0.0
 
 
-def script(scene: Scene, rows: int, rate: float) -> list[_Shot]:
+def script(scene: Scene, rows: int, rate: float) -> list[Shot]:
     """The frames: the first row while the scene's text can be read, then the motion, then the last row for a moment."""
     reading = round(min(READING * len(scene.text.split()), LONGEST_READING) * rate)
     fade = max(1, round(FADE * rate))
-    opening = [_Shot(0, min(1.0, (reading - k) / fade)) for k in range(reading)]
-    return opening + [_Shot(row) for row in range(rows)] + [_Shot(rows - 1)] * round(REST * rate)
+    opening = [Shot(0, min(1.0, (reading - k) / fade)) for k in range(reading)]
+    return opening + [Shot(row) for row in range(rows)] + [Shot(rows - 1)] * round(REST * rate)
 
 
 def strongest_row(tracks: Sequence[Track]) -> int:
@@ -124,27 +134,31 @@ def strongest_row(tracks: Sequence[Track]) -> int:
     return int(np.argmax(np.max([track.force.max(axis=1) for track in tracks], axis=0)))
 
 
-def simulated_tracks(
+def simulated(
     scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None
-) -> list[Track]:
-    """One track a lane of `scene`, all at the same times, `rows_per_second` of motion, with free flight at both ends.
+) -> tuple[list[physics.Trajectory], list[Track]]:
+    """A trajectory and a track for each lane of `scene`, all at the same times, with free flight at both ends.
 
-    Raises UserError where the method or the step does not suit the scene, or where there would be too many rows.
+    Raises UserError where the method or the step does not suit the scene, or where there would be too many rows;
+    `rows_per_second` are those of the motion.
     """
+    lanes = range(len(scene.lanes))
     try:
         settings = scene.settings(method=method, step=step)
-        end = max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in range(len(scene.lanes)))
+        end = scene.duration or max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in lanes)
         times = _times(scene, float(end), rows_per_second)
         moving = times[times >= 0.0]
         settings |= {"duration": float(moving[-1]), "samples": moving}
-        lanes = range(len(scene.lanes))
-        return [track_of(_simulate(scene, k, settings), times[times < 0.0]) for k in lanes]
+        trajectories = [_simulate(scene, k, settings) for k in lanes]
     except ValueError as error:
         raise UserError(str(error)) from error
+    return trajectories, [track_of(trajectory, times[times < 0.0]) for trajectory in trajectories]
 
 
 def _simulate(scene: Scene, lane: int, settings: dict[str, Any]) -> physics.Trajectory:
-    return physics.simulate(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # the report has them
+        return physics.simulate(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
 
 
 def _times(scene: Scene, end: float, rows_per_second: float) -> Array:
@@ -164,22 +178,31 @@ def _times(scene: Scene, end: float, rows_per_second: float) -> Array:
     return np.arange(first, max(last, first + 1) + 1) / rows_per_second
 
 
-@contextmanager
-def _bar(shown: bool, total: int) -> Iterator[Callable[[], None]]:
-    """A progress bar with the time left on standard error; gives what to call after each frame."""
-    if not shown:
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+class _Bar:
+    """What is being done, frames so far and time left, on standard error."""
 
-    columns = (
-        TextColumn("rendering"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("frames, left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=total)
-        yield lambda: bar.advance(task)
+    def __init__(self, shown: bool) -> None:
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("frames, time left"),
+            TimeRemainingColumn(),
+        )
+        self._progress = Progress(*columns, console=Console(stderr=True), transient=True, disable=not shown)
+        self._task = self._progress.add_task("simulating", total=None)
+
+    def __enter__(self) -> _Bar:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._progress.stop()
+
+    def begin(self, frames: int) -> None:
+        """The motion is known; `frames` are to be drawn."""
+        self._progress.reset(self._task, description="rendering", total=frames)
+
+    def advance(self) -> None:
+        """One more frame."""
+        self._progress.advance(self._task)

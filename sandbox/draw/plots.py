@@ -81,8 +81,11 @@ class Panel:
 
     def ink(self, time: Array, values: Array, since: float = -math.inf) -> None:
         """Draw the curves `values` (T, k) over `time` (T,) on the hidden sheet; only what is later than `since`."""
-        first = 0 if since < self.time[0] else min(int(self.x(since)), self.area.width - 1)
-        self.inked.blit(self._curves(time, values, self.colours, first), (first, 0))
+        joint = 1 + math.ceil(THICK * self.unit)  # pixels before `since` that the next piece of a curve touches too
+        first = 0 if since < self.time[0] else min(max(0, int(self.x(since)) - 2 * joint), self.area.width - 1)
+        strip = self._curves(time, values, self.colours, first)
+        margin = joint if first else 0  # curves are not smooth where a strip cuts them
+        self.inked.blit(strip, (first + margin, 0), (margin, 0, *strip.get_size()))
 
     def backdrop(self, surface: pygame.Surface, time: Array, values: Array, peaks: Array, ahead: float) -> None:
         """Axes, titles, names beside `peaks` (k,), and the curves to come, as strong as `ahead` (0 to 1)."""
@@ -176,9 +179,7 @@ def spread(places: Sequence[float], gap: float, low: float, high: float) -> list
 
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:
-    """Points of a curve, without those nearer than half a (fine) pixel to the one before."""
-    keep = [0]
-    for k in range(1, len(across)):
-        if math.hypot(across[k] - across[keep[-1]], down[k] - down[keep[-1]]) >= 1.0:
-            keep.append(k)
+    """Points of a curve, without those on the same (fine) pixel as the one before."""
+    keep = np.ones(len(across), dtype=bool)
+    keep[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
     return list(zip(across[keep].tolist(), down[keep].tolist(), strict=True))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pygame
@@ -11,7 +13,7 @@ from physics import Chain
 from sandbox.draw import shapes
 from sandbox.draw.ink import arrow, bar, put
 from sandbox.draw.numbers import factor, fixed, round_down, scientific, ticks
-from sandbox.draw.palette import FAINT, GRID, MUTED, STAGE, bead_colours
+from sandbox.draw.palette import FAINT, GRID, INK, MUTED, STAGE, bead_colours
 from sandbox.draw.scales import Scales, left_edges
 from sandbox.draw.text import width, write
 from sandbox.draw.track import Array, Track
@@ -47,6 +49,7 @@ class Stage:
         self.ground = rect.bottom - GROUND * unit
         self.foot_of_bars = self.ground - max(slim * self.bead, 12 * unit) - 8 * unit
         self.bar_room = self.foot_of_bars - rect.top - 24 * unit
+        self.interface, self.rigid = rigid_shares(self.chain.mass, lane.velocity)
         self.masses = _mass_texts(self.chain) if self.bead >= LEAST_LABELLED * unit else ()
 
     def left(self, centre: float | None = None) -> float:
@@ -61,12 +64,16 @@ class Stage:
         for value, text in ticks(0.0, self.scales.force / 1.12, max(1, min(4, int(self.bar_room / (24 * unit))))):
             y = self._bar_top(value)
             surface.fill(GRID, (rect.left, round(y), rect.width, 1))
-            if y > rect.top + 42 * unit:  # the lane's name stands above
+            if y > rect.top + 58 * unit:  # the lane's name and the key stand above
                 write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, MUTED, align=(0, 1))
         x, y = rect.left + 8 * unit, rect.top + 8 * unit
         if self.lane.label:
             x = write(surface, self.lane.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
         write(surface, "contact force (N)", (x, y), 12.5 * unit, MUTED)
+        if any(share != 0.0 for share in self.rigid):
+            x, y = rect.left + 8 * unit, rect.top + 26 * unit
+            bar(surface, INK, x, y + 7 * unit, 14 * unit, 1.5 * unit)
+            write(surface, "if clusters were rigid", (x + 20 * unit, y), 12.5 * unit, MUTED)
         surface.fill(FAINT, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         self._ruler(surface)
 
@@ -122,17 +129,19 @@ class Stage:
         return math.sqrt(self.chain.mass[bead] / max(finite)) * 0.92 if max(finite) > 1.02 * min(finite) else 0.0
 
     def _bars(self, surface: pygame.Surface, contacts: list[float], forces: list[float]) -> None:
-        wide = min(max(0.26 * self.bead, 3 * self.unit), 30 * self.unit)
-        texts = self.bead >= 1.5 * LEAST_LABELLED * self.unit
+        """A bar a contact; across it a line where it would end if each cluster were rigid, Eq. (4)."""
+        unit, seen = self.unit, 0.01 * self.scales.force
+        wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
         decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
         for i, (x, force) in enumerate(zip(contacts, forces, strict=True)):
-            if force <= 0.0:
-                continue
             top = self._bar_top(force)
             bar(surface, self.contact_colours[i], x - wide / 2, top, wide, self.foot_of_bars - top)
-            if texts:
-                place = (x, top - 3 * self.unit)
-                write(surface, fixed(force, decimals), place, 13 * self.unit, bold=True, align=(0.5, 1))
+            expected = forces[self.interface] * self.rigid[i]
+            if i != self.interface and expected > seen:
+                reach = wide / 2 + 5 * unit
+                bar(surface, INK, x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
+            if force > seen and self.bead >= 1.5 * LEAST_LABELLED * unit:
+                write(surface, fixed(force, decimals), (x, top - 3 * unit), 13 * unit, bold=True, align=(0.5, 1))
 
     def _arrows(self, surface: pygame.Surface, edges: list[float], speeds: list[float]) -> None:
         fastest = max(abs(speed) for speed in self.scales.velocity)
@@ -158,6 +167,21 @@ class Stage:
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
         write(surface, name, (middle, y - 3 * unit), 12.5 * unit, MUTED, align=(0.5, 1))
         write(surface, drawn, (right, y + 8 * unit), 12.5 * unit, MUTED, align=(1, 0))
+
+
+def rigid_shares(mass: Sequence[float], velocity: Sequence[float]) -> tuple[int, tuple[float, ...]]:
+    """The contact where two clusters meet, and what share of its force each contact would pass on if both were rigid.
+
+    The share is that of the cluster's mass beyond the contact, Eq. (4). Zeros where no cluster has two beads, where
+    nothing meets, or where a wall stands.
+    """
+    closing = [left - right for left, right in itertools.pairwise(velocity)]
+    meeting = closing.index(max(closing))
+    clusters = mass[: meeting + 1], mass[meeting + 1 :]
+    if max(closing) <= 0.0 or math.inf in mass or len(mass) == 2:
+        return meeting, (0.0,) * len(closing)
+    behind = [sum(mass[: i + 1]) / sum(clusters[0]) for i in range(meeting + 1)]
+    return meeting, (*behind, *(sum(mass[i + 1 :]) / sum(clusters[1]) for i in range(meeting + 1, len(closing))))
 
 
 def _mass_texts(chain: Chain) -> tuple[str, ...]:

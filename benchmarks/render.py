@@ -1,0 +1,99 @@
+"""Rendering rate against the rate at which the encoder alone takes frames that are ready.
+
+    python -m benchmarks.render [--scene one-on-four] [--size 1280x720] [--json]
+
+The frames of both are the same, those of the scene's film: a moving picture costs the encoder more than a still one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import scenes
+from sandbox.draw import Picture
+from sandbox.film import open_film
+from sandbox.render import Shot, render_scene, script, simulated
+
+if TYPE_CHECKING:
+    from pygame import Surface
+
+RATE = 60.0
+
+
+def measure(name: str, size: tuple[int, int], rounds: int = 3) -> dict[str, Any]:
+    """Frames a second of drawing alone, the encoder alone and both together; the median of `rounds`, taken in turn."""
+    scene = scenes.load(name)
+    _, tracks = simulated(scene, RATE * scene.view.slow)
+    picture = Picture(scene, tracks, size)
+    shots = script(scene, len(tracks[0].time), RATE)
+    ready = [_painted(picture, shot, picture.ground.copy()) for shot in shots[:: max(1, len(shots) // 240)]]
+    results = [_round(picture, shots, ready, size) for _ in range(rounds)]
+    drawing, encoding, both = (sorted(result[k] for result in results)[rounds // 2] for k in range(3))
+    with tempfile.TemporaryDirectory() as folder:
+        report = render_scene(scene, Path(folder) / "film.mp4", size, progress=False)
+    return {
+        "scene": name,
+        "size": list(size),
+        "frames": len(ready),
+        "drawing": drawing,
+        "encoder": encoding,
+        "render": both,
+        "share": both / encoding,
+        "first_frame_seconds": report.first_frame,
+        "whole_film_seconds": report.seconds,
+    }
+
+
+def _round(
+    picture: Picture, shots: list[Shot], ready: list[Surface], size: tuple[int, int]
+) -> tuple[float, float, float]:
+    shots = shots[:: max(1, len(shots) // 240)]
+    canvas = picture.ground.copy()
+    began = perf_counter()
+    for shot in shots:
+        _painted(picture, shot, canvas)
+    drawn = perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        with open_film(Path(folder) / "ready.mp4", size, RATE) as film:
+            for surface in ready:
+                film.blank()  # keeps the pace; the frames are ready elsewhere
+                film.add(surface)
+        encoded = perf_counter()
+        with open_film(Path(folder) / "both.mp4", size, RATE) as film:
+            for shot in shots:
+                film.add(_painted(picture, shot, film.blank()))
+        both = perf_counter()
+    return len(shots) / (drawn - began), len(ready) / (encoded - drawn), len(shots) / (both - encoded)
+
+
+def _painted(picture: Picture, shot: Shot, surface: Surface) -> Surface:
+    picture.paint(surface, shot.row, told=shot.told)
+    return surface
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", default="one-on-four")
+    parser.add_argument("--size", default="1280x720")
+    parser.add_argument("--json", action="store_true")
+    args = parser.parse_args(arguments)
+    width, height = map(int, args.size.split("x"))
+    found = measure(args.scene, (width, height))
+    if args.json:
+        print(json.dumps(found))
+        return 0
+    print(f"{found['scene']} at {width}x{height}, frames a second (median of 3):")
+    print(f"  drawing alone   {found['drawing']:7.0f}")
+    print(f"  encoder alone   {found['encoder']:7.0f}")
+    print(f"  both, rendering {found['render']:7.0f}   {100 * found['share']:.0f} % of the encoder alone")
+    print(f"first frame after {found['first_frame_seconds']:.2f} s, whole film {found['whole_film_seconds']:.1f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
