@@ -90,6 +90,12 @@ def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, gu
 
 
 @jit
+def resolvent_slope(slope, weight):
+    """dg/ds = 1 / (1/slope + weight), from slope = dg/dd1 in [0, inf]."""
+    return 1.0 / (1.0 / slope + weight) if slope > 0.0 else 0.0
+
+
+@jit
 def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess):
     """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
     if start > 0.0:
@@ -112,14 +118,14 @@ def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess
         else:
             overlap = quadratic_root(1.0 + weight * half, weight * preload - start - s, s * start)
         force, slope = mean_force(preload, stiffness, exponent, start, start_power, overlap)
-        return overlap, force, slope / (1.0 + weight * slope)
+        return overlap, force, resolvent_slope(slope, weight)
     if s < SMALLEST:
         return 0.0, 0.0, 0.0
     if not 0.0 < guess < s:
         reach = (s / weight - preload) * (1.0 + exponent) / stiffness
         guess = min(s, reach ** (1.0 / exponent)) if reach > 0.0 else 0.5 * s
     overlap, force, slope = solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess)
-    return overlap, force, 1.0 / (1.0 / slope + weight) if slope > 0.0 else 0.0
+    return overlap, force, resolvent_slope(slope, weight)
 
 
 @jit
