@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from physics.methods import METHODS as METHODS
     from physics.simulation import advance as advance
     from physics.simulation import simulate as simulate
+    from physics.soft_chain import SoftChain as SoftChain
     from physics.state import State as State
     from physics.trajectory import Trajectory as Trajectory
 
@@ -38,6 +39,7 @@ _HOME = {
     "Trajectory": "trajectory",
     "METHODS": "methods",
     "SoftContact": "constraints",
+    "SoftChain": "soft_chain",
 }
 
 __all__ = list(_HOME)  # noqa: PLE0605 - the table above is the one list of public names

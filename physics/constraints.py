@@ -23,11 +23,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from typing import Any, Protocol
-from weakref import WeakKeyDictionary
 
 import pymunk
 
 from physics import native as compiled
+from physics.after_step import raise_after_step
 from physics.contact import Contact
 
 Pair = tuple[float, float]
@@ -47,6 +47,8 @@ class SoftContact(pymunk.DampedSpring):
     while ``overlap = touching_distance - distance > 0``. It is evaluated once a step, after the bodies have moved, as
     symplectic Euler wants it: use many substeps, contacts last short. The direction is that of the line between the
     anchors, so the overlap must stay smaller than `touching_distance`.
+
+    It takes the place of the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
 
     Copy and pickle keep it, other than a `force_func` of one's own.
     """
@@ -85,6 +87,7 @@ class SoftContact(pymunk.DampedSpring):
         """
         distance = _checked_distance(touching_distance)
         super().__init__(a, b, anchor_a, anchor_b, distance, 0.0, 0.0)
+        self.collide_bodies = False
         self._native = native
         self._touching_distance = distance
         self._compiled_law: Any = None
@@ -208,24 +211,3 @@ def _scalar_law(contact: Law) -> Callable[[float], float]:
     if exponent == 1.5:
         return lambda overlap: preload + stiffness * (overlap * math.sqrt(overlap))
     return lambda overlap: preload + stiffness * overlap**exponent
-
-
-_errors: WeakKeyDictionary[pymunk.Space, list[BaseException]] = WeakKeyDictionary()
-
-
-def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> None:
-    """Let the step under way end by raising `error`: for callbacks, whose exceptions pymunk prints and swallows."""
-    space = constraint.a.space or constraint.b.space
-    assert space is not None
-    _errors.setdefault(space, []).append(error)
-    space.add_post_step_callback(_raise_first, _raise_first)
-
-
-def _raise_first(space: pymunk.Space, key: object) -> None:
-    """Raise the first error of the step. pymunk then keeps this callback for one step more, where it finds nothing."""
-    errors = _errors.pop(space, [])
-    if not errors:
-        return
-    if len(errors) > 1:
-        errors[0].add_note(f"{len(errors) - 1} more callbacks failed in the same step")
-    raise errors[0]
