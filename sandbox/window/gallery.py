@@ -1,0 +1,162 @@
+"""The gallery: a card a scene, with its thumbnail, title and source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import pygame
+from pygame_gui.elements import UIButton
+
+from sandbox.draw.palette import FAINT, INK, MUTED, PAPER, STAGE
+from sandbox.draw.text import shortened, wrapped, write
+from sandbox.window import thumbnails
+from sandbox.window.page import Host
+from scenes import Scene, load, names
+
+MARGIN, HEADER, GUTTER, COLUMN = 34.0, 96.0, 20.0, 285.0  # design pixels
+CAPTION = 66.0  # design pixels below a picture
+
+
+class Gallery:
+    """All scenes of the catalogue; `choose(name)` is called with the one that is clicked."""
+
+    def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
+        self.host, self.choose = host, choose
+        self.names = names()
+        self.scenes: list[Scene] = [load(name) for name in self.names]
+        self.pictures: dict[int, pygame.Surface] = {}
+        self.shown: dict[tuple[int, tuple[int, int]], pygame.Surface] = {}
+        self.selected, self.scroll, self.rows = 0, 0.0, 1
+        self.cards: list[UIButton] = []
+        for k, scene in enumerate(self.scenes):
+            picture = thumbnails.read(scene)
+            if picture is None:
+                host.warmer.ask(("thumbnail", k), partial(thumbnails.motion, scene))
+            else:
+                self.pictures[k] = picture
+        self.actions: dict[str, Callable[[], None]] = {
+            "select_left": partial(self.step, -1),
+            "select_right": partial(self.step, 1),
+            "zoom_in": lambda: self.step(-self.columns),
+            "zoom_out": lambda: self.step(self.columns),
+            "leave": host.quit,
+        }
+
+    def build(self) -> None:
+        """Make the cards for the host's size and unit."""
+        unit, (width, height) = self.host.unit, self.host.size
+        inner = width - 2 * MARGIN * unit
+        self.columns = max(1, int((inner + GUTTER * unit) // ((COLUMN + GUTTER) * unit)))
+        self.wide = (inner - (self.columns - 1) * GUTTER * unit) / self.columns
+        self.picture_size = round(self.wide), round(self.wide * thumbnails.SIZE[1] / thumbnails.SIZE[0])
+        self.pitch = self.picture_size[1] + (CAPTION + GUTTER) * unit
+        self.rows = -(-len(self.names) // self.columns)
+        self.shown.clear()
+        self.cards = [
+            UIButton(
+                self.place(k), "", self.host.manager, object_id="#card", command=partial(self.choose, name)
+            )
+            for k, name in enumerate(self.names)
+        ]  # fmt: skip
+        self.scroll_to(self.scroll)
+
+    def place(self, k: int) -> pygame.Rect:
+        """Rectangle of card `k` on screen."""
+        row, column = divmod(k, self.columns)
+        unit = self.host.unit
+        x = MARGIN * unit + column * (self.wide + GUTTER * unit)
+        y = HEADER * unit + row * self.pitch - self.scroll
+        return pygame.Rect(round(x), round(y), self.picture_size[0], round(self.picture_size[1] + CAPTION * unit))
+
+    def step(self, by: int) -> None:
+        """Move the selection by `by` cards."""
+        self.selected = min(max(self.selected + by, 0), len(self.names) - 1)
+        card = self.place(self.selected)
+        top, bottom = HEADER * self.host.unit, self.host.size[1] - 10
+        if card.top < top:
+            self.scroll_to(self.scroll - (top - card.top))
+        elif card.bottom > bottom:
+            self.scroll_to(self.scroll + card.bottom - bottom)
+
+    def scroll_to(self, scroll: float) -> None:
+        """Scroll to `scroll` pixels, as far as there are cards."""
+        unit = self.host.unit
+        full = HEADER * unit + self.rows * self.pitch + 4 * unit
+        self.scroll = min(max(scroll, 0.0), max(0.0, full - self.host.size[1]))
+        top = HEADER * unit
+        for k, card in enumerate(self.cards):
+            place = self.place(k)
+            visible = pygame.Rect(place.left, max(place.top, round(top)), place.width, place.height)
+            visible.height = place.bottom - visible.top
+            if visible.height > 8 and visible.top < self.host.size[1]:
+                card.set_relative_position(visible.topleft)
+                card.set_dimensions(visible.size)
+                card.show()
+            else:
+                card.hide()
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Wheel and Enter; clicks are the cards' own."""
+        if event.type == pygame.MOUSEWHEEL:
+            self.scroll_to(self.scroll - event.precise_y * 60 * self.host.unit)
+            return True
+        if event.type == pygame.KEYDOWN and event.key in (pygame.K_RETURN, pygame.K_KP_ENTER):
+            self.choose(self.names[self.selected])
+            return True
+        return False
+
+    def update(self, seconds: float) -> None:
+        """Draw at most one thumbnail whose motion has come."""
+        found = self.host.warmer.finished()
+        if found is None:
+            return
+        (kind, k), tracks = found
+        if kind == "thumbnail" and isinstance(tracks, list):
+            self.pictures[k] = thumbnails.paint(self.scenes[k], tracks)
+            thumbnails.keep(self.scenes[k], self.pictures[k])
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw the cards and the header above them."""
+        unit = self.host.unit
+        surface.fill(PAPER)
+        for k in range(len(self.names)):
+            place = self.place(k)
+            if place.bottom > HEADER * unit and place.top < self.host.size[1]:
+                self._card(surface, k, place)
+        surface.fill(PAPER, (0, 0, self.host.size[0], round((HEADER - 8) * unit)))
+        x, y = MARGIN * unit, 20 * unit
+        write(surface, "softcradle", (x, y), 28 * unit, INK, bold=True)
+        line = "Beads that only push on each other, softly. Choose a scene, or drop a scene file here."
+        write(surface, line, (x, y + 38 * unit), 15 * unit, MUTED)
+        place_of_help = (self.host.size[0] - MARGIN * unit, y + 38 * unit)
+        write(surface, "F1: help", place_of_help, 15 * unit, MUTED, align=(1, 0))
+
+    def _card(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
+        unit, scene = self.host.unit, self.scenes[k]
+        image = self._image(k)
+        picture = pygame.Rect(place.topleft, self.picture_size)
+        if image is None:
+            surface.fill(STAGE, picture)
+            write(surface, "drawing …", picture.center, 13 * unit, MUTED, align=(0.5, 0.5))
+        else:
+            surface.blit(image, picture)
+        x, y, room = place.left + 10 * unit, picture.bottom + 7 * unit, self.wide - 20 * unit
+        write(surface, shortened(scene.title, 15 * unit, room, bold=True), (x, y), 15 * unit, INK, bold=True)
+        caption = wrapped(scene.text, 12 * unit, room)[:1] if scene.text else []
+        for line in caption:
+            write(surface, shortened(line + " …", 12 * unit, room), (x, y + 21 * unit), 12 * unit, MUTED)
+        source = shortened(scene.source, 11.5 * unit, room)
+        write(surface, source, (x, y + 38 * unit), 11.5 * unit, MUTED)
+        surface.fill(FAINT, (place.left, picture.bottom, place.width, 1))
+        if k == self.selected:
+            frame = place.inflate(round(4 * unit), round(4 * unit))
+            pygame.draw.rect(surface, INK, frame, max(2, round(2 * unit)))
+
+    def _image(self, k: int) -> pygame.Surface | None:
+        if k not in self.pictures:
+            return None
+        key = (k, self.picture_size)
+        if key not in self.shown:
+            self.shown[key] = pygame.transform.smoothscale(self.pictures[k].convert(), self.picture_size)
+        return self.shown[key]

@@ -1,0 +1,129 @@
+"""The one table of keys: it dispatches what is pressed, and the help overlay is made from it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import pygame
+
+CTRL, SHIFT, PLAIN = pygame.KMOD_CTRL, pygame.KMOD_SHIFT, 0
+_NAMES = {
+    pygame.K_SPACE: "Space",
+    pygame.K_ESCAPE: "Esc",
+    pygame.K_RETURN: "Enter",
+    pygame.K_DELETE: "Del",
+    pygame.K_BACKSPACE: "Backspace",
+    pygame.K_LEFT: "←",
+    pygame.K_RIGHT: "→",
+    pygame.K_UP: "↑",
+    pygame.K_DOWN: "↓",
+    pygame.K_HOME: "Home",
+    pygame.K_END: "End",
+    pygame.K_PERIOD: ".",
+    pygame.K_COMMA: ",",
+    pygame.K_MINUS: "−",
+    pygame.K_EQUALS: "+",
+    pygame.K_TAB: "Tab",
+    pygame.K_F1: "F1",
+    pygame.K_F11: "F11",
+    pygame.K_F12: "F12",
+}
+
+
+class Key(NamedTuple):
+    """A key with its modifiers (CTRL, SHIFT or both); the command key of a Mac counts as Ctrl."""
+
+    code: int
+    modifiers: int = PLAIN
+
+    def __str__(self) -> str:
+        parts = [name for bit, name in ((CTRL, "Ctrl"), (SHIFT, "Shift")) if self.modifiers & bit]
+        return "+".join([*parts, _NAMES.get(self.code) or chr(self.code).upper()])
+
+
+class Binding(NamedTuple):
+    """What some keys do: the action a page offers under this name, and the line of the help."""
+
+    action: str
+    keys: tuple[Key, ...]
+    group: str
+    text: str
+
+
+def _keys(*keys: int | tuple[int, int]) -> tuple[Key, ...]:
+    return tuple(Key(*key) if isinstance(key, tuple) else Key(key) for key in keys)
+
+
+BINDINGS: tuple[Binding, ...] = (
+    Binding("play_pause", _keys(pygame.K_SPACE), "Time", "play or pause"),
+    Binding("forward", _keys(pygame.K_PERIOD), "Time", "one frame forward"),
+    Binding("back", _keys(pygame.K_COMMA), "Time", "one frame back"),
+    Binding("slower", _keys(pygame.K_MINUS, pygame.K_LEFTBRACKET), "Time", "slower motion (or wheel down)"),
+    Binding("faster", _keys(pygame.K_EQUALS, pygame.K_RIGHTBRACKET), "Time", "faster motion (or wheel up)"),
+    Binding("restart", _keys(pygame.K_r), "Time", "restart"),
+    Binding("first", _keys(pygame.K_HOME), "Time", "to the beginning of what is remembered"),
+    Binding("last", _keys(pygame.K_END), "Time", "to the latest moment"),
+    Binding("previous_mark", _keys((pygame.K_COMMA, SHIFT)), "Time", "to the contact switch before"),
+    Binding("next_mark", _keys((pygame.K_PERIOD, SHIFT)), "Time", "to the next contact switch"),
+    Binding("select_left", _keys(pygame.K_LEFT), "Beads", "select the neighbour on the left"),
+    Binding("select_right", _keys(pygame.K_RIGHT), "Beads", "select the neighbour on the right"),
+    Binding("add_bead", _keys(pygame.K_a), "Beads", "add a bead to the right of the selected one"),
+    Binding("remove_bead", _keys(pygame.K_DELETE, pygame.K_BACKSPACE), "Beads", "remove the selected bead"),
+    Binding("lock", _keys(pygame.K_l), "Beads", "lock or unlock the selected contact"),
+    Binding("law", _keys(pygame.K_g), "Beads", "selected contact: power law or draft gear"),
+    Binding("law_all", _keys((pygame.K_g, SHIFT)), "Beads", "all contacts: power law or draft gear"),
+    Binding("undo", _keys((pygame.K_z, CTRL)), "Beads", "undo all edits: the scene as it was opened"),
+    Binding("velocities", _keys(pygame.K_1), "Plots", "velocities"),
+    Binding("forces", _keys(pygame.K_2), "Plots", "forces"),
+    Binding("overlaps", _keys(pygame.K_3), "Plots", "overlaps"),
+    Binding("energy", _keys(pygame.K_4), "Plots", "energy split"),
+    Binding("strip", _keys(pygame.K_5), "Plots", "space-time strip"),
+    Binding("difference", _keys(pygame.K_6), "Plots", "difference of two lanes"),
+    Binding("logarithmic", _keys(pygame.K_o), "Plots", "overlaps on a logarithmic axis or a plain one"),
+    Binding("plots", _keys(pygame.K_b), "Plots", "hide or show all plots"),
+    Binding("fit", _keys(pygame.K_f), "View", "follow the beads or stand still"),
+    Binding("zoom_in", _keys(pygame.K_UP), "View", "nearer (or Ctrl and wheel)"),
+    Binding("zoom_out", _keys(pygame.K_DOWN), "View", "farther"),
+    Binding("method", _keys(pygame.K_m), "View", "next method"),
+    Binding("inspector", _keys(pygame.K_i), "View", "hide or show the panel on the right"),
+    Binding("sound", _keys(pygame.K_n), "View", "click at impacts, on or off"),
+    Binding("save_scene", _keys((pygame.K_s, CTRL)), "Keep", "save the scene as a file"),
+    Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), "Keep", "save the session, to be replayed"),
+    Binding("export", _keys((pygame.K_e, CTRL)), "Keep", "export the history as .npz or .csv"),
+    Binding("screenshot", _keys(pygame.K_p, pygame.K_F12), "Keep", "screenshot"),
+    Binding("film", _keys((pygame.K_r, CTRL)), "Keep", "begin or end a film of the window"),
+    Binding("open", _keys((pygame.K_o, CTRL)), "Keep", "open a scene or a session (or drop it here)"),
+    Binding("help", _keys(pygame.K_F1, pygame.K_h), "Window", "this help"),
+    Binding("fullscreen", _keys(pygame.K_F11), "Window", "fullscreen"),
+    Binding("larger", _keys((pygame.K_EQUALS, CTRL)), "Window", "everything larger"),
+    Binding("smaller", _keys((pygame.K_MINUS, CTRL)), "Window", "everything smaller"),
+    Binding("normal", _keys((pygame.K_0, CTRL)), "Window", "normal size"),
+    Binding("leave", _keys(pygame.K_ESCAPE), "Window", "close, deselect, back to the gallery"),
+    Binding("quit", _keys((pygame.K_q, CTRL)), "Window", "quit"),
+)
+
+_ACTIONS = {key: binding.action for binding in BINDINGS for key in binding.keys}
+_OF_ACTION = {binding.action: binding for binding in BINDINGS}
+
+
+def action_of(code: int, modifiers: int) -> str | None:
+    """The action bound to a pressed key, or None."""
+    held = CTRL if modifiers & (pygame.KMOD_CTRL | pygame.KMOD_META) else PLAIN
+    held |= SHIFT if modifiers & pygame.KMOD_SHIFT else PLAIN
+    if modifiers & pygame.KMOD_ALT:
+        return None
+    return _ACTIONS.get(Key(code, held)) or (_ACTIONS.get(Key(code)) if held == SHIFT and code < pygame.K_a else None)
+
+
+def hint(action: str) -> str:
+    """Text of a tooltip: what the action does, and its first key."""
+    binding = _OF_ACTION[action]
+    return f"{binding.text} ({binding.keys[0]})"
+
+
+def groups() -> dict[str, list[Binding]]:
+    """The bindings by group, in the order of the table."""
+    found: dict[str, list[Binding]] = {}
+    for binding in BINDINGS:
+        found.setdefault(binding.group, []).append(binding)
+    return found

@@ -1,0 +1,77 @@
+"""Messages on screen: what was done, and what went wrong, for as long as it takes to read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pygame
+
+from sandbox.draw.palette import GOOD, INK, PAPER, WARNING
+from sandbox.draw.text import wrapped, write
+
+MOST = 4  # on screen at once
+LEAST_SECONDS, SECONDS_A_WORD = 2.5, 0.35
+TROUBLE_FACTOR = 2.0  # trouble stays longer
+
+
+@dataclass
+class Message:
+    """A sentence, whether it is trouble, and the seconds it still stays."""
+
+    text: str
+    trouble: bool
+    left: float
+
+
+class Messages:
+    """The sentences on screen, the newest lowest."""
+
+    def __init__(self) -> None:
+        self.shown: list[Message] = []
+        self._places: list[tuple[pygame.Rect, Message]] = []
+
+    def say(self, text: str, trouble: bool = False) -> None:
+        """Show `text`; the same text again only stays longer."""
+        self.shown = [message for message in self.shown if message.text != text][-(MOST - 1) :]
+        seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (TROUBLE_FACTOR if trouble else 1.0)
+        self.shown.append(Message(text, trouble, seconds))
+
+    def handle(self, event: pygame.Event) -> bool:
+        """A click takes a message away."""
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
+            for rect, message in self._places:
+                if rect.collidepoint(event.pos) and message in self.shown:
+                    self.shown.remove(message)
+                    return True
+        return False
+
+    def update(self, seconds: float) -> None:
+        """Let time pass."""
+        for message in self.shown:
+            message.left -= seconds
+        self.shown = [message for message in self.shown if message.left > 0.0]
+
+    def paint(self, surface: pygame.Surface, bottom: float, unit: float) -> None:
+        """Draw them above `bottom`, in the middle."""
+        self._places = []
+        y = bottom
+        for message in reversed(self.shown):
+            lines = wrapped(message.text, 14 * unit, min(720 * unit, 0.7 * surface.get_width()))
+            y -= self._box(surface, message, lines, y, unit) + 6 * unit
+
+    def _box(self, surface: pygame.Surface, message: Message, lines: list[str], bottom: float, unit: float) -> float:
+        from sandbox.draw.text import width
+
+        high = (len(lines) * 20 + 14) * unit
+        wide = max(width(line, 14 * unit) for line in lines) + 40 * unit
+        rect = pygame.Rect(0, 0, round(wide), round(high))
+        rect.midbottom = (surface.get_width() // 2, round(bottom))
+        tint = WARNING if message.trouble else GOOD
+        pygame.draw.rect(surface, PAPER, rect, border_radius=round(6 * unit))
+        pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
+        x = rect.left + 13 * unit
+        write(surface, "!" if message.trouble else "✓", (x, rect.top + 7 * unit), 14 * unit, tint, bold=True)
+        for k, line in enumerate(lines):
+            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, INK)
+        self._places.append((rect, message))
+        return high

@@ -1,0 +1,95 @@
+"""Thumbnails of scenes: drawn by the project's own stage, kept on disk under the digest of all that makes them."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import pygame
+
+from sandbox.draw.palette import FAINT, STAGE
+from sandbox.draw.scales import left_edges, scales_of
+from sandbox.draw.stage import Stage
+from sandbox.draw.track import Track
+from scenes import Scene
+
+SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
+ROWS = 240  # of the motion that the moment is chosen from
+_SOURCES = Path(__file__).parents[2]
+
+
+@lru_cache(maxsize=1)
+def _code_digest() -> bytes:
+    """Digest of the sources that a thumbnail depends on."""
+    digest = hashlib.sha256()
+    files = [*(_SOURCES / "physics").rglob("*.py"), *(_SOURCES / "sandbox" / "draw").glob("*.py"), Path(__file__)]
+    for path in sorted(files):
+        digest.update(path.read_bytes())
+    return digest.digest()
+
+
+def cache_folder() -> Path:
+    """Where thumbnails are kept; SOFTCRADLE_CACHE moves it."""
+    moved = os.environ.get("SOFTCRADLE_CACHE")
+    if moved:
+        return Path(moved)
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("softcradle", appauthor=False)) / "thumbnails"
+
+
+def cached_path(scene: Scene) -> Path:
+    """The file of the thumbnail of `scene`; another scene, drawing or physics has another name."""
+    digest = hashlib.sha256(_code_digest() + scene.model_dump_json().encode()).hexdigest()[:24]
+    return cache_folder() / f"{digest}.png"
+
+
+def read(scene: Scene) -> pygame.Surface | None:
+    """The kept thumbnail, or None."""
+    try:
+        return pygame.image.load(str(cached_path(scene)))
+    except (OSError, pygame.error):
+        return None
+
+
+def keep(scene: Scene, thumbnail: pygame.Surface) -> None:
+    """Keep `thumbnail` on disk; a cache that cannot be written is done without."""
+    from physics.files import output_file
+
+    path = cached_path(scene)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with output_file(path) as temporary:
+            pygame.image.save(thumbnail, str(temporary))
+    except (OSError, pygame.error):
+        return
+
+
+def motion(scene: Scene) -> list[Track]:
+    """What a thumbnail is drawn from: the motion of each lane. Takes some milliseconds; runs behind the window."""
+    from sandbox.render import simulated
+
+    rate = ROWS / (scene.duration or 1.0)
+    return simulated(scene, max(rate, 60.0 * scene.view.slow))[1]
+
+
+def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
+    """The moment of the greatest force, one lane below the other."""
+    from sandbox.render import strongest_row
+
+    surface = pygame.Surface(SIZE, 0, 32)
+    surface.fill(STAGE)
+    row, scales, length = strongest_row(tracks), scales_of(scene, tracks), scene.view.length
+    edges = [left_edges(t.position[row], t.overlap[row], length, scales.magnify) for t in tracks]
+    low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length
+    scales = replace(scales, window=(low - 0.4 * length, high + 0.4 * length))
+    tall = SIZE[1] / len(tracks)
+    for k, (lane, track) in enumerate(zip(scene.lanes, tracks, strict=True)):
+        rect = pygame.Rect(0, round(k * tall), SIZE[0], round(tall))
+        stage = Stage(rect, 2.0, lane, length, scene.view.labels, scales)
+        surface.fill(FAINT, (0, round(stage.ground), SIZE[0], 3))
+        stage.paint(surface, track, row, stage.left())
+    return surface
