@@ -28,7 +28,7 @@ RATE = 60.0
 def measure(name: str, size: tuple[int, int], rounds: int = 3) -> dict[str, Any]:
     """Frames a second of drawing alone, the encoder alone and both together; the median of `rounds`, taken in turn."""
     scene = scenes.load(name)
-    _, tracks = simulated(scene, RATE * scene.view.slow)
+    tracks = simulated(scene, RATE * scene.view.slow)
     picture = Picture(scene, tracks, size)
     shots = script(scene, len(tracks[0].time), RATE)
     ready = [_painted(picture, shot, picture.ground.copy()) for shot in shots[:: max(1, len(shots) // 240)]]

@@ -44,7 +44,6 @@ class RenderReport:
         duration: of the film [s]; 0 for a single picture.
         seconds: wall time of all.
         simulated, first_frame: wall time until the motion was known, and until the first frame was drawn [s].
-        warnings: sentences of the simulation on what may be wrong with it.
     """
 
     output: Path
@@ -53,13 +52,13 @@ class RenderReport:
     seconds: float
     simulated: float
     first_frame: float
-    warnings: tuple[str, ...] = ()
 
 
 def render_scene(
     scene: Scene,
     output: str | os.PathLike[str],
     size: tuple[int, int] = (1280, 720),
+    *,
     fps: float | None = None,
     slow: float | None = None,
     method: str | None = None,
@@ -92,7 +91,7 @@ def render_scene(
         raise UserError(f"slow motion must be a number > 0, not {slow:g}")
     still = codec is None and output.lower().endswith(".png")
     with _Bar(progress and not still) as bar:
-        trajectories, tracks = simulated(scene, rate * slow, method=method, step=step)
+        tracks = simulated(scene, rate * slow, method=method, step=step)
         known = perf_counter() - began
         picture = Picture(scene, tracks, size, slow=slow)
         strongest = strongest_row(tracks)
@@ -107,10 +106,9 @@ def render_scene(
                 picture.paint(surface, shot.row, told=shot.told)
                 film.add(surface)
                 bar.advance()
-    warnings_found = tuple(sentence for trajectory in trajectories for sentence in trajectory.warnings)
     duration = 0.0 if still else len(shots) / rate
     seconds = perf_counter() - began
-    return RenderReport(Path(output), len(shots), duration, seconds, known, first_frame, warnings_found)
+    return RenderReport(Path(output), len(shots), duration, seconds, known, first_frame)
 
 
 @dataclass(frozen=True)
@@ -136,29 +134,31 @@ def strongest_row(tracks: Sequence[Track]) -> int:
 
 def simulated(
     scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None
-) -> tuple[list[physics.Trajectory], list[Track]]:
-    """A trajectory and a track for each lane of `scene`, all at the same times, with free flight at both ends.
+) -> list[Track]:
+    """A track for each lane of `scene`, all at the same times, with free flight at both ends.
 
     Raises UserError where the method or the step does not suit the scene, or where there would be too many rows;
-    `rows_per_second` are those of the motion.
+    `rows_per_second` are those of the motion. What may be wrong with it is said by RuntimeWarnings.
     """
     lanes = range(len(scene.lanes))
     try:
         settings = scene.settings(method=method, step=step)
-        end = scene.duration or max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in lanes)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # said below
+            end = scene.duration or max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in lanes)
         times = _times(scene, float(end), rows_per_second)
         moving = times[times >= 0.0]
         settings |= {"duration": float(moving[-1]), "samples": moving}
-        trajectories = [_simulate(scene, k, settings) for k in lanes]
+        tracks = [track_of(_simulate(scene, k, settings), times[times < 0.0]) for k in lanes]
     except ValueError as error:
         raise UserError(str(error)) from error
-    return trajectories, [track_of(trajectory, times[times < 0.0]) for trajectory in trajectories]
+    if not all(np.isfinite(track.position).all() and np.isfinite(track.force).all() for track in tracks):
+        raise UserError(f"the motion by {tracks[0].method} did not stay finite: choose a smaller step")
+    return tracks
 
 
 def _simulate(scene: Scene, lane: int, settings: dict[str, Any]) -> physics.Trajectory:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # the report has them
-        return physics.simulate(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
+    return physics.simulate(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
 
 
 def _times(scene: Scene, end: float, rows_per_second: float) -> Array:

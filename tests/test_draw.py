@@ -80,7 +80,7 @@ contact = {law = "hooke", stiffness = 1.0}
 
 def history(text, rows_per_second=40.0):
     scene = parse(text)
-    return scene, simulated(scene, rows_per_second * scene.view.slow)[1]
+    return scene, simulated(scene, rows_per_second * scene.view.slow)
 
 
 @pytest.fixture(scope="module")
@@ -174,6 +174,12 @@ def test_lanes_share_clock_axes_and_scale(two):
     assert not first.stage.rect.colliderect(second.stage.rect)
 
 
+def test_beads_beside_gears_have_one_scale():
+    scene, tracks = history(SOFT + GEAR.split("[view]", maxsplit=1)[0].replace('title = "Gear"', ""))
+    beads, gears = Picture(scene, tracks, SIZE).lanes
+    assert beads.stage.scale == gears.stage.scale
+
+
 def test_everything_stays_in_view(two):
     scene, tracks = two
     scales = scales_of(scene, tracks)
@@ -225,8 +231,8 @@ def test_rigid_shares_are_those_of_equation_4():
 def test_a_history_that_grows_is_inked_like_one_that_is_known(two):
     scene, tracks = two
     scales = scales_of(scene, tracks)
-    whole = Picture(scene, tracks, SIZE, scales, ahead=0.0)
-    growing = Picture(scene, [shortened_track(t, 30) for t in tracks], SIZE, scales, ahead=0.0)
+    whole = Picture(scene, tracks, SIZE, scales=scales, ahead=0.0)
+    growing = Picture(scene, [shortened_track(t, 30) for t in tracks], SIZE, scales=scales, ahead=0.0)
     for rows in (31, 60, len(tracks[0].time)):
         growing.extend([shortened_track(t, rows) for t in tracks])
     for lane, grown in zip(whole.lanes, growing.lanes, strict=True):
@@ -279,9 +285,11 @@ def test_text_of_the_scene_is_told_and_goes(soft):
 
 
 def test_the_font_has_every_sign():
-    signs = "0123456789δvf₀₁₉₋⁰¹²⁹⁻·×−…✓µ()=!éüα\N{NARROW NO-BREAK SPACE}"
+    signs = "0123456789δvf₀₁₉₋⁰¹²⁹⁻·\N{MULTIPLICATION SIGN}\N{MINUS SIGN}…✓µ()=!éüα\N{NARROW NO-BREAK SPACE}"
     assert all(metric is not None for metric in font(20).metrics(signs))
-    assert len({font(40).size(digit)[0] for digit in "0123456789−"}) == 1, "digits of one width do not dance"
+    assert len({font(40).size(digit)[0] for digit in "0123456789\N{MINUS SIGN}"}) == 1, (
+        "digits of one width do not dance"
+    )
 
 
 def test_colours_differ_for_the_colour_blind():
@@ -329,15 +337,15 @@ def test_steps_are_round(span, most):
     [
         (scientific(0.41), "0.41"),
         (scientific(7.8e-4), "7.8·10⁻⁴"),
-        (scientific(-1.25e7), "−1.2·10⁷"),
+        (scientific(-1.25e7), "\N{MINUS SIGN}1.2·10⁷"),
         (scientific(0.0), "0"),
         (scientific(123.0), "123"),
-        (factor(0.5), "×0.5"),
-        (factor(20000.0), "×20\N{NARROW NO-BREAK SPACE}000"),
-        (factor(2e6), "×2·10⁶"),
-        (factor(1e29), "×10²⁹"),
+        (factor(0.5), "\N{MULTIPLICATION SIGN}0.5"),
+        (factor(20000.0), "\N{MULTIPLICATION SIGN}20\N{NARROW NO-BREAK SPACE}000"),
+        (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"),
+        (factor(1e29), "\N{MULTIPLICATION SIGN}10²⁹"),
         (fixed(-0.001, 2), "0.00"),
-        (fixed(-1.5, 1), "−1.5"),
+        (fixed(-1.5, 1), "\N{MINUS SIGN}1.5"),
         (index(1, 2), "₁₂"),
         (index(9, 10), "₉₋₁₀"),
         (power_of_ten(-12), "10⁻¹²"),

@@ -22,4 +22,4 @@ def draw(
     surface: pygame.Surface, scene: Scene, tracks: Sequence[Track], row: int, scales: Scales | None = None
 ) -> None:
     """Draw one moment of `scene` on `surface`; a :class:`Picture` draws many of them faster."""
-    Picture(scene, tracks, surface.get_size(), scales).paint(surface, row)
+    Picture(scene, tracks, surface.get_size(), scales=scales).paint(surface, row)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import pygame
 
-from sandbox.draw.palette import Colour, mix
+from sandbox.draw.palette import PAPER, Colour, mix
 
 FINE = 4  # supersampling, and positions within a pixel
 Point = tuple[float, float]
@@ -35,8 +35,9 @@ def put(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
     surface.blit(images[quarters % FINE], (quarters // FINE, round(y)))
 
 
-def bar(surface: pygame.Surface, colour: Colour, x: float, y: float, width: float, height: float) -> None:
-    """Filled rectangle with edges to a fraction of a pixel, over whatever is there."""
+def bar(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
+    """Filled rectangle (left, top, width, height) with edges to a fraction of a pixel, over whatever is there."""
+    x, y, width, height = area
     if width <= 0.0 or height <= 0.0:
         return
     for left, right, across in _spans(x, x + width):
@@ -72,24 +73,22 @@ MARKERS = 5
 
 
 @lru_cache(maxsize=512)
-def marker(shape: int, radius: float, colour: Colour, rim: Colour) -> Sprites:
+def marker(shape: int, radius: float, colour: Colour) -> Sprites:
     """Disc, square, triangle, diamond or triangle on its head: `shape` counts through them."""
     side = math.ceil(2 * radius + 4)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
         centre = (side / 2 * FINE + shift, side / 2 * FINE)
-        for tint, size in ((rim, radius + 1.2), (colour, radius)):
+        for tint, size in ((PAPER, radius + 1.2), (colour, radius)):
             _shape(fine, tint, shape % MARKERS, centre, size * FINE)
 
-    return sprites((side, side), rim, paint)
+    return sprites((side, side), PAPER, paint)
 
 
-def put_marker(
-    surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour, rim: Colour = (255, 255, 255)
-) -> None:
+def put_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:
     """Draw a marker about `centre`."""
     half = math.ceil(2 * radius + 4) / 2
-    put(surface, marker(shape, radius, colour, rim), centre[0] - half, centre[1] - half)
+    put(surface, marker(shape, radius, colour), centre[0] - half, centre[1] - half)
 
 
 def _shape(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, radius: float) -> None:
@@ -102,12 +101,13 @@ def _shape(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, r
     pygame.draw.polygon(surface, colour, corner)
 
 
-def arrow(surface: pygame.Surface, colour: Colour, x: float, y: float, length: float, unit: float) -> None:
-    """Level arrow from (x, y), `length` pixels to the right (left where negative)."""
+def arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
+    """Level arrow from `start`, `length` pixels to the right (left where negative)."""
+    x, y = start
     if abs(length) < 2.5 * unit:
         return
     head = math.copysign(min(7.0 * unit, 0.6 * abs(length)), length)
-    bar(surface, colour, min(x, x + length - head), y - unit, abs(length - head), 2.0 * unit)
+    bar(surface, colour, (min(x, x + length - head), y - unit, abs(length - head), 2.0 * unit))
     tip, back = x + length, x + length - head
     half = 0.6 * abs(head)
     corners = [(tip, y), (back, y - half), (back, y + half)]

@@ -12,7 +12,7 @@ from sandbox.draw.numbers import factor, index, round_down, scientific
 from sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, STEEL, Colour, mix
 from sandbox.draw.scales import Scales
 from sandbox.draw.shapes import GLASS, dark
-from sandbox.draw.stage import Stage
+from sandbox.draw.stage import Stage, is_gear
 from sandbox.draw.text import write
 from sandbox.draw.track import Array, Track
 
@@ -75,8 +75,7 @@ class Loupes:
         glass.fill(PAPER)
         depth = max(depth, -1.1 * self.radius)
         colours = self.stage.colours[contact], self.stage.colours[contact + 1]
-        law = self.stage.chain.contact[contact]
-        if law.preload > 0.0 and law.stiffness > 0.0:
+        if is_gear(self.stage.chain.contact[contact]):
             self._gear(glass, colours, depth)
         else:
             self._caps(glass, colours, depth)
@@ -94,15 +93,15 @@ class Loupes:
         middle, r = self.side / 2, self.radius
         head, face = middle - 0.75 * r, middle + 0.45 * r
         pushed = face - max(depth, 0.0)
-        bar(glass, STEEL, head, middle - 0.22 * r, pushed - head, 0.44 * r)
-        bar(glass, MUTED, pushed - 0.16 * r, middle - 0.5 * r, 0.16 * r, r)
-        bar(glass, colours[0], 0, middle - 0.8 * r, head, 1.6 * r)
-        bar(glass, dark(colours[0]), head - 0.2 * r, middle - 0.8 * r, 0.2 * r, 1.6 * r)
+        bar(glass, STEEL, (head, middle - 0.22 * r, pushed - head, 0.44 * r))
+        bar(glass, MUTED, (pushed - 0.16 * r, middle - 0.5 * r, 0.16 * r, r))
+        bar(glass, colours[0], (0, middle - 0.8 * r, head, 1.6 * r))
+        bar(glass, dark(colours[0]), (head - 0.2 * r, middle - 0.8 * r, 0.2 * r, 1.6 * r))
         other = face - depth
-        bar(glass, dark(colours[1]), other, middle - 0.8 * r, 2.0, 1.6 * r)
-        bar(glass, colours[1], other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r)
+        bar(glass, dark(colours[1]), (other, middle - 0.8 * r, 2.0, 1.6 * r))
+        bar(glass, colours[1], (other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r))
         for k in range(-4, 5, 2):
-            bar(glass, INK, face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r)
+            bar(glass, INK, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> range:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-MINUS = "\N{MINUS SIGN}"
+MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
 
@@ -30,7 +30,7 @@ def fixed(value: float, decimals: int) -> str:
 def scientific(value: float, digits: int = 1) -> str:
     """`value` with `digits` decimals times a power of ten; plain where it lies between 0.01 and 1000."""
     if value == 0.0 or not math.isfinite(value):
-        return "0" if value == 0.0 else "–"
+        return "0" if value == 0.0 else "?"
     if 0.01 <= abs(value) < 1000.0:
         return fixed(value, max(0, digits + 1 - math.floor(math.log10(abs(value))) - 1))
     mantissa, exponent = f"{value:.{digits}e}".split("e")
@@ -38,13 +38,17 @@ def scientific(value: float, digits: int = 1) -> str:
 
 
 def factor(value: float) -> str:
-    """A magnification: ×0.5, ×20, ×5·10⁶."""
+    """A magnification, times sign first: 0.5, 20, 5·10⁶."""
     if 0.01 <= value < 1.0:
-        return f"×{value:.2g}"
+        return f"{TIMES}{value:.2g}"
     if 1.0 <= value < 100000.0:
-        return f"×{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+        return f"{TIMES}{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
     mantissa, exponent = f"{value:.0e}".split("e")
-    return f"×{power_of_ten(int(exponent))}" if mantissa == "1" else f"×{mantissa}·{power_of_ten(int(exponent))}"
+    return (
+        f"{TIMES}{power_of_ten(int(exponent))}"
+        if mantissa == "1"
+        else f"{TIMES}{mantissa}·{power_of_ten(int(exponent))}"
+    )
 
 
 def round_step(span: float, most: int) -> float:

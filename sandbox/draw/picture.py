@@ -38,6 +38,7 @@ class Picture:
         scene: Scene,
         tracks: Sequence[Track],
         size: tuple[int, int],
+        *,
         scales: Scales | None = None,
         slow: float | None = None,
         ahead: float = 0.2,
@@ -101,7 +102,7 @@ class Picture:
         header, unit = self.layout.header, self.layout.unit
         span = self.scales.time[1] - self.scales.time[0]
         size, name = time_unit(span)
-        decimals = max(0, 2 - int(np.floor(np.log10(span / size))))
+        decimals = max(0, 3 - int(np.floor(np.log10(span / size))))
         text = f"t = {fixed(time / size, decimals)} {name}"
         write(surface, text, header.topright, 25 * unit, INK, bold=True, align=(1, 0))
 
@@ -112,8 +113,7 @@ class _LanePicture:
     def __init__(self, picture: Picture, number: int, place: LaneLayout) -> None:
         scene, scales, unit = picture.scene, picture.scales, picture.layout.unit
         self.track = picture.tracks[number]
-        view = scene.view
-        self.stage = Stage(place.stage, unit, scene.lanes[number], view.length, view.labels, scales)
+        self.stage = Stage(place.stage, unit, scene, number, scales)
         self.loupes = Loupes(place.loupes, unit, self.stage, scales.deepest[number], scales)
         self.shares = Shares(place.shares, unit, self.stage.colours, scales)
         self.panels = [self._panel(rect, kind, scales, unit) for kind, rect in enumerate(place.panels)]
@@ -139,7 +139,7 @@ class _LanePicture:
             else [letters + index(i, i + 1) for i in range(contacts)]
         )
         colours = self.stage.colours if kind == 0 else self.stage.contact_colours
-        return Panel(rect, unit, scales.time, axis, colours, names)
+        return Panel(rect, unit, scales.time, axis, colours=colours, names=names)
 
     def backdrop(self, surface: pygame.Surface) -> None:
         self.stage.backdrop(surface)

@@ -58,6 +58,7 @@ class Panel:
         unit: float,
         time: tuple[float, float],
         axis: Axis,
+        *,
         colours: Sequence[Colour],
         names: Sequence[str],
     ) -> None:

@@ -45,7 +45,7 @@ class Shares:
             fitting = [title for title in titles if width(title, 12.5 * unit) < rect.width - 14 * unit] or [""]
             end = write(surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, MUTED, align=(0, 1)).right
             if fitting[0].endswith("contacts"):
-                bar(surface, STEEL, end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit)
+                bar(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
 
     def paint(self, surface: pygame.Surface, track: Track, row: int) -> None:
         """Draw the shares and errors at row `row` of `track`."""
@@ -59,7 +59,7 @@ class Shares:
         rect, x = self.bars[0], float(self.bars[0].left)
         for value, colour in zip((*kinetic.tolist(), stored), (*self.colours, STEEL), strict=True):
             wide = value / self.scales.energy * rect.width
-            bar(surface, colour, x, rect.top, wide, rect.height)
+            bar(surface, colour, (x, rect.top, wide, rect.height))
             x += wide
 
     def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
@@ -69,7 +69,7 @@ class Shares:
         for value, colour in zip(momentum.tolist(), self.colours, strict=True):
             wide = value / (high - low) * rect.width
             side = 1 if wide > 0 else 0
-            bar(surface, colour, min(ends[side], ends[side] + wide), rect.top, abs(wide), rect.height)
+            bar(surface, colour, (min(ends[side], ends[side] + wide), rect.top, abs(wide), rect.height))
             ends[side] += wide
         total = self.zero + float(momentum.sum()) / (high - low) * rect.width
         for x, colour in ((self.zero, MUTED), (total, INK)):

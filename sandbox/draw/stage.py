@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import pygame
 
-from physics import Chain
+from physics import Chain, Contact
 from sandbox.draw import shapes
 from sandbox.draw.ink import arrow, bar, put
 from sandbox.draw.numbers import factor, fixed, round_down, scientific, ticks
@@ -17,7 +17,7 @@ from sandbox.draw.palette import FAINT, GRID, INK, MUTED, STAGE, bead_colours
 from sandbox.draw.scales import Scales, left_edges
 from sandbox.draw.text import width, write
 from sandbox.draw.track import Array, Track
-from scenes import Lane
+from scenes import Scene
 
 TALLEST_BEAD = 0.40  # of the stage
 GROUND = 30.0  # design pixels from the ground line to the foot of the stage
@@ -28,24 +28,19 @@ LEAST_LABELLED = 26.0  # design pixels of a bead that still carries texts beside
 class Stage:
     """What is the same in every frame of one lane: scale, sprites, colours. Drawing changes nothing in it."""
 
-    def __init__(self, rect: pygame.Rect, unit: float, lane: Lane, length: float, labels: bool, scales: Scales) -> None:
-        self.rect, self.unit, self.lane, self.length, self.labels, self.scales = (
-            rect,
-            unit,
-            lane,
-            length,
-            labels,
-            scales,
-        )
+    def __init__(self, rect: pygame.Rect, unit: float, scene: Scene, number: int, scales: Scales) -> None:
+        self.rect, self.unit, self.scales = rect, unit, scales
+        lane = scene.lanes[number]
+        self.label, self.length, self.numbered = lane.label, scene.view.length, scene.view.labels
         self.chain: Chain = lane.chain()
         palette = bead_colours(self.chain.contacts + 1)
         self.contact_colours = palette[1:]  # of the bead on the right, which the contact pushes on
         self.colours = tuple(MUTED if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
-        slim = shapes.BODY_HEIGHT if all(map(self._is_gear, range(self.chain.contacts))) else 1.0  # height of a body
-        self.scale = min(rect.width / (high - low), TALLEST_BEAD * rect.height / (slim * length))  # pixels per metre
-        self.bead = length * self.scale  # pixels
-        self.number_size = 0.36 * self.bead * (0.85 * slim if slim < 1.0 else 1.0)
+        slim = _slimness(scene)
+        self.scale = min(rect.width / (high - low), TALLEST_BEAD * rect.height / (slim * self.length))  # pixels a metre
+        self.bead = self.length * self.scale  # pixels
+        self.number_size = (0.31 if slim < 1.0 else 0.36) * slim * self.bead
         self.ground = rect.bottom - GROUND * unit
         self.foot_of_bars = self.ground - max(slim * self.bead, 12 * unit) - 8 * unit
         self.bar_room = self.foot_of_bars - rect.top - 24 * unit
@@ -67,12 +62,12 @@ class Stage:
             if y > rect.top + 58 * unit:  # the lane's name and the key stand above
                 write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, MUTED, align=(0, 1))
         x, y = rect.left + 8 * unit, rect.top + 8 * unit
-        if self.lane.label:
-            x = write(surface, self.lane.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
+        if self.label:
+            x = write(surface, self.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
         write(surface, "contact force (N)", (x, y), 12.5 * unit, MUTED)
         if any(share != 0.0 for share in self.rigid):
             x, y = rect.left + 8 * unit, rect.top + 26 * unit
-            bar(surface, INK, x, y + 7 * unit, 14 * unit, 1.5 * unit)
+            bar(surface, INK, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
             write(surface, "if clusters were rigid", (x + 20 * unit, y), 12.5 * unit, MUTED)
         surface.fill(FAINT, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         self._ruler(surface)
@@ -111,7 +106,7 @@ class Stage:
                 put(surface, image, edges[i], self.ground - math.ceil(self.bead))
 
         size = self.number_size
-        for i in on_screen if self.labels and size >= LEAST_NUMBER else ():
+        for i in on_screen if self.numbered and size >= LEAST_NUMBER else ():
             if math.isinf(self.chain.mass[i]):
                 continue
             middle = edges[i] + self.bead * (0.5 * shapes.BODY if self._is_gear(i) else 0.5)
@@ -121,8 +116,7 @@ class Stage:
 
     def _is_gear(self, bead: int) -> bool:
         """Whether the bead pushes to its right with a piston; the last one looks like its neighbour."""
-        contact = self.chain.contact[min(bead, self.chain.contacts - 1)]
-        return contact.preload > 0.0 and contact.stiffness > 0.0
+        return is_gear(self.chain.contact[min(bead, self.chain.contacts - 1)])
 
     def _core(self, bead: int) -> float:
         finite = [mass for mass in self.chain.mass if math.isfinite(mass)]
@@ -135,11 +129,11 @@ class Stage:
         decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
         for i, (x, force) in enumerate(zip(contacts, forces, strict=True)):
             top = self._bar_top(force)
-            bar(surface, self.contact_colours[i], x - wide / 2, top, wide, self.foot_of_bars - top)
+            bar(surface, self.contact_colours[i], (x - wide / 2, top, wide, self.foot_of_bars - top))
             expected = forces[self.interface] * self.rigid[i]
             if i != self.interface and expected > seen:
                 reach = wide / 2 + 5 * unit
-                bar(surface, INK, x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
+                bar(surface, INK, (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit))
             if force > seen and self.bead >= 1.5 * LEAST_LABELLED * unit:
                 write(surface, fixed(force, decimals), (x, top - 3 * unit), 13 * unit, bold=True, align=(0.5, 1))
 
@@ -149,7 +143,7 @@ class Stage:
         for i, (x, speed) in enumerate(zip(edges, speeds, strict=True)):
             middle = x + self.bead / 2
             colour = shapes.dark(self.colours[i])
-            arrow(surface, colour, middle, y, 0.85 * self.bead * speed / fastest, self.unit)
+            arrow(surface, colour, (middle, y), 0.85 * self.bead * speed / fastest, self.unit)
             if self.masses:
                 write(surface, self.masses[i], (middle, y + 5 * self.unit), size, MUTED, align=(0.5, 0))
 
@@ -161,12 +155,23 @@ class Stage:
         left = right - length * self.scale
         wide = width(drawn, 12.5 * unit)
         surface.fill(STAGE, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
-        bar(surface, MUTED, left, y, right - left, max(1.0, 1.5 * unit))
+        bar(surface, MUTED, (left, y, right - left, max(1.0, 1.5 * unit)))
         for x in (left, right):
-            bar(surface, MUTED, x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit)
+            bar(surface, MUTED, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
         write(surface, name, (middle, y - 3 * unit), 12.5 * unit, MUTED, align=(0.5, 1))
         write(surface, drawn, (right, y + 8 * unit), 12.5 * unit, MUTED, align=(1, 0))
+
+
+def is_gear(contact: Contact) -> bool:
+    """Whether the contact is drawn as a piston: a preloaded spring."""
+    return contact.preload > 0.0 and contact.stiffness > 0.0
+
+
+def _slimness(scene: Scene) -> float:
+    """Height of the tallest body in lengths of a bead; one for all lanes, so that they have one scale."""
+    all_gears = all(is_gear(contact) for lane in scene.lanes for contact in lane.chain().contact)
+    return shapes.BODY_HEIGHT if all_gears else 1.0
 
 
 def rigid_shares(mass: Sequence[float], velocity: Sequence[float]) -> tuple[int, tuple[float, ...]]:

@@ -73,7 +73,7 @@ def motion(scene: Scene) -> list[Track]:
     from sandbox.render import simulated
 
     rate = ROWS / (scene.duration or 1.0)
-    return simulated(scene, max(rate, 60.0 * scene.view.slow))[1]
+    return simulated(scene, max(rate, 60.0 * scene.view.slow))
 
 
 def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
@@ -87,9 +87,9 @@ def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
     low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length
     scales = replace(scales, window=(low - 0.4 * length, high + 0.4 * length))
     tall = SIZE[1] / len(tracks)
-    for k, (lane, track) in enumerate(zip(scene.lanes, tracks, strict=True)):
+    for k, track in enumerate(tracks):
         rect = pygame.Rect(0, round(k * tall), SIZE[0], round(tall))
-        stage = Stage(rect, 2.0, lane, length, scene.view.labels, scales)
+        stage = Stage(rect, 2.0, scene, k, scales)
         surface.fill(FAINT, (0, round(stage.ground), SIZE[0], 3))
         stage.paint(surface, track, row, stage.left())
     return surface
