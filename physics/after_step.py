@@ -39,7 +39,10 @@ def _finish(space: pymunk.Space, key: object) -> None:
     """Do what waits and raise the first error. After an error pymunk calls this once more, with nothing waiting."""
     waiting = _waiting.pop(space, _Waiting())
     for task in waiting.tasks:
-        task()
+        try:
+            task()
+        except Exception as error:  # what failed in the step itself comes first
+            waiting.errors.append(error)
     if waiting.errors:
         if len(waiting.errors) > 1:
             waiting.errors[0].add_note(f"{len(waiting.errors) - 1} more callbacks failed in the same step")

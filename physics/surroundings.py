@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TAUT = 1e-6  # of its length: a string nearer to its end than this is taut
+STIFFNESS = 1.0 - 1e-4  # part of an impulse that a string takes: a body that could not move at all has no finite forces
 
 
 @dataclass
@@ -65,7 +66,7 @@ class _String:
         yielding = float(self.direction @ pulled)
         if yielding > 0.0:
             expected -= pulled * ((self.direction @ expected - self.speed) / yielding)
-            mobility -= np.outer(pulled, pulled) / yielding
+            mobility -= STIFFNESS * np.outer(pulled, pulled) / yielding
 
 
 def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:

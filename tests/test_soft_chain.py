@@ -203,13 +203,10 @@ def test_a_hanging_cradle_keeps_its_energy_for_twenty_seconds(law):
     assert cradle[-1] > 0.9
 
 
-def test_a_hanging_cradle_swings_like_one():
-    """The first blow: the last ball takes the motion; the others nearly rest."""
-    space, bodies, _ = hanging(hertz(3e4))
-    run(space, 0.53, FRAME / 16)
-    speeds = [body.velocity.x for body in bodies]
-    expected = simulate(one_on(4, hertz(3e4)), [1.0, 0, 0, 0, 0]).final_velocity * math.sqrt(
-        2 * 9.81 * (1 - math.cos(0.6))
-    )
-    np.testing.assert_allclose(speeds, expected, atol=0.15)
-    assert speeds[4] > 1.5
+def test_a_hanging_cradle_starts_like_a_free_one():
+    """The first blow at the lowest point, its speed from the fall: as if there were no strings."""
+    law, speed = hertz(1e6), math.sqrt(2.0 * 9.81 * (1.0 - math.cos(0.6)))
+    space, bodies, _ = hanging(law)
+    run(space, 0.54, FRAME / 64)
+    expected = simulate(one_on(4, law), [speed, 0, 0, 0, 0]).final_velocity
+    np.testing.assert_allclose([body.velocity.x for body in bodies], expected, atol=0.01)

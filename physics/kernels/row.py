@@ -124,8 +124,7 @@ def solve_row(h, law, mobility, expected, velocity, direction, outside, overlap,
         target[i] = overlap[i] + h * rate[i] + 0.5 * h * given[i]
         end[i] = overlap[i] if overlap[i] > 0.0 else target[i]
     coupling[n] = 0.0
-    if mean_forces(h, law, diagonal, coupling, target, overlap, end, force, work) < 0:
-        return False
+    used = mean_forces(h, law, diagonal, coupling, target, overlap, end, force, work)
     for i in range(n):
         own = diagonal[i] * force[i]
         if max(abs(overlap[i]), abs(end[i])) < h * h * own:  # the finer number of the two
@@ -135,7 +134,7 @@ def solve_row(h, law, mobility, expected, velocity, direction, outside, overlap,
             own -= coupling[i + 1] * force[i + 1] if i < n - 1 else 0.0
             rate[i] += given[i] - h * own
         overlap[i] = end[i]
-    return True
+    return used >= 0
 
 
 @jit
