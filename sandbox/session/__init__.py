@@ -1,0 +1,48 @@
+"""Sessions: a scene that is being played with. Model side of the window: no pygame, no wall clock inside the physics.
+
+session = Session(scenes.load("one-on-four"))
+session.play()
+session.tick(1 / 60)                       # once a drawn frame, with the wall time since the last one
+session.lanes[0].state                     # what to draw
+session.apply(SetMass(0, 1, 2.0))          # every edit is an Input; ValueError says in a sentence what is wrong
+"""
+
+from sandbox.session.inputs import (
+    AddBead,
+    Drag,
+    Drop,
+    Input,
+    Lock,
+    Place,
+    RemoveBead,
+    Resume,
+    SetContact,
+    SetGap,
+    SetKind,
+    SetMass,
+    SetMethod,
+    SetSlow,
+    SetStep,
+    SetVelocity,
+)
+from sandbox.session.session import Session
+
+__all__ = [
+    "AddBead",
+    "Drag",
+    "Drop",
+    "Input",
+    "Lock",
+    "Place",
+    "RemoveBead",
+    "Resume",
+    "Session",
+    "SetContact",
+    "SetGap",
+    "SetKind",
+    "SetMass",
+    "SetMethod",
+    "SetSlow",
+    "SetStep",
+    "SetVelocity",
+]

@@ -1,0 +1,197 @@
+"""Edits: what an Input makes of a lane. Immutable parts are replaced whole; a refused edit has changed nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import singledispatch
+
+import numpy as np
+
+from physics.chain import Chain
+from physics.contact import Contact
+from physics.state import State
+from sandbox.session import inputs
+from sandbox.session.kinds import hardened, turned
+from sandbox.session.placing import displace, place, rebuilt, set_velocity
+from sandbox.session.setup import LaneSetup, with_method
+
+MOST_BEADS = 400  # in a lane by hand
+LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits
+Changed = tuple[LaneSetup, State]
+
+
+@singledispatch
+def edited(item: object, setup: LaneSetup, state: State) -> Changed:
+    """Setup and state after `item`; `state` may be changed in place. ValueError with a sentence where it is refused."""
+    raise TypeError(f"not an edit of a lane: {item!r}")
+
+
+@edited.register
+def _(item: inputs.Place, setup: LaneSetup, state: State) -> Changed:
+    _check_index("bead", item.bead, setup.chain.contacts + 1)
+    place(setup.chain, state, item.bead, _finite("position", item.position))
+    return setup, state
+
+
+@edited.register
+def _(item: inputs.SetVelocity, setup: LaneSetup, state: State) -> Changed:
+    _check_index("bead", item.bead, setup.chain.contacts + 1)
+    set_velocity(setup.chain, state, item.bead, _finite("velocity", item.velocity))
+    return setup, state
+
+
+@edited.register
+def _(item: inputs.SetMass, setup: LaneSetup, state: State) -> Changed:
+    chain = setup.chain
+    _check_index("bead", item.bead, chain.contacts + 1)
+    if not math.isinf(item.mass):
+        _finite("mass", item.mass)
+    chosen = [i for i, mass in enumerate(chain.mass) if item.bead in (i, None) and (item.bead == i or mass < math.inf)]
+    masses = [item.mass if i in chosen else mass for i, mass in enumerate(chain.mass)]
+    return _with_chain(setup, state, Chain(masses, chain.contact, chain.gap))
+
+
+@edited.register
+def _(item: inputs.SetContact, setup: LaneSetup, state: State) -> Changed:
+    for number in (item.law.preload, item.law.stiffness):
+        _finite("contact", number)
+    return _with_contacts(setup, state, item.contact, lambda index: (item.law, None))
+
+
+@edited.register
+def _(item: inputs.SetKind, setup: LaneSetup, state: State) -> Changed:
+    chain, speed = setup.chain, setup.speed
+    return _with_contacts(setup, state, item.contact, lambda index: (turned(chain, index, item.kind, speed), None))
+
+
+@edited.register
+def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
+    def locked(index: int) -> tuple[Contact, Contact | None]:
+        contact, soft = setup.chain.contact[index], setup.locked[index]
+        if item.locked:
+            return (contact, soft) if soft else (hardened(setup.chain, index, setup.speed), contact)
+        return (soft or contact), None
+
+    return _with_contacts(setup, state, item.contact, locked)
+
+
+@edited.register
+def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
+    _check_index("contact", item.contact, setup.chain.contacts)
+    if not 0.0 <= item.gap <= LARGEST:
+        raise ValueError(f"a gap must be a number from 0 to {LARGEST:g}, not {item.gap!r}")
+    moved = np.zeros(setup.chain.contacts + 1)
+    moved[item.contact + 1 :] = item.gap + float(state.overlap[item.contact])
+    displace(setup.chain, state, moved)
+    state.overlap[item.contact] = 0.0 - item.gap
+    return setup, state
+
+
+@edited.register
+def _(item: inputs.SetMethod, setup: LaneSetup, state: State) -> Changed:
+    return with_method(setup, item.method), state.copy()
+
+
+@edited.register
+def _(item: inputs.SetStep, setup: LaneSetup, state: State) -> Changed:
+    if item.step is not None and not 0.0 < item.step <= LARGEST:
+        raise ValueError(f"a step must be a time > 0, not {item.step!r}")
+    if item.step is not None and setup.step == 0.0:
+        raise ValueError(f"method {setup.method} chooses its own steps")
+    return with_method(setup, setup.method, item.step), state
+
+
+@edited.register
+def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
+    chain, n = setup.chain, setup.chain.contacts
+    _check_index("bead", item.bead, n + 2)
+    if n + 2 > MOST_BEADS:
+        raise ValueError(f"a lane holds at most {MOST_BEADS} beads")
+    if not math.isinf(item.mass):
+        _finite("mass", item.mass)
+    near = min(max(item.bead - 1, 0), n - 1)  # the contact it goes into, or beside
+    law = chain.contact[near] if item.law is None else item.law
+    masses = [*chain.mass[: item.bead], item.mass, *chain.mass[item.bead :]]
+    contacts, gaps = list(chain.contact), list(chain.gap)
+    at = min(item.bead, n)
+    contacts.insert(at, law)
+    gaps.insert(at, 0.0)
+    locked = (*setup.locked[:at], None, *setup.locked[at:])
+    longer = Chain(masses, contacts, gaps)
+    return setup.with_chain(longer, locked), _inserted(chain, longer, state, item.bead, abs(_finite("gap", item.gap)))
+
+
+def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
+    """The state with one bead more, at rest relative to its neighbours' mean."""
+    n = chain.contacts
+    position, velocity = state.position(chain), state.velocity(chain)
+    first = float(position[0]), float(velocity[0])
+    if bead in (0, n + 1):
+        at = 0 if bead == 0 else n
+        overlap, rate = np.insert(state.overlap, at, -gap), np.insert(state.rate, at, 0.0)
+        first = (first[0] - gap, first[1]) if bead == 0 else first
+    else:
+        at = bead
+        between = float(state.overlap[bead - 1])
+        shared = between if between > 0.0 else 0.5 * between
+        overlap, rate = np.insert(state.overlap, at, shared), np.insert(state.rate, at, 0.5 * state.rate[bead - 1])
+        overlap[bead - 1], rate[bead - 1] = shared, 0.5 * state.rate[bead - 1]
+    force = np.insert(state.force, at, 0.0)
+    force[at] = longer.contact[at].force(float(overlap[at]))
+    return rebuilt(state, longer, overlap, rate, force, first)
+
+
+@edited.register
+def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
+    chain, n = setup.chain, setup.chain.contacts
+    _check_index("bead", item.bead, n + 1)
+    if n < 2:
+        raise ValueError("a lane needs at least 2 beads")
+    out = min(item.bead, n - 1)
+    rest = [i for i in range(n) if i != out]
+    masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
+    shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest])
+    position, velocity = state.position(chain), state.velocity(chain)
+    overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
+    if 0 < item.bead < n:
+        overlap[item.bead - 1] += state.overlap[item.bead]
+        rate[item.bead - 1] += state.rate[item.bead]
+        force[item.bead - 1] = shorter.contact[item.bead - 1].force(float(overlap[item.bead - 1]))
+    start = 1 if item.bead == 0 else 0
+    first = float(position[start]), float(velocity[start])
+    locked = tuple(setup.locked[i] for i in rest)
+    return setup.with_chain(shorter, locked), rebuilt(state, shorter, overlap, rate, force, first)
+
+
+def _with_contacts(
+    setup: LaneSetup, state: State, index: int | None, law: Callable[[int], tuple[Contact, Contact | None]]
+) -> Changed:
+    """The lane with contact `index` (None: every one) and the law it was locked from replaced by what `law` gives."""
+    _check_index("contact", index, setup.chain.contacts)
+    contacts, locked = list(setup.chain.contact), list(setup.locked)
+    for i in range(len(contacts)) if index is None else (index,):
+        contacts[i], locked[i] = law(i)
+    return _with_chain(setup, state, Chain(setup.chain.mass, contacts, setup.chain.gap), tuple(locked))
+
+
+def _with_chain(
+    setup: LaneSetup, state: State, chain: Chain, locked: tuple[Contact | None, ...] | None = None
+) -> Changed:
+    """The lane with `chain`, which has as many beads; the state is told of another anchor."""
+    anchor = chain.anchor
+    if anchor != setup.chain.anchor:
+        both = state.position(setup.chain)[anchor], state.velocity(setup.chain)[anchor]
+        state.anchor[:] = both
+    return setup.with_chain(chain, locked), state
+
+
+def _check_index(name: str, index: int | None, count: int) -> None:
+    if index is not None and not 0 <= index < count:
+        raise ValueError(f"there is no {name} {index}; they are numbered 0 to {count - 1}")
+
+
+def _finite(name: str, number: float) -> float:
+    if not (math.isfinite(number) and abs(number) <= LARGEST):
+        raise ValueError(f"{name} must be a number within {LARGEST:g}, not {number!r}")
+    return float(number)
