@@ -22,6 +22,9 @@ BUFFERS = 3  # frames on their way between drawing and compressing
 class Film(Protocol):
     """Where frames go: draw on what `blank` gives, then `add` it."""
 
+    def learn(self, sample: pygame.Surface) -> None:
+        """Take the colours of a GIF from `sample`, which should have all of them; else they are the first frame's."""
+
     def blank(self) -> pygame.Surface:
         """A surface for the next frame, with any content; waits until one is free."""
 
@@ -35,7 +38,6 @@ def open_film(
     size: tuple[int, int],
     frame_rate: float,
     pixels: str | None = None,
-    sample: pygame.Surface | None = None,
 ) -> Iterator[Film]:
     """A film to add frames of `size` to; it stands at `output` when the block ends without error, or not at all.
 
@@ -43,7 +45,6 @@ def open_film(
         output: .mp4, .gif, .webp or .avif, .png for one picture, or a folder (ends in /) for numbered pictures.
         frame_rate: frames a second; pictures have none.
         pixels: yuv420p (default) or yuv444p, for mp4: the latter keeps thin coloured lines; not every player shows it.
-        sample: a frame with all colours, from which a GIF takes its palette; without it the first frame.
 
     Raises:
         UserError: a size, rate or kind of file that cannot be written; at once.
@@ -54,7 +55,7 @@ def open_film(
         with output_folder(output) if folder else output_file(output) as path:
             yield _Pictures(path, size)
         return
-    with output_file(output) as path, _Encoder(path, codec, size, frame_rate, sample) as film:
+    with output_file(output) as path, _Encoder(path, codec, size, frame_rate) as film:
         yield film
 
 
@@ -63,6 +64,9 @@ class _Pictures:
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
         self._path, self._surface, self._count = path, pygame.Surface(size, 0, 32), 0
+
+    def learn(self, sample: pygame.Surface) -> None:
+        """Nothing to learn: a PNG has all colours."""
 
     def blank(self) -> pygame.Surface:
         return self._surface
@@ -76,12 +80,10 @@ class _Pictures:
 class _Encoder:
     """A film by PyAV. Its thread owns the container; surfaces go round between it and the one who draws."""
 
-    def __init__(
-        self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float, sample: pygame.Surface | None
-    ) -> None:
+    def __init__(self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float) -> None:
         self._codec = codec
         self._error: BaseException | None = None
-        self._palette = Palette(sample) if sample is not None and codec.indexed else None
+        self._palette: Palette | None = None
         self._container = av.open(str(path), "w", format=codec.container, options=dict(codec.container_options))
         stream: Any = self._container.add_stream(codec.name, rate=Fraction(frame_rate).limit_denominator(1001))
         stream.width, stream.height, stream.pix_fmt = *size, codec.pixels
@@ -103,6 +105,10 @@ class _Encoder:
         self._thread.join()
         if error is None and self._error is not None:
             raise self._error
+
+    def learn(self, sample: pygame.Surface) -> None:
+        if self._codec.indexed:
+            self._palette = Palette(sample)
 
     def blank(self) -> pygame.Surface:
         surface = self._free.get()

@@ -90,25 +90,23 @@ def render_scene(
     if not (math.isfinite(slow) and slow > 0.0):
         raise UserError(f"slow motion must be a number > 0, not {slow:g}")
     still = codec is None and output.lower().endswith(".png")
-    with _Bar(progress and not still) as bar:
+    with open_film(output, size, rate, pixels) as film, _Bar(progress and not still) as bar:
         tracks = simulated(scene, rate * slow, method=method, step=step)
         known = perf_counter() - began
         picture = Picture(scene, tracks, size, slow=slow)
-        strongest = strongest_row(tracks)
-        shots = [Shot(strongest)] if still else script(scene, len(tracks[0].time), rate)
         sample = pygame.Surface(size, 0, 32)
-        picture.paint(sample, strongest)
+        picture.paint(sample, strongest_row(tracks))
+        film.learn(sample)
         first_frame = perf_counter() - began
+        shots = [Shot(strongest_row(tracks))] if still else script(scene, len(tracks[0].time), rate)
         bar.begin(len(shots))
-        with open_film(output, size, rate, pixels, sample) as film:
-            for shot in shots:
-                surface = film.blank()
-                picture.paint(surface, shot.row, told=shot.told)
-                film.add(surface)
-                bar.advance()
+        for shot in shots:
+            surface = film.blank()
+            picture.paint(surface, shot.row, told=shot.told)
+            film.add(surface)
+            bar.advance()
     duration = 0.0 if still else len(shots) / rate
-    seconds = perf_counter() - began
-    return RenderReport(Path(output), len(shots), duration, seconds, known, first_frame)
+    return RenderReport(Path(output), len(shots), duration, perf_counter() - began, known, first_frame)
 
 
 @dataclass(frozen=True)

@@ -195,6 +195,16 @@ def test_refusals_leave_nothing(tmp_path, name, options, sentence):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("name", ["film.mov", "missing/film.mp4", "missing/film/", "film.mp4"])
+def test_what_cannot_be_written_is_refused_before_any_work(tmp_path, monkeypatch, name):
+    def work(*arguments, **settings):
+        raise AssertionError("worked")
+
+    monkeypatch.setattr(render, "simulated", work)
+    with pytest.raises(UserError):
+        render_scene(SCENE, f"{tmp_path}/{name}", size=(321, 181), progress=False)
+
+
 def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
     def broken(*arguments, **settings):
         trajectory = physics.simulate(*arguments, **settings)

@@ -72,15 +72,9 @@ class Shares:
             bar(surface, colour, (min(ends[side], ends[side] + wide), rect.top, abs(wide), rect.height))
             ends[side] += wide
         total = self.zero + float(momentum.sum()) / (high - low) * rect.width
+        wide, high = 1.5 * self.unit, rect.height + 6 * self.unit
         for x, colour in ((self.zero, MUTED), (total, INK)):
-            bar(
-                surface,
-                colour,
-                x - 0.75 * self.unit,
-                rect.top - 3 * self.unit,
-                1.5 * self.unit,
-                rect.height + 6 * self.unit,
-            )
+            bar(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
         unit, good = self.unit, error <= HOLDS
