@@ -216,3 +216,14 @@ def test_bad_contacts_leave_the_old_one():
         contact.damping = 1.0
     assert contact.contact == hooke(10.0)
     assert contact.stiffness == contact.damping == 0.0
+
+
+@pytest.mark.parametrize("collide", [False, True])
+def test_it_takes_the_place_of_a_collision(collide):
+    """Discs that overlap are pushed by the contact alone, unless the user wants both."""
+    space, bodies, contact = pair(0.75, hooke(1e-6))
+    assert contact.collide_bodies is False
+    contact.collide_bodies = collide
+    space.add(*[pymunk.Circle(body, 0.5) for body in bodies])
+    run(space)
+    assert (bodies[1].position.x - bodies[0].position.x > 0.76) is collide
