@@ -222,7 +222,7 @@ def test_bad_contacts_leave_the_old_one():
 def test_it_takes_the_place_of_a_collision(collide):
     """Discs that overlap are pushed by the contact alone, unless the user wants both."""
     space, bodies, contact = pair(0.75, hooke(1e-6))
-    assert contact.collide_bodies is False
+    assert not contact.collide_bodies
     contact.collide_bodies = collide
     space.add(*[pymunk.Circle(body, 0.5) for body in bodies])
     run(space)
