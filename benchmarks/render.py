@@ -11,6 +11,7 @@ import argparse
 import json
 import tempfile
 from pathlib import Path
+from statistics import median
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 RATE = 60.0
 
 
-def measure(name: str, size: tuple[int, int], rounds: int = 3) -> dict[str, Any]:
+def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]:
     """Frames a second of drawing alone, the encoder alone and both together; the median of `rounds`, taken in turn."""
     scene = scenes.load(name)
     tracks = simulated(scene, RATE * scene.view.slow)
@@ -33,7 +34,7 @@ def measure(name: str, size: tuple[int, int], rounds: int = 3) -> dict[str, Any]
     shots = script(scene, len(tracks[0].time), RATE)
     ready = [_painted(picture, shot, picture.ground.copy()) for shot in shots[:: max(1, len(shots) // 240)]]
     results = [_round(picture, shots, ready, size) for _ in range(rounds)]
-    drawing, encoding, both = (sorted(result[k] for result in results)[rounds // 2] for k in range(3))
+    drawing, encoding, both = (median(result[k] for result in results) for k in range(3))
     with tempfile.TemporaryDirectory() as folder:
         report = render_scene(scene, Path(folder) / "film.mp4", size, progress=False)
     return {
@@ -43,7 +44,7 @@ def measure(name: str, size: tuple[int, int], rounds: int = 3) -> dict[str, Any]
         "drawing": drawing,
         "encoder": encoding,
         "render": both,
-        "share": both / encoding,
+        "share": median(result[2] / result[1] for result in results),
         "first_frame_seconds": report.first_frame,
         "whole_film_seconds": report.seconds,
     }
@@ -87,7 +88,7 @@ def main(arguments: list[str] | None = None) -> int:
     if args.json:
         print(json.dumps(found))
         return 0
-    print(f"{found['scene']} at {width}x{height}, frames a second (median of 3):")
+    print(f"{found['scene']} at {width}x{height}, frames a second (median of 5):")
     print(f"  drawing alone   {found['drawing']:7.0f}")
     print(f"  encoder alone   {found['encoder']:7.0f}")
     print(f"  both, rendering {found['render']:7.0f}   {100 * found['share']:.0f} % of the encoder alone")

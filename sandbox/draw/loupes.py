@@ -60,7 +60,7 @@ class Loupes:
             self._pointer(surface, float(contacts[contact]), (x, y))
             glass = self._glass(contact, overlap * self.stage.scale * self.magnify[contact])
             surface.blit(glass, (round(x) - self.side // 2, round(y) - self.side // 2))
-            depth = f"{scientific(max(overlap, 0.0))} m" if overlap > -1e-300 else "apart"
+            depth = f"{scientific(overlap)} m" if overlap > 0.0 else "apart" if overlap < 0.0 else "touching"
             place = (x + self.radius + 10 * self.unit, y - 13 * self.unit)
             write(surface, depth, place, 15 * self.unit, INK if overlap > 0.0 else MUTED, bold=overlap > 0.0)
 
