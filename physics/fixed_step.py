@@ -97,12 +97,14 @@ def advance(chain: Chain, state: State, duration: float, method: str, step: floa
         state.work["fixed_step"] = (method, *_scratch(method, chain.contacts))
     _, spare, marks, switches, rows, counter = state.work["fixed_step"]
     counter[:] = 0
+    marks[0][:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
     kernel.march(
         *PARTS[method], step, state.time, end, False, MOST_STEPS, *chain.parameters, _push(chain, state), chain.anchor,
         *_moving(state), *spare, *marks, *switches, NO_TIMES, *rows, counter,
     )  # fmt: skip
     state.time = end
+    state.switches += int(counter[kernel.SWITCH])
 
 
 def _scratch(method: str, contacts: int) -> tuple[Any, ...]:

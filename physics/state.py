@@ -25,6 +25,7 @@ class State:
         force: (n,) contact forces [N] of the last step: what a touching contact carries is not in its overlap.
         push: (n+1,) external force on each bead [N] for the next `advance` (a hand, a spring to the pointer), or None;
             it adds to the chain's drive.
+        switches: how often contacts have closed or opened in all `advance` of a fixed-step method so far.
         work: scratch memory of the methods, theirs alone.
     """
 
@@ -34,6 +35,7 @@ class State:
     anchor: Array
     force: Array
     push: Array | None = None
+    switches: int = 0
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
@@ -63,7 +65,7 @@ class State:
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
-        return State(self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(), push)
+        return State(self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(), push, self.switches)
 
 
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
