@@ -65,7 +65,8 @@ class State:
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
-        return State(self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(), push, self.switches)
+        arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
+        return State(self.time, *arrays, push, self.switches)
 
 
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
