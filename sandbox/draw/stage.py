@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 import pygame
@@ -17,7 +18,7 @@ from sandbox.draw.palette import FAINT, GRID, INK, MUTED, STAGE, bead_colours
 from sandbox.draw.scales import Scales, left_edges
 from sandbox.draw.text import width, write
 from sandbox.draw.track import Array, Track
-from scenes import Scene
+from scenes import View
 
 TALLEST_BEAD = 0.40  # of the stage
 GROUND = 30.0  # design pixels from the ground line to the foot of the stage
@@ -25,10 +26,37 @@ LEAST_NUMBER = 8.0  # pixels high
 LEAST_LABELLED = 26.0  # design pixels of a bead that still carries texts beside it
 
 
+class Row(Protocol):
+    """What the stage asks of a lane: a name, the velocities (n+1,) by which clusters are told apart, and the chain."""
+
+    @property
+    def label(self) -> str:
+        """Written above it."""
+
+    @property
+    def velocity(self) -> Sequence[float]:
+        """[m/s]."""
+
+    def chain(self) -> Chain:
+        """The chain."""
+
+
+class Shown(Protocol):
+    """What the stage asks of a scene: lanes, and a view. A Scene is one, and so are lanes that are being edited."""
+
+    @property
+    def lanes(self) -> Sequence[Row]:
+        """One a chain."""
+
+    @property
+    def view(self) -> View:
+        """Length of the beads, and whether they are numbered."""
+
+
 class Stage:
     """What is the same in every frame of one lane: scale, sprites, colours. Drawing changes nothing in it."""
 
-    def __init__(self, rect: pygame.Rect, unit: float, scene: Scene, number: int, scales: Scales) -> None:
+    def __init__(self, rect: pygame.Rect, unit: float, scene: Shown, number: int, scales: Scales) -> None:
         self.rect, self.unit, self.scales = rect, unit, scales
         lane = scene.lanes[number]
         self.label, self.length, self.numbered = lane.label, scene.view.length, scene.view.labels
@@ -168,7 +196,7 @@ def is_gear(contact: Contact) -> bool:
     return contact.preload > 0.0 and contact.stiffness > 0.0
 
 
-def _slimness(scene: Scene) -> float:
+def _slimness(scene: Shown) -> float:
     """Height of the tallest body in lengths of a bead; one for all lanes, so that they have one scale."""
     all_gears = all(is_gear(contact) for lane in scene.lanes for contact in lane.chain().contact)
     return shapes.BODY_HEIGHT if all_gears else 1.0
