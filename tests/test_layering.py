@@ -1,0 +1,87 @@
+"""Imports point one way: physics <- scenes <- sandbox; heavy packages stay where the design puts them."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+LAYERS = ("physics", "scenes", "sandbox")
+MODULES = sorted(path.relative_to(ROOT).as_posix() for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
+
+# package: the modules (or folders, ending in /) that may import it
+HOMES = {
+    "numba": ("physics/kernels/",),
+    "pymunk": (
+        "physics/constraints.py",
+        "physics/native.py",
+        "physics/after_step.py",
+        "physics/soft_chain.py",
+        "physics/surroundings.py",
+        "physics/space.py",
+        "sandbox/",
+    ),
+    "scipy": ("physics/reference.py", "physics/closed_forms.py"),
+    "pygame": ("sandbox/",),
+    "pygame_gui": ("sandbox/",),
+    "matplotlib": ("sandbox/",),
+    "av": ("sandbox/",),
+    "PIL": ("sandbox/",),
+    "rich": ("sandbox/",),
+    "pydantic": ("scenes/",),
+}
+
+
+def imported(path: str) -> set[str]:
+    """Top-level packages and full module names that a file imports anywhere, inside functions too."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse((ROOT / path).read_text(), path)):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} imports relatively"
+            found.add(node.module or "")
+    return found | {name.partition(".")[0] for name in found}
+
+
+def test_there_are_modules_in_every_layer():
+    for layer in LAYERS:
+        assert any(module.startswith(f"{layer}/") for module in MODULES)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_point_down(module):
+    above = LAYERS[LAYERS.index(module.partition("/")[0]) + 1 :]
+    assert not imported(module) & set(above)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_packages_stay_at_home(module):
+    for package in imported(module) & set(HOMES):
+        assert module.startswith(HOMES[package]), f"{module} imports {package}"
+
+
+def test_the_reference_shares_no_kernel():
+    for module in ("physics/reference.py", "physics/phases.py", "physics/closed_forms.py"):
+        assert not [name for name in imported(module) if name.startswith("physics.kernels")]
+
+
+@pytest.mark.parametrize(
+    ("code", "absent"),
+    [
+        ("import physics", ("numpy", "numba", "scipy", "pymunk", "pygame")),
+        ("import physics; physics.METHODS", ("numpy", "numba", "scipy", "pymunk", "pygame")),
+        ("import physics; physics.Chain", ("numba", "scipy", "pymunk", "pygame")),
+        ("import physics.simulation", ("numba", "scipy", "pymunk", "pygame")),
+        ("import physics.fixed_step", ("pymunk", "pygame")),  # numba itself takes scipy where it is installed
+        ("import physics.reference", ("numba", "pymunk", "pygame")),
+    ],
+)
+def test_imports_are_light(code, absent):
+    program = f"{code}; import sys; print([name for name in {absent!r} if name in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
