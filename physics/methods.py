@@ -31,6 +31,7 @@ METHODS: tuple[Method, ...] = (
     Method("verlet", 2, False, False, "physics.fixed_step", "leapfrog"),
     Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs"),
     Method("conserving", 2, False, True, "physics.fixed_step", "discrete gradient: energy exact at any step"),
+    Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law"),
     Method("pymunk", 1, False, False, "physics.space", "bodies in a pymunk Space; the digits of euler"),
     Method("scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches"),
 )

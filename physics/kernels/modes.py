@@ -1,0 +1,148 @@
+"""Which contacts are open, touching or loaded, and the events at which that changes within a step of `radau`."""
+
+from __future__ import annotations
+
+import math
+
+from physics.kernels.conserving import mean_forces
+from physics.kernels.jit import jit
+from physics.kernels.radau import LOADED, NODES, OPEN, TOUCHING, flow_into, signed_force
+
+NOTHING, CLOSES, OPENS, YIELDS = 0, 1, 2, 3  # kinds of event: yields = a touching contact reaches its preload
+FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches
+UNIT_STEP = math.sqrt(2.0)  # the step whose h²/2 is 1
+
+
+@jit
+def continued(law, i):
+    """True where the force is continued to d < 0 within a step, so that a loaded contact opens by an event."""
+    return law[i, 0] > 0.0 or law[i, 2] == 1.0
+
+
+@jit
+def set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work):
+    """Modes and forces from overlaps and rates; contacts with preload at rest at d = 0 (rates below `slow`) share a
+    complementarity problem, w' = -L f + e with 0 <= f <= preload: the resolvent solver with rigid contacts.
+
+    `held` (n,) nonzero keeps the mode of a contact that has just switched. `work` (13, n).
+    """
+    n = mode.size
+    rows, target, start, moved, load, diagonal, coupling = work[0:6], work[6], work[7], work[8], work[9], work[10], work[11]
+    resting = 0
+    for i in range(n):
+        load[i] = 0.0
+        if held[i] == 0:
+            at_rest = overlap[i] == 0.0 and abs(rate[i]) <= slow
+            if overlap[i] < 0.0 or (overlap[i] == 0.0 and rate[i] < 0.0 and not at_rest):
+                mode[i] = OPEN
+            elif at_rest and law[i, 0] > 0.0:
+                mode[i] = TOUCHING
+                rate[i] = 0.0
+                resting += 1
+            else:
+                mode[i] = LOADED
+        force[i] = 0.0
+        if mode[i] == LOADED:
+            force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+    if resting == 0:
+        return
+    rigid = work[12:15].T
+    coupling_last = 0.0
+    for i in range(n):
+        start[i] = 0.0
+        rigid[i, 0], rigid[i, 1], rigid[i, 2] = law[i, 0], 0.0, 1.0
+        coupling[i] = inverse_mass[i] if i > 0 and mode[i] == TOUCHING and mode[i - 1] == TOUCHING else 0.0
+        diagonal[i] = inverse_mass[i] + inverse_mass[i + 1] if mode[i] == TOUCHING else 1.0
+        target[i] = -1.0
+        if mode[i] == TOUCHING:
+            target[i] = (external[i] if external.size else 0.0) - flow_into(i, inverse_mass, force)
+        moved[i] = target[i]
+    mean_forces(UNIT_STEP, rigid, diagonal, coupling, target, start, moved, load, rows)
+    for i in range(n):
+        if mode[i] == TOUCHING:
+            force[i] = load[i]
+            if moved[i] > 0.0:
+                mode[i], force[i] = LOADED, law[i, 0]
+            elif moved[i] < 0.0:
+                mode[i], force[i] = OPEN, 0.0
+
+
+@jit
+def cubic_at(x, a, y0, y1, y2, y3):
+    """Value at x of the cubic through (0, y0) and the three collocation nodes, by Newton's divided differences in `a`."""
+    c1, c2 = NODES[0], NODES[1]
+    f01 = (y1 - y0) / c1
+    f12 = (y2 - y1) / (c2 - c1)
+    f23 = (y3 - y2) / (1.0 - c2)
+    f012 = (f12 - f01) / c2
+    f123 = (f23 - f12) / (1.0 - c1)
+    return y0 + x * (f01 + (x - c1) * (f012 + (x - c2) * (f123 - f012)))
+
+
+@jit
+def first_crossing(y0, y1, y2, y3, upwards, most):
+    """The first x in (0, most) at which the cubic turns positive (`upwards`) or negative; 2 where it does not."""
+    sign = 1.0 if upwards else -1.0
+    left = 0.0
+    parts = 8
+    for p in range(1, parts + 1):
+        right = most * p / parts
+        if sign * cubic_at(right, 0.0, y0, y1, y2, y3) > 0.0:
+            if left == 0.0 and sign * y0 >= 0.0:
+                left = 0.0
+            for _ in range(60):
+                middle = 0.5 * (left + right)
+                if sign * cubic_at(middle, 0.0, y0, y1, y2, y3) > 0.0:
+                    right = middle
+                else:
+                    left = middle
+            return right
+        left = right
+    return 2.0
+
+
+@jit
+def find_event(law, mode, skip, overlap, force, stage_overlap, stage_force, most):
+    """The earliest change of mode within the step: (contact, kind, part of the step); contact -1 where there is none."""
+    contact, kind, part = -1, NOTHING, most
+    for i in range(mode.size):
+        if i == skip:
+            continue
+        d, f = stage_overlap, stage_force
+        if mode[i] == OPEN:
+            x = first_crossing(overlap[i], d[0, i], d[1, i], d[2, i], True, part)
+            if x < part:
+                contact, kind, part = i, CLOSES, x
+        elif mode[i] == LOADED and continued(law, i):
+            if min(d[0, i], d[1, i], d[2, i]) < 0.0:
+                x = first_crossing(overlap[i], d[0, i], d[1, i], d[2, i], False, part)
+                if x < part:
+                    contact, kind, part = i, OPENS, x
+        elif mode[i] == TOUCHING:
+            slack = FORCE_SLACK * law[i, 0]
+            low, high = force[i] + slack, force[i] - law[i, 0] - slack
+            if min(f[0, i], f[1, i], f[2, i]) < -slack:
+                x = first_crossing(low, f[0, i] + slack, f[1, i] + slack, f[2, i] + slack, False, part)
+                if x < part:
+                    contact, kind, part = i, OPENS, x
+            top = law[i, 0] + slack
+            if max(f[0, i], f[1, i], f[2, i]) > top:
+                x = first_crossing(high, f[0, i] - top, f[1, i] - top, f[2, i] - top, True, part)
+                if x < part:
+                    contact, kind, part = i, YIELDS, x
+    return contact, kind, part
+
+
+@jit
+def miss_of(law, mode, i, kind, h, overlap, force, stage_overlap, stage_rate, stage_force):
+    """By how much time the end of the step misses the event of contact i: one Newton step on its overlap or its force."""
+    if mode[i] != TOUCHING:
+        speed = stage_rate[2, i]
+        return -stage_overlap[2, i] / speed if speed != 0.0 else 0.0
+    wanted = law[i, 0] if kind == YIELDS else 0.0
+    f1, f2, f3 = stage_force[0, i], stage_force[1, i], stage_force[2, i]
+    c1, c2 = NODES[0], NODES[1]
+    f23 = (f3 - f2) / (1.0 - c2)
+    f12 = (f2 - f1) / (c2 - c1)
+    speed = f23 + (1.0 - c2) * (f23 - f12) / (1.0 - c1)
+    return h * (wanted - f3) / speed if speed != 0.0 else 0.0

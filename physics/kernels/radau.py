@@ -1,0 +1,326 @@
+"""One step of Radau IIA with three stages (order 5), solved for force and overlap together.
+
+    d_k = d0 + h c_k w0 - h² sum_j (A²)_kj (L f_j)        w_k = w0 - h sum_j A_kj (L f_j),   k = 1..3
+
+In the variables (d, f) on the curve of the law a step costs one block-tridiagonal solve an iteration, with 3x3 blocks
+and diagonal couplings. A touching contact is the vertical part of the curve: its d stays 0 and its f is a multiplier.
+
+Each contact is in one mode for a whole step, so that the step sees smooth motion; the caller ends steps where modes do:
+
+    OPEN      f = 0, whatever d does            LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
+    TOUCHING  d = 0, f any number                         else 0 there
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from physics.kernels.jit import jit
+from physics.kernels.law import power
+
+OPEN, TOUCHING, LOADED = 0, 1, 2
+
+_ROOT6 = math.sqrt(6.0)
+NODES = np.array([(4.0 - _ROOT6) / 10.0, (4.0 + _ROOT6) / 10.0, 1.0])
+TABLEAU = np.array(
+    [
+        [(88.0 - 7.0 * _ROOT6) / 360.0, (296.0 - 169.0 * _ROOT6) / 1800.0, (-2.0 + 3.0 * _ROOT6) / 225.0],
+        [(296.0 + 169.0 * _ROOT6) / 1800.0, (88.0 + 7.0 * _ROOT6) / 360.0, (-2.0 - 3.0 * _ROOT6) / 225.0],
+        [(16.0 - _ROOT6) / 36.0, (16.0 + _ROOT6) / 36.0, 1.0 / 9.0],
+    ]
+)
+INVERSE = np.linalg.inv(TABLEAU)  # stage rates from stage overlaps
+SQUARE_INVERSE = INVERSE @ INVERSE
+_SMALL = 1.0 / np.linalg.eigvals(INVERSE).real.max()  # reciprocal of the one real eigenvalue, gamma_0
+GAMMA = float(_SMALL)
+EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * _ROOT6, -13.0 + 7.0 * _ROOT6, -1.0])  # Hairer & Wanner, IV.8
+
+MOST_NEWTON = 15
+BLOCK_ROWS = 27  # rows (n,) of scratch memory
+SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
+
+
+@jit
+def signed_force(preload, stiffness, exponent, overlap):
+    """``F + K d**a``, continued oddly to d < 0 where the law has a preload or a = 1, else 0 there."""
+    if overlap > 0.0:
+        return preload + stiffness * power(overlap, exponent)
+    if preload == 0.0 and exponent != 1.0:
+        return 0.0
+    if overlap == 0.0:
+        return preload
+    return preload - stiffness * power(-overlap, exponent)
+
+
+@jit
+def slope_at(preload, stiffness, exponent, overlap, force):
+    """df/dd on the curve; inf where it is vertical, 0 where the contact is open."""
+    if exponent == 1.0:
+        return stiffness
+    if abs(overlap) < SMALLEST:
+        return math.inf if exponent < 1.0 else 0.0
+    if overlap < 0.0 and preload == 0.0:
+        return 0.0
+    return exponent * (force - preload) / overlap
+
+
+@jit
+def move_along(preload, stiffness, exponent, overlap, force, by_overlap, by_force):
+    """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d."""
+    if exponent < 1.0 and (overlap == 0.0 or (by_overlap < 0.0) == (overlap > 0.0)):
+        excess = force + by_force - preload
+        if excess > 0.0 or (preload > 0.0 and excess < 0.0):
+            reach = (abs(excess) / stiffness) ** (1.0 / exponent)
+            return (reach if excess > 0.0 else -reach), preload + excess
+        if preload == 0.0 and excess <= 0.0:
+            return min(overlap + by_overlap, -SMALLEST), 0.0
+        return 0.0, preload
+    moved = overlap + by_overlap
+    return moved, signed_force(preload, stiffness, exponent, moved)
+
+
+@jit
+def flow_into(i, inverse_mass, force):
+    """(L f)_i, the rate at which the contact forces (n,) pull overlap i apart."""
+    flow = (inverse_mass[i] + inverse_mass[i + 1]) * force[i]
+    if i > 0:
+        flow -= inverse_mass[i] * force[i - 1]
+    if i < force.size - 1:
+        flow -= inverse_mass[i + 1] * force[i + 1]
+    return flow
+
+
+@jit
+def first_guess(h, law, mode, overlap, rate, force, stage_overlap, stage_force):
+    """Stages to begin Newton from: soft contacts keep their force, others fly on."""
+    for i in range(overlap.size):
+        preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
+        for k in range(3):
+            flown = overlap[i] + h * NODES[k] * rate[i]
+            if mode[i] == OPEN:
+                stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+            elif mode[i] == TOUCHING:
+                stage_overlap[k, i], stage_force[k, i] = 0.0, force[i]
+            elif exponent < 1.0 and force[i] > preload:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+            elif overlap[i] == 0.0 and rate[i] == 0.0:
+                stage_overlap[k, i], stage_force[k, i] = 0.0, preload
+            else:
+                stage_overlap[k, i] = flown
+                stage_force[k, i] = signed_force(preload, stiffness, exponent, flown)
+
+
+@jit
+def directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, across):
+    """Direction (dd, df) = (along, across) z of the curve at every stage, scaled so that both terms of a row are alike."""
+    n = mode.size
+    for i in range(n):
+        weight = h * h * (inverse_mass[i] + inverse_mass[i + 1])
+        for k in range(3):
+            if mode[i] == OPEN:
+                along[k, i], across[k, i] = 1.0, 0.0
+                continue
+            slope = math.inf
+            if mode[i] == LOADED:
+                slope = slope_at(law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i])
+            if slope > 1e200:
+                along[k, i], across[k, i] = 0.0, 1.0 / weight
+            else:
+                along[k, i] = 1.0 / (1.0 + weight * slope)
+                across[k, i] = slope * along[k, i]
+
+
+@jit
+def eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stage_force, along, across, block, z):
+    """Newton correction z (3, n) of all stages: block Thomas with M = D'^-1 kept in `block` (n, 9).
+
+    Row (k, i): sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external acceleration e.
+    """
+    n = overlap.size
+    square = h * h
+    for i in range(n):
+        left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
+        e0 = stage_overlap[0, i] - overlap[i] - h * NODES[0] * rate[i]
+        e1 = stage_overlap[1, i] - overlap[i] - h * NODES[1] * rate[i]
+        e2 = stage_overlap[2, i] - overlap[i] - h * NODES[2] * rate[i]
+        for k in range(3):
+            flow = square * flow_into(i, inverse_mass, stage_force[k])
+            if external.size:
+                flow -= square * external[i]
+            z[k, i] = -(SQUARE_INVERSE[k, 0] * e0 + SQUARE_INVERSE[k, 1] * e1 + SQUARE_INVERSE[k, 2] * e2 + flow)
+        m00 = SQUARE_INVERSE[0, 0] * along[0, i] + (left + right) * across[0, i]
+        m11 = SQUARE_INVERSE[1, 1] * along[1, i] + (left + right) * across[1, i]
+        m22 = SQUARE_INVERSE[2, 2] * along[2, i] + (left + right) * across[2, i]
+        m01, m02 = SQUARE_INVERSE[0, 1] * along[1, i], SQUARE_INVERSE[0, 2] * along[2, i]
+        m10, m12 = SQUARE_INVERSE[1, 0] * along[0, i], SQUARE_INVERSE[1, 2] * along[2, i]
+        m20, m21 = SQUARE_INVERSE[2, 0] * along[0, i], SQUARE_INVERSE[2, 1] * along[1, i]
+        if i > 0 and left != 0.0:
+            b0, b1, b2 = left * across[0, i - 1], left * across[1, i - 1], left * across[2, i - 1]
+            c0, c1, c2 = left * across[0, i], left * across[1, i], left * across[2, i]
+            m = block[i - 1]
+            m00 -= b0 * m[0] * c0
+            m01 -= b0 * m[1] * c1
+            m02 -= b0 * m[2] * c2
+            m10 -= b1 * m[3] * c0
+            m11 -= b1 * m[4] * c1
+            m12 -= b1 * m[5] * c2
+            m20 -= b2 * m[6] * c0
+            m21 -= b2 * m[7] * c1
+            m22 -= b2 * m[8] * c2
+            z[0, i] += b0 * z[0, i - 1]
+            z[1, i] += b1 * z[1, i - 1]
+            z[2, i] += b2 * z[2, i - 1]
+        i00, i01, i02 = m11 * m22 - m12 * m21, m02 * m21 - m01 * m22, m01 * m12 - m02 * m11
+        i10, i11, i12 = m12 * m20 - m10 * m22, m00 * m22 - m02 * m20, m02 * m10 - m00 * m12
+        i20, i21, i22 = m10 * m21 - m11 * m20, m01 * m20 - m00 * m21, m00 * m11 - m01 * m10
+        scale = 1.0 / (m00 * i00 + m01 * i10 + m02 * i20)
+        m = block[i]
+        m[0], m[1], m[2] = i00 * scale, i01 * scale, i02 * scale
+        m[3], m[4], m[5] = i10 * scale, i11 * scale, i12 * scale
+        m[6], m[7], m[8] = i20 * scale, i21 * scale, i22 * scale
+        r = (z[0, i], z[1, i], z[2, i])
+        z[0, i] = m[0] * r[0] + m[1] * r[1] + m[2] * r[2]
+        z[1, i] = m[3] * r[0] + m[4] * r[1] + m[5] * r[2]
+        z[2, i] = m[6] * r[0] + m[7] * r[1] + m[8] * r[2]
+    for i in range(n - 2, -1, -1):
+        right = square * inverse_mass[i + 1]
+        m = block[i]
+        r0, r1, r2 = across[0, i + 1] * z[0, i + 1], across[1, i + 1] * z[1, i + 1], across[2, i + 1] * z[2, i + 1]
+        z[0, i] += right * (m[0] * r0 + m[1] * r1 + m[2] * r2)
+        z[1, i] += right * (m[3] * r0 + m[4] * r1 + m[5] * r2)
+        z[2, i] += right * (m[6] * r0 + m[7] * r1 + m[8] * r2)
+
+
+@jit
+def solve_stages(
+    h, law, inverse_mass, external, mode, overlap, rate, precision, stage_overlap, stage_force, along, across, block, z
+):  # fmt: skip
+    """Newton on all stages from the guess in `stage_*`; `precision` is the velocity [m/s] to converge to.
+
+    A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df). Returns the
+    iterations used, 0 where they did not converge.
+    """
+    n = overlap.size
+    before = math.inf
+    for iteration in range(MOST_NEWTON):
+        directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, across)
+        eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stage_force, along, across, block, z)
+        size = 0.0
+        for i in range(n):
+            weight = inverse_mass[i] + inverse_mass[i + 1]
+            for k in range(3):
+                by_overlap, by_force = along[k, i] * z[k, i], across[k, i] * z[k, i]
+                if not math.isfinite(by_overlap) or not math.isfinite(by_force):
+                    return 0
+                if mode[i] == LOADED:
+                    d, f = move_along(
+                        law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i], by_overlap, by_force
+                    )  # fmt: skip
+                    by_overlap, by_force = d - stage_overlap[k, i], f - stage_force[k, i]
+                    stage_overlap[k, i], stage_force[k, i] = d, f
+                elif mode[i] == OPEN:
+                    stage_overlap[k, i] += by_overlap
+                else:
+                    stage_force[k, i] += by_force
+                size = max(size, h * weight * abs(by_force), math.sqrt(weight * abs(by_overlap * by_force)))
+        if size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before):
+            return iteration + 1
+        before = size
+    return 0
+
+
+@jit
+def stage_rates(h, inverse_mass, external, overlap, rate, stage_overlap, stage_force, stage_rate):
+    """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
+
+    It is where the overlaps are smaller than what the forces move in a step: deep inside a cluster.
+    """
+    for i in range(overlap.size):
+        flow = (
+            flow_into(i, inverse_mass, stage_force[0]),
+            flow_into(i, inverse_mass, stage_force[1]),
+            flow_into(i, inverse_mass, stage_force[2]),
+        )
+        drive = external[i] if external.size else 0.0
+        moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
+        largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
+        pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
+        fine = largest < pushed * max(stage_force[0, i], stage_force[1, i], stage_force[2, i])
+        for k in range(3):
+            if fine:
+                stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
+            else:
+                stage_rate[k, i] = rate[i] - h * (
+                    TABLEAU[k, 0] * (flow[0] - drive) + TABLEAU[k, 1] * (flow[1] - drive) + TABLEAU[k, 2] * (flow[2] - drive)
+                )
+
+
+@jit
+def move_anchor(h, inverse_mass, external, anchor_bead, stage_force, anchor, end_anchor):
+    """Position and velocity of the anchor bead at the end of the step."""
+    n = stage_force.shape[1]
+    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
+    for j in range(3):
+        net = stage_force[j, anchor_bead - 1] if anchor_bead > 0 else 0.0
+        net -= stage_force[j, anchor_bead] if anchor_bead < n else 0.0
+        acceleration = net * inverse_mass[anchor_bead]
+        if external.size:
+            acceleration += external[n]
+        square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
+        end_anchor[0] += h * h * square * acceleration
+        end_anchor[1] += h * TABLEAU[2, j] * acceleration
+
+
+@jit
+def compliance(law, mode, i, overlap, force):
+    """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
+    if mode[i] == OPEN:
+        return -1.0
+    if mode[i] == TOUCHING:
+        return 0.0
+    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
+    return 1.0 / slope if slope > 0.0 else -1.0
+
+
+@jit
+def embedded_error(
+    h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, load, upper
+):  # fmt: skip
+    """Error of the step as a velocity [m/s]: the embedded quadrature, filtered through (I - h gamma J)^-1.
+
+    With the compliance C = dd/df and the force error phi: (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are
+    e_w - h gamma L phi in the rate and C phi in the overlap, which counts by its energy, sqrt(L C) phi.
+    """
+    n = overlap.size
+    reach = h * GAMMA
+    error_rate = stage_rate[0]  # the first two rows are free by now: the end of the step is the third
+    for i in range(n):
+        drive = external[i] if external.size else 0.0
+        of_rate = reach * (drive - flow_into(i, inverse_mass, force))
+        of_overlap = reach * rate[i]
+        for k in range(3):
+            of_rate += EMBEDDED[k] * (stage_rate[k, i] - rate[i])
+            of_overlap += EMBEDDED[k] * (stage_overlap[k, i] - overlap[i])
+        error_rate[i] = of_rate
+        give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
+        upper[i], load[i] = 0.0, 0.0
+        if give >= 0.0:
+            lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
+            pivot = reach * reach * (inverse_mass[i] + inverse_mass[i + 1]) + give
+            load[i] = of_overlap + reach * of_rate
+            if i > 0:
+                pivot -= lower * upper[i - 1]
+                load[i] -= lower * load[i - 1]
+            load[i] /= pivot
+            upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
+    for i in range(n - 2, -1, -1):
+        load[i] -= upper[i] * load[i + 1]
+    worst = 0.0
+    for i in range(n):
+        worst = max(worst, abs(error_rate[i] - reach * flow_into(i, inverse_mass, load)))
+        give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
+        if give > 0.0:
+            worst = max(worst, math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * give) * abs(load[i]))
+    return worst
