@@ -110,13 +110,12 @@ class _Run:
 
     def _note_closings(self, overlap: Array) -> None:
         """Called with the overlaps (n, steps) of a phase before time moves on: a contact at rest at 0 never closed."""
-        mode, carries = self.phase.mode, (self.system.preload == 0.0) & (self.phase.force(overlap[:, -1]) > 0.0)
-        pressed = (mode == LOADED) & (overlap > 0.0).any(axis=1) | (mode == TOUCHING) & carries
+        mode, force = self.phase.mode, self.phase.force(overlap[:, -1])
+        pressed = np.where(mode == LOADED, (overlap > 0.0).any(axis=1), (mode == TOUCHING) & (force > 0.0))
         self._note(pressed & ~self.closed)
 
     def _note_openings(self) -> None:
-        carries = (self.phase.mode == TOUCHING) & (self.system.preload == 0.0) & self._carries()
-        self._note(self.closed & (self.phase.mode != LOADED) & ~carries)
+        self._note(self.closed & (self.phase.mode != LOADED) & ~self._carries())
 
     def _carries(self) -> NDArray[np.bool_]:
         return self.phase.force(self.y[: self.system.n]) > 0.0

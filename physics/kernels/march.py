@@ -58,7 +58,7 @@ def note_switches(before, time, overlap, rate, force, closed, switch_contact, sw
                 switch_contact[k] = i
                 switch_time[k] = before if now and overlap[i] == 0.0 else time
                 if overlap[i] != 0.0 and rate[i] != 0.0:
-                    switch_time[k] = max(before, time - overlap[i] / rate[i])
+                    switch_time[k] = min(max(before, time - overlap[i] / rate[i]), time)
             counter[SWITCH] = k + 1
     return still
 
