@@ -5,6 +5,8 @@ session.play()
 session.tick(1 / 60)                       # once a drawn frame, with the wall time since the last one
 session.lanes[0].state                     # what to draw
 session.apply(SetMass(0, 1, 2.0))          # every edit is an Input; ValueError says in a sentence what is wrong
+session.scrub(0.5)                         # any moment of the history; playing on from it is a new branch
+session.save_recording("mine.npz")         # Replay.load("mine.npz").run() is True where every digit comes again
 """
 
 from sandbox.session.inputs import (
@@ -17,6 +19,7 @@ from sandbox.session.inputs import (
     RemoveBead,
     Resume,
     SetContact,
+    SetDrive,
     SetGap,
     SetKind,
     SetMass,
@@ -25,6 +28,7 @@ from sandbox.session.inputs import (
     SetStep,
     SetVelocity,
 )
+from sandbox.session.replay import Replay
 from sandbox.session.session import Session
 
 __all__ = [
@@ -35,9 +39,11 @@ __all__ = [
     "Lock",
     "Place",
     "RemoveBead",
+    "Replay",
     "Resume",
     "Session",
     "SetContact",
+    "SetDrive",
     "SetGap",
     "SetKind",
     "SetMass",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import singledispatch
 
 import numpy as np
@@ -18,6 +19,7 @@ from sandbox.session.setup import LaneSetup, with_method
 
 MOST_BEADS = 400  # in a lane by hand
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits
+LEAST_EXPONENT, MOST_EXPONENT = 1e-3, 10.0
 Changed = tuple[LaneSetup, State]
 
 
@@ -25,6 +27,13 @@ Changed = tuple[LaneSetup, State]
 def edited(item: object, setup: LaneSetup, state: State) -> Changed:
     """Setup and state after `item`; `state` may be changed in place. ValueError with a sentence where it is refused."""
     raise TypeError(f"not an edit of a lane: {item!r}")
+
+
+def edited_start(item: inputs.LaneInput, setup: LaneSetup) -> State:
+    """The start of the lane after `item`: what changes the beads themselves changes it, what moves them not."""
+    if isinstance(item, inputs.SetMass | inputs.AddBead | inputs.RemoveBead):
+        return edited(item, setup, setup.start.copy())[1]
+    return setup.start
 
 
 @edited.register
@@ -49,13 +58,12 @@ def _(item: inputs.SetMass, setup: LaneSetup, state: State) -> Changed:
         _finite("mass", item.mass)
     chosen = [i for i, mass in enumerate(chain.mass) if item.bead in (i, None) and (item.bead == i or mass < math.inf)]
     masses = [item.mass if i in chosen else mass for i, mass in enumerate(chain.mass)]
-    return _with_chain(setup, state, Chain(masses, chain.contact, chain.gap))
+    return _with_chain(setup, state, replace(chain, mass=tuple(masses)))
 
 
 @edited.register
 def _(item: inputs.SetContact, setup: LaneSetup, state: State) -> Changed:
-    for number in (item.law.preload, item.law.stiffness):
-        _finite("contact", number)
+    _check_law(item.law)
     return _with_contacts(setup, state, item.contact, lambda index: (item.law, None))
 
 
@@ -89,6 +97,15 @@ def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
 
 
 @edited.register
+def _(item: inputs.SetDrive, setup: LaneSetup, state: State) -> Changed:
+    chain = setup.chain
+    _check_index("bead", item.bead, chain.contacts + 1)
+    force = _finite("force", item.force)
+    drive = [force if item.bead in (i, None) else old for i, old in enumerate(chain.drive or (0.0,) * len(chain.mass))]
+    return _with_chain(setup, state, replace(chain, drive=tuple(drive)))
+
+
+@edited.register
 def _(item: inputs.SetMethod, setup: LaneSetup, state: State) -> Changed:
     return with_method(setup, item.method), state.copy()
 
@@ -112,13 +129,15 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
         _finite("mass", item.mass)
     near = min(max(item.bead - 1, 0), n - 1)  # the contact it goes into, or beside
     law = chain.contact[near] if item.law is None else item.law
+    _check_law(law)
     masses = [*chain.mass[: item.bead], item.mass, *chain.mass[item.bead :]]
     contacts, gaps = list(chain.contact), list(chain.gap)
     at = min(item.bead, n)
     contacts.insert(at, law)
     gaps.insert(at, 0.0)
     locked = (*setup.locked[:at], None, *setup.locked[at:])
-    longer = Chain(masses, contacts, gaps)
+    drive = None if chain.drive is None else (*chain.drive[: item.bead], 0.0, *chain.drive[item.bead :])
+    longer = Chain(masses, contacts, gaps, drive)
     return setup.with_chain(longer, locked), _inserted(chain, longer, state, item.bead, abs(_finite("gap", item.gap)))
 
 
@@ -139,7 +158,7 @@ def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) 
         overlap[bead - 1], rate[bead - 1] = shared, 0.5 * state.rate[bead - 1]
     force = np.insert(state.force, at, 0.0)
     force[at] = longer.contact[at].force(float(overlap[at]))
-    return rebuilt(state, longer, overlap, rate, force, first)
+    return rebuilt(longer, state.time, (overlap, rate, force), first)
 
 
 @edited.register
@@ -151,7 +170,8 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     out = min(item.bead, n - 1)
     rest = [i for i in range(n) if i != out]
     masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
-    shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest])
+    drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != item.bead]
+    shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest], drive)
     position, velocity = state.position(chain), state.velocity(chain)
     overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
     if 0 < item.bead < n:
@@ -161,7 +181,7 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     start = 1 if item.bead == 0 else 0
     first = float(position[start]), float(velocity[start])
     locked = tuple(setup.locked[i] for i in rest)
-    return setup.with_chain(shorter, locked), rebuilt(state, shorter, overlap, rate, force, first)
+    return setup.with_chain(shorter, locked), rebuilt(shorter, state.time, (overlap, rate, force), first)
 
 
 def _with_contacts(
@@ -172,7 +192,7 @@ def _with_contacts(
     contacts, locked = list(setup.chain.contact), list(setup.locked)
     for i in range(len(contacts)) if index is None else (index,):
         contacts[i], locked[i] = law(i)
-    return _with_chain(setup, state, Chain(setup.chain.mass, contacts, setup.chain.gap), tuple(locked))
+    return _with_chain(setup, state, replace(setup.chain, contact=tuple(contacts)), tuple(locked))
 
 
 def _with_chain(
@@ -189,6 +209,14 @@ def _with_chain(
 def _check_index(name: str, index: int | None, count: int) -> None:
     if index is not None and not 0 <= index < count:
         raise ValueError(f"there is no {name} {index}; they are numbered 0 to {count - 1}")
+
+
+def _check_law(law: Contact) -> None:
+    """Refuse what a slip of the keyboard makes of a contact."""
+    for name, number in (("preload", law.preload), ("stiffness", law.stiffness)):
+        _finite(name, number)
+    if not LEAST_EXPONENT <= law.exponent <= MOST_EXPONENT:
+        raise ValueError(f"an exponent must be from {LEAST_EXPONENT:g} to {MOST_EXPONENT:g}, not {law.exponent!r}")
 
 
 def _finite(name: str, number: float) -> float:

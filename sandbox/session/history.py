@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,11 @@ class Moment:
     hand: tuple[float, float, float]
     states: tuple[State, ...]
     ledgers: tuple[Array, ...]
+
+    def copy(self) -> Moment:
+        """The same moment in arrays of its own, without the scratch memory of the methods."""
+        states = tuple(state.copy() for state in self.states)
+        return replace(self, states=states, ledgers=tuple(ledger.copy() for ledger in self.ledgers))
 
 
 @dataclass(eq=False)
@@ -68,6 +73,7 @@ class Block:
     hand: Array
     lanes: list[LaneRows]
     used: int = 0
+    revision: int = 0  # grows when rows are taken out: what was made from them is stale
     setups: list[tuple[int, Setup]] = field(default_factory=list)
 
     @classmethod
@@ -107,9 +113,17 @@ class Block:
         hand: tuple[float, float, float] = tuple(self.hand[row].tolist())
         return Moment(time, self.setup(row), hand, states, tuple(lane.ledger[row].copy() for lane in self.lanes))
 
+    def forget_last(self) -> None:
+        """Take the last row out again."""
+        self.used -= 1
+        self.revision += 1
+        if self.setups[-1][0] == self.used:
+            self.setups.pop()
+
     def cut(self, rows: int) -> None:
         """Keep the first `rows` rows and give back the room for more."""
         self.used = rows
+        self.revision += 1
         self.time, self.hand = self.time[:rows].copy(), self.hand[:rows].copy()
         self.lanes = [lane.cut(rows) for lane in self.lanes]
         self.setups = [item for item in self.setups if item[0] < rows]
@@ -121,7 +135,6 @@ class History:
     def __init__(self, memory: int = MEMORY) -> None:
         self.bound = memory
         self.blocks: deque[Block] = deque()
-        self.version = 0  # grows when frames are dropped or replaced: what was made from them is stale
 
     @property
     def first(self) -> int:
@@ -134,6 +147,16 @@ class History:
         return self.blocks[-1].first + self.blocks[-1].used - 1
 
     @property
+    def first_time(self) -> float:
+        """Time of the oldest frame [s]."""
+        return float(self.blocks[0].time[0])
+
+    @property
+    def last_time(self) -> float:
+        """Time of the newest frame [s]."""
+        return float(self.blocks[-1].time[self.blocks[-1].used - 1])
+
+    @property
     def memory(self) -> int:
         """Bytes in use."""
         return sum(block.memory for block in self.blocks)
@@ -141,7 +164,6 @@ class History:
     def start(self, moment: Moment, frame: int = 0) -> None:
         """Forget everything; `moment` is frame `frame`."""
         self.blocks.clear()
-        self.version += 1
         self.blocks.append(Block.at(frame, _widths(moment)))
         self.blocks[-1].add(moment)
 
@@ -156,21 +178,21 @@ class History:
         self.blocks[-1].add(moment)
 
     def replace_last(self, moment: Moment) -> None:
-        """Put `moment` in place of the newest frame: an edit while paused."""
-        self.version += 1
+        """Put `moment` in place of the newest frame: an edit."""
         frame, block = self.last, self.blocks[-1]
-        if block.used == 1:
-            self.blocks.pop()
-        else:
-            block.cut(block.used - 1)
-        self.blocks.append(Block.at(frame, _widths(moment)))
+        block.forget_last()
+        if block.widths != _widths(moment):
+            if block.used:
+                block.cut(block.used)
+            else:
+                self.blocks.pop()
+            self.blocks.append(Block.at(frame, _widths(moment)))
         self.blocks[-1].add(moment)
 
     def drop_after(self, frame: int) -> None:
         """Forget every frame later than `frame`."""
         if frame >= self.last:
             return
-        self.version += 1
         while self.blocks[-1].first > frame:
             self.blocks.pop()
         self.blocks[-1].cut(frame - self.blocks[-1].first + 1)

@@ -63,7 +63,7 @@ class SetContact:
 
 @dataclass(frozen=True)
 class SetKind:
-    """Turn a contact (None: all) into a 'power' law, a draft 'gear' or 'hard', about as strong at this scene's speed."""
+    """Turn a contact (None: all) into a 'power' law, a draft 'gear' or 'hard', as strong at this scene's speed."""
 
     lane: int
     contact: int | None
@@ -86,6 +86,15 @@ class SetGap:
     lane: int
     contact: int
     gap: float
+
+
+@dataclass(frozen=True)
+class SetDrive:
+    """Pull at a bead (None: all) with a steady `force` [N]."""
+
+    lane: int
+    bead: int | None
+    force: float
 
 
 @dataclass(frozen=True)
@@ -138,10 +147,12 @@ class Resume:
     """Play on from a scrubbed moment: the hand is empty and the methods start with fresh scratch memory."""
 
 
-Input = (
-    Drag | Drop | Place | SetVelocity | SetMass | SetContact | SetKind | Lock | SetGap | AddBead | RemoveBead
-    | SetMethod | SetStep | SetSlow | Resume
+# what concerns one lane or all of them, and what concerns the session
+LaneInput = (
+    Place | SetVelocity | SetMass | SetContact | SetKind | Lock | SetGap | SetDrive | AddBead | RemoveBead
+    | SetMethod | SetStep
 )  # fmt: skip
+Input = LaneInput | Drag | Drop | SetSlow | Resume
 
 _BY_NAME: dict[str, type] = {kind.__name__: kind for kind in get_args(Input)}
 

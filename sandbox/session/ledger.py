@@ -6,6 +6,8 @@ Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, EN
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,21 +61,30 @@ def book_edit(before: Array, ledger: Array) -> None:
     ledger[MOMENTUM_BOOKED] += ledger[MOMENTUM] - before[MOMENTUM]
 
 
-def book_frame(chain: Chain, ledger: Array, work: float, impulse: float) -> None:
-    """Book a frame in which the hand did `work` [J] and gave `impulse` [N s].
+class Outside(NamedTuple):
+    """What came from outside in a frame: `work` [J] and `impulse` [N s] of hand and drive; velocities of the walls."""
 
-    Walls give what momentum is missing; one that moves does work with it, which is known where all move alike.
+    work: float
+    impulse: float
+    wall_velocity: Array
+
+
+def book_frame(chain: Chain, before: Array, ledger: Array, outside: Outside) -> None:
+    """Book a frame: `before` and `ledger` are what was read before and after it.
+
+    Walls give what momentum is missing; their work with it is known where all of them move alike. Where they do not,
+    what the energy has become is taken as booked.
     """
-    ledger[ENERGY_BOOKED] += work
-    ledger[MOMENTUM_BOOKED] += impulse
-    if chain.walls:
-        ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
-
-
-def book_walls(wall_velocity: Array, impulse: float, ledger: Array) -> None:
-    """Book the work of walls that all move at the same velocity and together gave `impulse` [N s]."""
-    if wall_velocity.size and np.ptp(wall_velocity) == 0.0:
-        ledger[ENERGY_BOOKED] += float(wall_velocity[0]) * impulse
+    ledger[ENERGY_BOOKED] += outside.work
+    ledger[MOMENTUM_BOOKED] += outside.impulse
+    if not chain.walls:
+        return
+    by_walls = ledger[MOMENTUM] - before[MOMENTUM] - outside.impulse
+    if np.ptp(outside.wall_velocity) == 0.0:
+        ledger[ENERGY_BOOKED] += float(outside.wall_velocity[0]) * by_walls
+    else:
+        ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
+    ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
 
 
 def energy_error(ledger: Array) -> float | Array:

@@ -1,4 +1,4 @@
-"""The pace: wall time into whole frames, within a budget. What does not fit is dropped: the clock slows, not the physics."""
+"""The pace: wall time into whole frames, within a budget. What does not fit is dropped: the clock slows."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Pace:
         self.clock_ratio, self.milliseconds = 1.0, 0.0
 
     def run(self, wall_seconds: float, frame: Callable[[], None]) -> int:
-        """Call `frame` as often as `wall_seconds` ask for and the budget allows, at least once if any; returns how often."""
+        """Call `frame` as often as `wall_seconds` ask for and the budget allows, but once if due; returns how often."""
         wanted = min(max(wall_seconds, 0.0), LONGEST_TICK)
         self.due += wanted * FRAME_RATE
         count = done = round(self.due)

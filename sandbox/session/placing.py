@@ -50,9 +50,10 @@ def set_velocity(chain: Chain, state: State, bead: int | None, velocity: float) 
         state.anchor[1] = velocity
 
 
-def rebuilt(state: State, chain: Chain, overlap: Array, rate: Array, force: Array, first: tuple[float, float]) -> State:
+def rebuilt(chain: Chain, time: float, contacts: tuple[Array, Array, Array], first: tuple[float, float]) -> State:
     """A State for `chain` from overlaps, rates and forces (n,), with bead 0 at `first`: position and velocity."""
+    overlap, rate, force = contacts
     anchor = np.array(
         [from_anchor(values, start, 0)[chain.anchor] for values, start in zip((overlap, rate), first, strict=True)]
     )
-    return State(state.time, overlap, rate, anchor, force)
+    return State(time, overlap, rate, anchor, force)

@@ -1,4 +1,4 @@
-"""Setups: the immutable half of a session. An edit replaces one; the history keeps the one that each frame was made by."""
+"""Setups: the immutable half of a session. An edit replaces one; the history keeps the one of each frame."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physics.chain import Chain
 from physics.contact import Contact
 from physics.methods import find_method
-from physics.time_scale import closing_speed, contact_scales
+from physics.state import State
+from physics.time_scale import contact_scales, speed_scale
 from scenes import Lane, Scene
 
 FRAME_RATE = 120  # model frames in a second at the wall; drawn at 60 Hz every picture is two of them
@@ -30,6 +32,7 @@ class LaneSetup:
         tolerance: of adaptive methods.
         locked: per contact the law it had before its piston was locked, else None.
         speed: closing speed [m/s] that this scene is about; scales of steps, of the hand and of errors follow it.
+        start: the State to which a restart goes back; never changed in place.
     """
 
     label: str
@@ -40,6 +43,16 @@ class LaneSetup:
     tolerance: float
     locked: tuple[Contact | None, ...]
     speed: float
+    start: State = field(compare=False, repr=False)
+
+    def with_start(self, start: State) -> LaneSetup:
+        """The same lane with another start."""
+        return replace(self, start=start)
+
+    def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
+        """The same lane, about the speeds `velocity` (n+1,) [m/s]; an automatic step follows."""
+        changed = replace(self, speed=speed_scale(self.chain, velocity))
+        return changed.chosen() if self.automatic else changed
 
     def with_chain(self, chain: Chain, locked: tuple[Contact | None, ...] | None = None) -> LaneSetup:
         """The same lane with another chain; an automatic step follows."""
@@ -63,7 +76,7 @@ class Setup:
     """All lanes and the slow motion they are shown in: `slow` wall seconds for one of the model."""
 
     lanes: tuple[LaneSetup, ...]
-    slow: float = field(default=1.0)
+    slow: float = 1.0
 
     @property
     def frame_time(self) -> float:
@@ -74,7 +87,9 @@ class Setup:
 def choose_method(chain: Chain, speed: float) -> tuple[str, float]:
     """The cheapest method that holds the scene's error, and its step [s].
 
-    It is `conserving` with 64 steps to the shortest contact between beads that close at `speed` [m/s].
+    It is `conserving`, whose energy and momentum are exact at any step, with 64 steps to the shortest contact between
+    beads that close at `speed` [m/s]: final velocities of every scene of the catalogue are then right within 6e-4 of
+    it, half a pixel of a plot, for 0.3 microseconds a contact and step.
     """
     return "conserving", contact_time(chain, speed) / STEPS_A_CONTACT
 
@@ -91,13 +106,23 @@ def setup_of(scene: Scene) -> Setup:
 
 def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
     """How `lane` moves in `scene`: by the scene's method and step where it names them."""
-    chain, speed = lane.chain(), closing_speed(lane.velocity)
-    automatic = scene.method is None and scene.step is None
+    chain = lane.chain()
+    speed = speed_scale(chain, lane.velocity)
     method, step = choose_method(chain, speed)
-    tolerance = 1e-8 if scene.tolerance is None else scene.tolerance
-    none = (None,) * chain.contacts
-    setup = LaneSetup(lane.label, chain, scene.method or method, step, automatic, tolerance, none, speed)
-    return setup if automatic else with_method(setup, setup.method, scene.step)
+    setup = LaneSetup(
+        label=lane.label,
+        chain=chain,
+        method=method,
+        step=step,
+        automatic=True,
+        tolerance=1e-8 if scene.tolerance is None else scene.tolerance,
+        locked=(None,) * chain.contacts,
+        speed=speed,
+        start=State.at_start(chain, lane.velocity),
+    )
+    if scene.method is None and scene.step is None:
+        return setup
+    return with_method(setup, scene.method or method, scene.step)
 
 
 def with_method(setup: LaneSetup, name: str, step: float | None = None) -> LaneSetup:

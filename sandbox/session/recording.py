@@ -1,0 +1,107 @@
+"""Recordings: the moment a session began at, every input with its frame, and a hash of every frame after it.
+
+The file is an .npz: `metadata`, a JSON text, and `hashes`, one 64-bit number a frame. Nothing in it is pickled.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from array import array
+from hashlib import blake2b
+from os import PathLike
+
+import numpy as np
+
+from physics.storage import versions
+from sandbox.atomic import output_file
+from sandbox.errors import UserError
+from sandbox.session import inputs
+from sandbox.session.history import Moment
+from sandbox.session.moments import moment_from, moment_table
+from scenes import Scene, SceneError, parse
+
+FORMAT = 1
+MOST_INPUTS, MOST_FRAMES = 100_000, 1_000_000  # what a recording holds before it begins anew, 16 and 8 megabytes
+
+Path = str | PathLike[str]
+
+
+class Recording:
+    """What has to be kept so that a session can be run again, frame by frame.
+
+    Attributes:
+        frame: the frame of `base`.
+        base: the Moment with which it begins.
+        inputs: list of (frame after which it was given, Input).
+        hashes: of the states at `frame` + 1, `frame` + 2 ...
+    """
+
+    def __init__(self, base: Moment, frame: int = 0) -> None:
+        self.base, self.frame = base, frame
+        self.inputs: list[tuple[int, inputs.Input]] = []
+        self.hashes = array("Q")
+
+    @property
+    def last(self) -> int:
+        """The newest frame recorded."""
+        return self.frame + len(self.hashes)
+
+    @property
+    def full(self) -> bool:
+        """Whether it is time to begin anew."""
+        return len(self.inputs) > MOST_INPUTS or len(self.hashes) > MOST_FRAMES
+
+    def note(self, item: inputs.Input) -> None:
+        """Note an input given now."""
+        self.inputs.append((self.last, item))
+
+    def note_frame(self, moment: Moment) -> None:
+        """Note that `moment` was reached."""
+        self.hashes.append(hash_of(moment))
+
+    def cut(self, frame: int) -> None:
+        """Forget what came after `frame`."""
+        del self.hashes[max(0, frame - self.frame) :]
+        while self.inputs and self.inputs[-1][0] > frame:
+            self.inputs.pop()
+
+    def save(self, path: Path, scene: Scene) -> None:
+        """Write it with its `scene`, whole or not at all. UserError where that cannot be."""
+        metadata = {
+            "softcradle recording": FORMAT,
+            "versions": versions(),
+            "scene": scene.to_toml(),
+            "frame": self.frame,
+            "base": moment_table(self.base),
+            "inputs": [[frame, inputs.to_table(item)] for frame, item in self.inputs],
+        }
+        hashes = np.array(self.hashes, dtype=np.uint64)
+        with output_file(path) as temporary, temporary.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, metadata=np.array(json.dumps(metadata)), hashes=hashes)
+
+
+def load_recording(path: Path) -> tuple[Recording, Scene]:
+    """The recording and the scene that :meth:`Recording.save` wrote. UserError where the file is none."""
+    try:
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
+            metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
+        if metadata["softcradle recording"] != FORMAT:
+            raise UserError(f"{path}: recorded by a later softcradle")
+        recording = Recording(moment_from(metadata["base"]), int(metadata["frame"]))
+        recording.inputs = [(int(frame), inputs.from_table(table)) for frame, table in metadata["inputs"]]
+        recording.hashes = array("Q", hashes.tolist())
+        return recording, parse(metadata["scene"])
+    except OSError as error:
+        raise UserError(f"cannot read {path}: {(error.strerror or str(error)).lower()}") from None
+    except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError, SceneError):
+        raise UserError(f"{path}: not a recording of softcradle") from None
+
+
+def hash_of(moment: Moment) -> int:
+    """64 bits that tell apart states which differ in any digit."""
+    digest = blake2b(np.float64(moment.time).tobytes(), digest_size=8)
+    for state in moment.states:
+        for values in (state.overlap, state.rate, state.anchor):
+            digest.update(values.tobytes())
+    return int.from_bytes(digest.digest(), "little")

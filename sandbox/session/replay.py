@@ -1,0 +1,72 @@
+"""Replay: a recording run again, frame by frame; it says DIVERGED, and where, if a state differs in any digit."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from sandbox.session.inputs import Input
+from sandbox.session.recording import Path, Recording, hash_of, load_recording
+from sandbox.session.session import Session
+from scenes import Scene
+
+
+class Replay:
+    """A recording that is being run again.
+
+    Attributes:
+        session: the Session that shows it.
+        diverged: the first frame whose state is not the recorded one; None as long as all agree.
+    """
+
+    def __init__(self, recording: Recording, scene: Scene) -> None:
+        self.recording = recording
+        self.session = Session(scene)
+        self.session.begin(recording.base, recording.frame)
+        self.diverged: int | None = None
+        by_frame = groupby(recording.inputs, key=lambda item: item[0])
+        self._inputs: dict[int, list[Input]] = {frame: [item for _, item in items] for frame, items in by_frame}
+        self._give_inputs()
+
+    @classmethod
+    def load(cls, path: Path) -> Replay:
+        """The replay of a file that `Session.save_recording` wrote. UserError where it is none."""
+        return cls(*load_recording(path))
+
+    @property
+    def done(self) -> bool:
+        """Whether every recorded frame has been run."""
+        return self.session.history.last >= self.recording.last
+
+    @property
+    def sentence(self) -> str:
+        """How it stands, for the screen."""
+        frame, last = self.session.history.last - self.recording.frame, self.recording.last - self.recording.frame
+        if self.diverged is not None:
+            return f"DIVERGED at frame {self.diverged - self.recording.frame} of {last}"
+        return f"replay agrees in all {last} frames" if self.done else f"replay, frame {frame} of {last}"
+
+    def tick(self, wall_seconds: float) -> int:
+        """Go on by `wall_seconds` of the wall clock; returns the frames run."""
+        return self.session.pace.run(wall_seconds, self.step)
+
+    def run(self) -> bool:
+        """Run to the end at once; True where every state is the recorded one."""
+        while not self.done:
+            self.step()
+        return self.diverged is None
+
+    def step(self) -> None:
+        """One frame, if there is one left."""
+        if self.done:
+            return
+        session = self.session
+        session.step_frames(1)
+        frame = session.frame
+        agrees = hash_of(session.moment()) == self.recording.hashes[frame - self.recording.frame - 1]
+        if not agrees and self.diverged is None:
+            self.diverged = frame
+        self._give_inputs()
+
+    def _give_inputs(self) -> None:
+        for item in self._inputs.get(self.session.frame, ()):
+            self.session.apply(item)
