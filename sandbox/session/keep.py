@@ -37,7 +37,7 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
     """`old` if `new` still begins as it says, else a lane with a list of everything."""
     chain, start = new.chain, new.start
     velocity = tuple(start.velocity(chain).tolist())
-    gap = tuple(np.maximum(0.0, -start.overlap).tolist())
+    gap = tuple((0.0 + np.maximum(0.0, -start.overlap)).tolist())  # 0.0 + turns -0.0 into 0.0
     before = old.chain()
     same = (before.mass, before.contact, before.gap, before.drive, old.velocity)
     if same == (chain.mass, chain.contact, gap, chain.drive, velocity):

@@ -66,7 +66,7 @@ class MarkBook:
         return _joined(found)
 
     def since(self, frame: int) -> Marks:
-        """Marks between `frame` and the newest frame."""
+        """Marks later than `frame`, which is before the newest."""
         found = [self._of(block, before) for before, block in self._pairs() if block.first + block.used - 1 > frame]
         marks = _joined(found)
         return marks.chosen(marks.frame > frame)

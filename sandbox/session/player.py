@@ -36,7 +36,7 @@ class Player:
         frame: the frame shown; `history.first` <= frame <= `history.last`.
         history: every frame kept.
         recording: base, inputs and hashes of all that.
-        heard: the frame at which the last tick began.
+        ticked: the frames before and after the last tick.
         pace: clock ratio and physics milliseconds a frame.
     """
 
@@ -70,7 +70,7 @@ class Player:
         self._show(self.history.moment(frame), frame)
         self.hand = moment.hand
         self._loaded = False  # whether the moment shown was read from the history: playing on is then a new branch
-        self.heard = frame
+        self.ticked = frame, frame
         self.recording = Recording(self.history.moment(frame), frame)
 
     # ---- time
@@ -109,8 +109,10 @@ class Player:
 
         Late frames are dropped from the clock, never from the physics: see ``pace.clock_ratio``.
         """
-        self.heard = self.frame
-        return self.pace.run(wall_seconds, self._compute_frame) if self.playing else 0
+        before = self.frame
+        done = self.pace.run(wall_seconds, self._compute_frame) if self.playing else 0
+        self.ticked = before, before + done
+        return done
 
     def step_frames(self, count: int) -> None:
         """Pause and go `count` frames forward (computing them where there are none yet) or, if negative, back."""

@@ -55,8 +55,11 @@ class Session(Player):
     @property
     def impacts(self) -> tuple[Impact, ...]:
         """Contacts that closed in the last tick, in order of time; those too slow to hear are left out."""
-        marks = self._marks.since(self.heard)
-        hits = marks.chosen(marks.closed)
+        before, after = self.ticked
+        if after == before or self.history.last <= before:
+            return ()
+        marks = self._marks.since(before)
+        hits = marks.chosen(marks.closed & (marks.frame <= after))
         found = map(Impact, hits.time.tolist(), hits.lane.tolist(), hits.contact.tolist(), hits.speed.tolist())
         return tuple(hit for hit in found if hit.speed > AUDIBLE * self.setup.lanes[hit.lane].speed)
 
