@@ -24,6 +24,7 @@ class Command(NamedTuple):
 
 
 COMMANDS: tuple[Command, ...] = (
+    Command("play", "sandbox.commands.play", "open the window; softcradle without a command does it too"),
     Command("scenes", "sandbox.commands.scenes", "list the scenes, or print one to start your own from"),
     Command("check", "sandbox.commands.check", "say whether scene files are right, and what is wrong with them"),
     Command("run", "sandbox.commands.run", "compute a scene: table of results, .npz or .csv"),
@@ -69,6 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: list[str]) -> int:
     parser, parsers = _parsers()
+    arguments = arguments or ["play"]
     wanted = next((word for word in arguments if not word.startswith("-")), None)
     module = None
     if wanted is not None:

@@ -19,11 +19,13 @@ TITLES = (
 
 
 class Shares:
-    """Energy bar, momentum bar and error badges of one lane."""
+    """Energy bar, momentum bar and, unless they are shown elsewhere, error badges of one lane."""
 
-    def __init__(self, rect: pygame.Rect, unit: float, colours: tuple[Colour, ...], scales: Scales) -> None:
-        self.unit, self.colours, self.scales = unit, colours, scales
-        third = (rect.width - 2 * 22 * unit) / 3
+    def __init__(
+        self, rect: pygame.Rect, unit: float, colours: tuple[Colour, ...], scales: Scales, badges: bool = True
+    ) -> None:
+        self.unit, self.colours, self.scales, self.badged = unit, colours, scales, badges
+        third = (rect.width - 2 * 22 * unit) / 3 if badges else (rect.width - 22 * unit) / 2
         self.bars = [
             pygame.Rect(
                 round(rect.left + k * (third + 22 * unit)),
@@ -51,6 +53,8 @@ class Shares:
         """Draw the shares and errors at row `row` of `track`."""
         self._energy(surface, track.kinetic[row], float(track.stored[row]))
         self._momentum(surface, track.momentum[row])
+        if not self.badged:
+            return
         errors = (("energy error", track.energy_error[row]), ("momentum error", track.momentum_error[row]))
         for k, (name, error) in enumerate(errors[:1] if track.chain.walls else errors):  # a wall takes up momentum
             self._badge(surface, k, name, float(error))

@@ -8,13 +8,16 @@ from pathlib import Path
 
 import pygame
 
+from sandbox.errors import UserError
 from sandbox.window import theme
 from sandbox.window.gallery import Gallery
 from sandbox.window.helping import paint_help
 from sandbox.window.keys import action_of
 from sandbox.window.messages import Messages
 from sandbox.window.page import Page
+from sandbox.window.prompt import Prompt
 from sandbox.window.warm import Warmer
+from scenes import SceneError, load
 
 DESIGN = (1280, 720)
 SMALLEST = (800, 480)
@@ -36,6 +39,7 @@ class App:
         self.size = self.surface.get_size()
         self.scale, self.running, self.help = 1.0, True, False
         self.messages, self.warmer = Messages(), Warmer()
+        self.prompt: Prompt | None = None
         self.warmer.start()
         self.unit = self._unit()
         self.manager = theme.manager(self.size, self.unit)
@@ -50,7 +54,7 @@ class App:
             "open": self.ask_for_file,
         }
         self.page: Page = self._gallery()
-        self.show(self.page)
+        self.rebuild()
         if start is not None:
             self.open(start)
 
@@ -63,6 +67,9 @@ class App:
 
     def show(self, page: Page) -> None:
         """Make `page` the one on screen."""
+        if page is not self.page:
+            self.page.close()
+        self.prompt = None
         self.page = page
         self.rebuild()
 
@@ -71,6 +78,8 @@ class App:
         self.unit = self._unit()
         self.manager = theme.manager(self.size, self.unit)
         self.page.build()
+        if self.prompt is not None and self.prompt.open:
+            self.prompt.build()
 
     def show_gallery(self) -> None:
         """Back to the gallery."""
@@ -78,9 +87,34 @@ class App:
 
     def open(self, name_or_path: str) -> None:
         """Open a scene by name, or a scene or session file; what is wrong with it becomes a message."""
+        try:
+            page = self._opened(name_or_path)
+        except (SceneError, UserError, ValueError, OSError) as error:
+            self.messages.say(str(error), trouble=True)
+            return
+        self.show(page)
+
+    def _opened(self, name_or_path: str) -> Page:
+        from sandbox.window.play import Play
+
+        if name_or_path.lower().endswith(".npz"):
+            from sandbox.session.replay import Replay
+
+            replay = Replay.load(name_or_path)
+            return Play(self, replay.session, self.show_gallery, replay)
+        from sandbox.session.session import Session
+
+        return Play(self, Session(load(name_or_path)), self.show_gallery)
 
     def ask_for_file(self) -> None:
         """Ask for the path of a file to open."""
+        self.ask("Open", "a scene (.toml), a session (.npz), or the name of a scene", "", self.open)
+
+    def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
+        """Ask for a line of text in a box over the page."""
+        if self.prompt is not None and self.prompt.open:
+            self.prompt.close()
+        self.prompt = Prompt(self, title, note, text, take)
 
     def quit(self) -> None:
         """End at the end of this frame."""
@@ -112,7 +146,8 @@ class App:
         self.close()
 
     def close(self) -> None:
-        """Let go of the display and of the thread."""
+        """Let go of the page, the thread and the display."""
+        self.page.close()
         self.warmer.stop()
         pygame.display.quit()
 
@@ -125,15 +160,19 @@ class App:
         self.manager.update(seconds)
         self.paint()
         pygame.display.flip()
+        self.page.shown(self.surface, seconds)
         self.frames += 1
 
     def paint(self) -> None:
         """Draw the whole window."""
         self.page.paint(self.surface)
-        self.manager.draw_ui(self.surface)
-        overlay = getattr(self.page, "paint_over", None)
-        if overlay is not None:
-            overlay(self.surface)
+        if self.prompt is None or not self.prompt.open:
+            self.manager.draw_ui(self.surface)
+            self.page.paint_over(self.surface)
+        else:
+            self.page.paint_over(self.surface)
+            self.prompt.paint(self.surface)
+            self.manager.draw_ui(self.surface)
         self.messages.paint(self.surface, self.size[1] - 84 * self.unit, self.unit)
         if self.help:
             paint_help(self.surface, self.unit)
@@ -162,7 +201,13 @@ class App:
                 self.quit()
 
     def _take_in_page(self, event: pygame.Event) -> None:
-        if self.manager.process_events(event) or self.page.handle(event):
+        prompt = self.prompt if self.prompt is not None and self.prompt.open else None
+        if prompt is not None and prompt.handle(event):
+            return
+        if self.page.typing and event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE:
+            self.manager.set_focus_set(None)
+            return
+        if self.manager.process_events(event) or self.page.handle(event) or self.page.typing:
             return
         if event.type == pygame.KEYDOWN:
             self.act(action_of(event.key, event.mod))

@@ -21,6 +21,8 @@ CAPTION = 66.0  # design pixels below a picture
 class Gallery:
     """All scenes of the catalogue; `choose(name)` is called with the one that is clicked."""
 
+    typing = False
+
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
         self.names = names()
@@ -160,3 +162,12 @@ class Gallery:
         if key not in self.shown:
             self.shown[key] = pygame.transform.smoothscale(self.pictures[k].convert(), self.picture_size)
         return self.shown[key]
+
+    def paint_over(self, surface: pygame.Surface) -> None:
+        """Nothing lies above the cards."""
+
+    def shown(self, surface: pygame.Surface, seconds: float) -> None:
+        """Nobody films a gallery."""
+
+    def close(self) -> None:
+        """Nothing to let go of."""

@@ -21,8 +21,10 @@ class Host(Protocol):
         manager: where widgets belong; a new one after every change of size or unit.
         messages: to say things.
         warmer: the thread behind the window.
+        surface: what is drawn on.
     """
 
+    surface: pygame.Surface
     size: tuple[int, int]
     unit: float
     manager: pygame_gui.UIManager
@@ -32,11 +34,24 @@ class Host(Protocol):
     def quit(self) -> None:
         """End at the end of this frame."""
 
+    def rebuild(self) -> None:
+        """Make all widgets anew."""
+
+    def toggle_help(self) -> None:
+        """Show or hide the help overlay."""
+
+    def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
+        """Ask for a line of text, beginning with `text`."""
+
 
 class Page(Protocol):
     """One of the window's pages. `actions` are those of the table of keys that it offers."""
 
     actions: dict[str, Callable[[], None]]
+
+    @property
+    def typing(self) -> bool:
+        """Whether keys go into a field."""
 
     def build(self) -> None:
         """Make the widgets for the host's size and unit; the old ones are gone."""
@@ -49,3 +64,12 @@ class Page(Protocol):
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
+
+    def paint_over(self, surface: pygame.Surface) -> None:
+        """Draw what lies above the widgets."""
+
+    def shown(self, surface: pygame.Surface, seconds: float) -> None:
+        """The finished picture is on screen."""
+
+    def close(self) -> None:
+        """The page is being left."""

@@ -1,0 +1,273 @@
+"""The inspector: what is selected, as sliders and typed numbers with units, and the buttons that change it as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pygame
+import pygame_gui
+from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
+
+from sandbox.draw.numbers import index
+from sandbox.draw.palette import INK, MUTED, bead_colours
+from sandbox.draw.ink import put_marker
+from sandbox.draw.text import wrapped, write
+from sandbox.session.inputs import Input, SetKind, SetMass
+from sandbox.session.kinds import kind_of
+from sandbox.session.session import Session
+from sandbox.window.keys import hint
+from sandbox.window.page import Host
+from sandbox.window.parameters import Parameter, parameters
+from sandbox.window.stage_view import Pick
+
+ROW, ENTRY = 52.0, 92.0  # design pixels
+SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
+KIND_NAMES = {"power": "power law", "gear": "draft gear", "hard": "hard"}
+
+
+@dataclass
+class Control:
+    """The widgets of one parameter."""
+
+    parameter: Parameter
+    slider: UIHorizontalSlider
+    entry: UITextEntryLine
+    shown: float
+
+
+class Inspector:
+    """Edits go out through `apply(input) -> whether it was taken`."""
+
+    def __init__(
+        self, host: Host, session: Session, apply: Callable[[Input], bool], actions: dict[str, Callable[[], None]]
+    ) -> None:
+        self.host, self.session, self.apply, self.actions = host, session, apply, actions
+        self.rect = pygame.Rect(0, 0, 0, 0)
+        self.pick: Pick | None = None
+        self.controls: dict[str, Control] = {}
+        self.widgets: list[UIButton] = []
+        self._waited = 0.0
+
+    def build(self, rect: pygame.Rect) -> None:
+        """Take its place in a page that is built anew: the old widgets are gone."""
+        self.rect, self.controls, self.widgets = rect, {}, []
+        self._make()
+
+    def select(self, pick: Pick | None) -> None:
+        """Show another bead or contact, or none."""
+        if pick != self.pick:
+            self.pick = pick
+            self.remake()
+
+    def remake(self) -> None:
+        """Make the widgets again: what is selected, or its kind, has changed."""
+        for control in self.controls.values():
+            control.slider.kill()
+            control.entry.kill()
+        for widget in self.widgets:
+            widget.kill()
+        self.controls, self.widgets = {}, []
+        self._make()
+
+    def _make(self) -> None:
+        if self.pick is None or self.rect.width == 0:
+            return
+        unit = self.host.unit
+        y = self.rect.top + 34 * unit
+        y = self._kinds(y) if self.pick.kind == "contact" else y
+        for parameter in parameters(self.session, self.pick):
+            if y + ROW * unit > self.rect.bottom - 36 * unit:
+                break
+            self.controls[parameter.key] = self._control(parameter, y)
+            y += ROW * unit
+        self._buttons(y + 4 * unit)
+
+    def _control(self, parameter: Parameter, y: float) -> Control:
+        unit, manager, left = self.host.unit, self.host.manager, self.rect.left
+        right = self.rect.right
+        place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
+        entry = UITextEntryLine(place, manager, initial_text=_text(parameter.value))
+        wide = self.rect.width
+        bar = pygame.Rect(left, round(y + 29 * unit), wide, round(14 * unit))
+        slider = UIHorizontalSlider(bar, parameter.share(), (0.0, 1.0), manager)
+        return Control(parameter, slider, entry, parameter.value)
+
+    def _kinds(self, y: float) -> float:
+        """Power law, draft gear, hard: one of three."""
+        assert self.pick is not None
+        unit, wide = self.host.unit, self.rect.width / 3
+        lane = self.session.lanes[self.pick.lane]
+        now = kind_of(lane.chain.contact[self.pick.index])
+        for k, (kind, name) in enumerate(KIND_NAMES.items()):
+            place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
+            button = self._button(place, name, lambda kind=kind: self._turn(kind), "#chip", "law of this contact")
+            if kind == now:
+                button.select()
+        return y + 34 * unit
+
+    def _turn(self, kind: str) -> None:
+        if self.pick is not None:
+            self.apply(SetKind(self.pick.lane, self.pick.index, kind))
+
+    def _buttons(self, y: float) -> None:
+        assert self.pick is not None
+        unit, half = self.host.unit, self.rect.width / 2
+        locked = False
+        if self.pick.kind == "contact":
+            locked = self.session.lanes[self.pick.lane].setup.locked[self.pick.index] is not None
+            texts = (("unlock piston" if locked else "lock piston", "lock"), ("all alike", None))
+        else:
+            texts = (("add bead", "add_bead"), ("remove bead", "remove_bead"))
+        for k, (text, action) in enumerate(texts):
+            place = pygame.Rect(round(self.rect.left + k * half), round(y), round(half - 4 * unit), round(28 * unit))
+            if action is None:
+                self._button(place, text, self._all_alike, None, "give this law to every contact of the lane")
+            else:
+                self._button(place, text, self.actions[action], None, hint(action))
+        if self.pick.kind == "bead":
+            wall = self.session.lanes[self.pick.lane].chain.mass[self.pick.index] == float("inf")
+            place = pygame.Rect(self.rect.left, round(y + 33 * unit), round(half - 4 * unit), round(28 * unit))
+            text = "free it" if wall else "make it a wall"
+            self._button(place, text, self._wall, None, "a wall has no mass to move: it keeps its velocity")
+
+    def _button(
+        self, place: pygame.Rect, text: str, command: Callable[[], None], kind: str | None, tip: str
+    ) -> UIButton:
+        made = UIButton(place, text, self.host.manager, object_id=kind, tool_tip_text=tip, command=command)
+        self.widgets.append(made)
+        return made
+
+    def _wall(self) -> None:
+        if self.pick is not None:
+            mass = self.session.lanes[self.pick.lane].chain.mass[self.pick.index]
+            usual = [m for m in self.session.lanes[self.pick.lane].chain.mass if m != float("inf")]
+            self.apply(SetMass(self.pick.lane, self.pick.index, usual[0] if mass == float("inf") else float("inf")))
+
+    def _all_alike(self) -> None:
+        from sandbox.session.inputs import SetContact
+
+        if self.pick is not None:
+            law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
+            self.apply(SetContact(self.pick.lane, None, law))
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Sliders and typed numbers."""
+        if event.type == pygame_gui.UI_HORIZONTAL_SLIDER_MOVED:
+            for control in self.controls.values():
+                if event.ui_element is control.slider:
+                    self._set(control, control.parameter.at(event.value), typed=False)
+                    return True
+        if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED:
+            for control in self.controls.values():
+                if event.ui_element is control.entry:
+                    self._typed(control, event.text)
+                    return True
+        return False
+
+    def _typed(self, control: Control, text: str) -> None:
+        from sandbox.options import positive
+
+        cleaned = text.replace("−", "-").replace(",", ".").strip()
+        try:
+            value = float(cleaned) if "/" not in cleaned else positive(cleaned)
+        except Exception:
+            self.host.messages.say(f"{control.parameter.name}: {text!r} is not a number", trouble=True)
+            control.entry.set_text(_text(control.parameter.value))
+            return
+        self._set(control, value, typed=True)
+
+    def _set(self, control: Control, value: float, typed: bool) -> None:
+        try:
+            wanted = control.parameter.edit(value)
+        except ValueError as error:
+            self.host.messages.say(str(error), trouble=True)
+            wanted = None
+        taken = wanted is not None and self.apply(wanted)
+        if control.parameter.key in self.controls:  # it may have been made anew
+            self.refresh(force=True, but=None if typed or not taken else control)
+
+    def update(self, seconds: float) -> None:
+        """Follow what moves, slowly enough to be read."""
+        self._waited += seconds
+        if self._waited >= SECONDS_BETWEEN_READINGS:
+            self._waited = 0.0
+            self.refresh()
+
+    def refresh(self, force: bool = False, but: Control | None = None) -> None:
+        """Show the values as they are; a number that is being typed, and the slider of `but`, are left alone."""
+        if self.pick is None or not self.controls:
+            return
+        for parameter in parameters(self.session, self.pick):
+            control = self.controls.get(parameter.key)
+            if control is None:
+                continue
+            control.parameter = parameter
+            if (parameter.value != control.shown or force) and not control.entry.is_focused:
+                control.entry.set_text(_text(parameter.value))
+                if control is not but and not control.slider.has_moved_recently and not _grabbed(control.slider):
+                    control.slider.set_current_value(parameter.share())
+                control.shown = parameter.value
+
+    @property
+    def typing(self) -> bool:
+        """Whether a number is being typed: keys are its own."""
+        return any(control.entry.is_focused for control in self.controls.values())
+
+    @property
+    def busy(self) -> bool:
+        """Whether a widget is in use, which making them anew would take out of the hand."""
+        return self.typing or any(_grabbed(control.slider) for control in self.controls.values())
+
+    def backdrop(self, surface: pygame.Surface) -> None:
+        """Title and names; without a selection, what the scene is about."""
+        unit, rect = self.host.unit, self.rect
+        if rect.width == 0:
+            return
+        if self.pick is None:
+            self._about(surface)
+            return
+        lane = self.session.lanes[self.pick.lane]
+        label = f" · {lane.label}" if len(self.session.lanes) > 1 and lane.label else ""
+        if self.pick.kind == "bead":
+            title = f"Bead {self.pick.index}{label}"
+            colour = bead_colours(lane.chain.contacts + 1)[self.pick.index]
+        else:
+            title = f"Contact {index(self.pick.index, self.pick.index + 1)}{label}"
+            colour = bead_colours(lane.chain.contacts + 1)[self.pick.index + 1]
+        shape = self.pick.index
+        put_marker(surface, shape, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
+        write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, INK, bold=True)
+        for control in self.controls.values():
+            parameter, y = control.parameter, control.entry.rect.centery
+            end = write(surface, parameter.name, (rect.left, y), 13 * unit, INK, align=(0, 0.5)).right
+            if parameter.unit:
+                write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, MUTED, align=(0, 0.5))
+
+    def _about(self, surface: pygame.Surface) -> None:
+        unit, rect, scene = self.host.unit, self.rect, self.session.scene
+        y = float(rect.top + 4 * unit)
+        write(surface, "About this scene", (rect.left, y), 16 * unit, INK, bold=True)
+        y += 27 * unit
+        for line in wrapped(scene.text, 13 * unit, rect.width):
+            if y > rect.bottom - 80 * unit:
+                break
+            write(surface, line, (rect.left, y), 13 * unit, INK)
+            y += 18.5 * unit
+        y += 6 * unit
+        for line in wrapped(scene.source, 12 * unit, rect.width)[:2]:
+            write(surface, line, (rect.left, y), 12 * unit, MUTED)
+            y += 17 * unit
+        tips = "Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses."
+        y = max(y + 12 * unit, rect.bottom - 66 * unit)
+        for line in wrapped(tips, 12.5 * unit, rect.width):
+            write(surface, line, (rect.left, y), 12.5 * unit, MUTED)
+            y += 18 * unit
+
+
+def _grabbed(slider: UIHorizontalSlider) -> bool:
+    return bool(slider.sliding_button is not None and slider.sliding_button.held)
+
+
+def _text(value: float) -> str:
+    return f"{value:.5g}"

@@ -1,0 +1,137 @@
+"""What can be edited of a bead or a contact: name, unit, range of the slider, how it is read and which input sets it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from physics import Contact
+from sandbox.session.inputs import Input, SetContact, SetGap, SetMass, SetVelocity
+from sandbox.session.lanes import LiveLane
+from sandbox.session.session import Session
+from sandbox.window.stage_view import Pick
+
+DECADES = 2.0  # that a logarithmic slider reaches on either side of the scene's own value
+LEAST_PRELOAD = 1e-6
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a bead or contact.
+
+    Attributes:
+        key: names its widgets.
+        name, unit: written beside them.
+        low, high: ends of the slider; a typed number may lie beyond.
+        logarithmic: whether the slider moves by factors.
+        value: now.
+        edit: the input that sets it to a number; ValueError where it cannot be.
+        live: it changes while the model runs.
+    """
+
+    key: str
+    name: str
+    unit: str
+    low: float
+    high: float
+    logarithmic: bool
+    value: float
+    edit: Callable[[float], Input]
+    live: bool = False
+
+    def share(self) -> float:
+        """Where on the slider the value is, from 0 to 1."""
+        if not math.isfinite(self.value):
+            return 1.0
+        low, high, value = self.low, self.high, self.value
+        if self.logarithmic:
+            low, high, value = (math.log(max(number, 1e-300)) for number in (low, high, value))
+        return min(max((value - low) / (high - low), 0.0), 1.0)
+
+    def at(self, share: float) -> float:
+        """The number at that place of the slider, to four digits: no slider is finer."""
+        if self.logarithmic:
+            value = self.low * (self.high / self.low) ** share
+        else:
+            value = self.low + share * (self.high - self.low)
+        span = self.high - self.low
+        return 0.0 if not self.logarithmic and abs(value) < 1e-3 * span else float(f"{value:.4g}")
+
+
+def parameters(session: Session, pick: Pick) -> list[Parameter]:
+    """The numbers of what is picked."""
+    lane = session.lanes[pick.lane]
+    return _of_bead(session, lane, pick) if pick.kind == "bead" else _of_contact(session, lane, pick)
+
+
+def _of_bead(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
+    opened = session.scene.lanes[pick.lane].chain().mass
+    usual = next((mass for mass in opened if math.isfinite(mass)), 1.0)
+    speed = 3.0 * max(lane.setup.speed, 1e-6)
+    mass, number = lane.chain.mass[pick.index], pick.index
+    velocity = float(lane.velocity[number])
+    found = []
+    if math.isfinite(mass):
+        low, high = usual * 10**-DECADES, usual * 10**DECADES
+        found.append(Parameter("mass", "mass", "kg", low, high, True, mass, lambda m: SetMass(pick.lane, number, m)))
+    found.append(
+        Parameter(
+            "velocity", "velocity", "m/s", -speed, speed, False, velocity,
+            lambda v: SetVelocity(pick.lane, number, v), live=True,
+        )  # fmt: skip
+    )
+    return found
+
+
+def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
+    law, length = lane.chain.contact[pick.index], session.scene.view.length
+    gap = max(-float(lane.state.overlap[pick.index]), 0.0)
+    change = _changer(pick, law)
+    gear = law.preload > 0.0
+    alpha_name = "alpha (exponent)" if not gear else "exponent (1: spring)"
+    factor_name, factor_unit = ("stiffness k", "N/m") if gear and law.exponent == 1.0 else ("f0 (stiffness)", "N/m^a")
+    found = []
+    if law.stiffness > 0.0:
+        low, high = _around(session, pick, law.stiffness)
+        found.append(Parameter("stiffness", factor_name, factor_unit, low, high, True, law.stiffness, change("stiffness")))
+        found.append(Parameter("exponent", alpha_name, "", 0.01, 3.0, True, law.exponent, change("exponent")))
+    force = max(2.0 * law.preload, _force(session, pick))
+    found.append(Parameter("preload", "preload", "N", 0.0, force, False, law.preload, change("preload")))
+    found.append(
+        Parameter(
+            "gap", "gap to the next bead", "m", 0.0, 2.0 * length, False, gap,
+            lambda g: SetGap(pick.lane, pick.index, g), live=True,
+        )  # fmt: skip
+    )
+    return found
+
+
+def _changer(pick: Pick, law: Contact) -> Callable[[str], Callable[[float], Input]]:
+    """For a field of `law`, the function that makes the input which sets it."""
+
+    def of(field: str) -> Callable[[float], Input]:
+        return lambda value: SetContact(pick.lane, pick.index, replace(law, **{field: value}))
+
+    return of
+
+
+def _scene_law(session: Session, pick: Pick) -> Contact:
+    laws = session.scene.lanes[pick.lane].chain().contact
+    return laws[min(pick.index, len(laws) - 1)]
+
+
+def _around(session: Session, pick: Pick, now: float) -> tuple[float, float]:
+    """Ends of the slider of the stiffness: around the scene's own, and wide enough for the one there is now."""
+    usual = _scene_law(session, pick).stiffness or now
+    return min(usual * 10**-DECADES, now), max(usual * 10**DECADES, now)
+
+
+def _force(session: Session, pick: Pick) -> float:
+    """A force that means something in this scene: twice that of a contact pressed at the scene's speed."""
+    from physics.time_scale import contact_scales
+
+    lane = session.lanes[pick.lane]
+    law = lane.chain.contact[pick.index]
+    depth = contact_scales(lane.chain, [0.0] * lane.chain.contacts + [lane.setup.speed])[0][pick.index]
+    return 2.0 * float(law.force(float(depth)))
