@@ -15,7 +15,7 @@ from physics.state import State
 from sandbox.session import inputs
 from sandbox.session.kinds import hardened, turned
 from sandbox.session.placing import displace, place, rebuilt, set_velocity
-from sandbox.session.setup import LaneSetup, with_method
+from sandbox.session.setup import LaneSetup
 
 MOST_BEADS = 400  # in a lane by hand
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits
@@ -107,16 +107,14 @@ def _(item: inputs.SetDrive, setup: LaneSetup, state: State) -> Changed:
 
 @edited.register
 def _(item: inputs.SetMethod, setup: LaneSetup, state: State) -> Changed:
-    return with_method(setup, item.method), state.copy()
+    return setup.with_method(item.method), state
 
 
 @edited.register
 def _(item: inputs.SetStep, setup: LaneSetup, state: State) -> Changed:
     if item.step is not None and not 0.0 < item.step <= LARGEST:
         raise ValueError(f"a step must be a time > 0, not {item.step!r}")
-    if item.step is not None and setup.step == 0.0:
-        raise ValueError(f"method {setup.method} chooses its own steps")
-    return with_method(setup, setup.method, item.step), state
+    return setup.with_step(item.step), state
 
 
 @edited.register

@@ -9,10 +9,11 @@ import numpy as np
 
 from physics.methods import find_method
 from sandbox.session import ledger
+from sandbox.session.choice import contact_time
 from sandbox.session.history import SWITCHES
 from sandbox.session.pace import Pace
 from sandbox.session.series import Series
-from sandbox.session.setup import LaneSetup, contact_time
+from sandbox.session.setup import LaneSetup
 
 GOOD, FAIR, BAD = "good", "fair", "bad"
 LEVELS = (GOOD, FAIR, BAD)
@@ -79,13 +80,14 @@ def _verdict(setup: LaneSetup, errors: tuple[float, float], chatter: float, step
     """Level and sentence of the gravest that holds."""
     method = setup.method
     worst, name = max(zip(errors, ("energy", "momentum"), strict=True))
+    remedy = "take a smaller step or more slow motion" if setup.step_given else "take more slow motion"
     findings = (
         (not math.isfinite(sum(errors)), BAD, f"{method} has blown up: restart, and take conserving or a smaller step"),
         (worst > FAILS, BAD, f"{method} is off by {_share(worst)} of the {name}: take conserving or a smaller step"),
         (chatter > CHATTERS, BAD, _about_chatter(method, chatter)),
-        (steps < COARSE, BAD, f"{steps:.1g} steps to a whole contact: what comes out is chance; take a smaller step"),
+        (steps < COARSE, BAD, f"{steps:.1g} steps to a whole contact: what comes out is chance; {remedy}"),
         (worst > HOLDS, FAIR, f"{method} is off by {_share(worst)} of the {name}"),
-        (steps < FINE, FAIR, f"only {steps:.0f} steps to the shortest contact: velocities may be a per cent off"),
+        (steps < FINE, FAIR, f"only {steps:.0f} steps to the shortest contact: velocities are rough; {remedy}"),
     )
     return next(((level, said) for holds, level, said in findings if holds), (GOOD, f"{method} holds its errors"))
 

@@ -59,11 +59,14 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
     """Keys for what all lanes share and nobody but a person has chosen."""
     first = setup.lanes[0]
-    if any((one.method, one.step, one.automatic) != (first.method, first.step, first.automatic) for one in setup.lanes):
-        return {}
-    if first.automatic:
-        return {"method": None, "step": None, "tolerance": None}
-    return {"method": first.method, "step": first.step or None, "tolerance": scene.tolerance}
+    method = None if first.automatic else first.method
+    step = first.step if first.step_given else None
+    for lane in setup.lanes:
+        if (lane.automatic, lane.step_given) != (first.automatic, first.step_given):
+            return {}
+        if lane.method != first.method or (first.step_given and lane.step != first.step):
+            return {}
+    return {"method": method, "step": step}
 
 
 def table_of(contact: Contact) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,11 +11,11 @@ from physics.chain import Chain
 from physics.contact import Contact
 from physics.methods import find_method
 from physics.state import State
-from physics.time_scale import contact_scales, speed_scale
+from physics.time_scale import speed_scale
+from sandbox.session.choice import choose_method, steps_in, suitable_step
 from scenes import Lane, Scene
 
 FRAME_RATE = 120  # model frames in a second at the wall; drawn at 60 Hz every picture is two of them
-STEPS_A_CONTACT = 64  # of the chosen method: see `choose_method`
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,8 @@ class LaneSetup:
         chain: the Chain.
         method: a name from METHODS.
         step: longest step [s]; 0 for adaptive methods.
-        automatic: True: method and step follow :func:`choose_method` through every edit.
+        automatic: True: the method is chosen by :func:`choose_method`.
+        step_given: True: a person has given the step; else it is chosen, again after every edit.
         tolerance: of adaptive methods.
         locked: per contact the law it had before its piston was locked, else None.
         speed: closing speed [m/s] that this scene is about; scales of steps, of the hand and of errors follow it.
@@ -40,6 +40,7 @@ class LaneSetup:
     method: str
     step: float
     automatic: bool
+    step_given: bool
     tolerance: float
     locked: tuple[Contact | None, ...]
     speed: float
@@ -50,25 +51,38 @@ class LaneSetup:
         return replace(self, start=start)
 
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
-        """The same lane, about the speeds `velocity` (n+1,) [m/s]; an automatic step follows."""
-        changed = replace(self, speed=speed_scale(self.chain, velocity))
-        return changed.chosen() if self.automatic else changed
+        """The same lane, about the speeds `velocity` (n+1,) [m/s]; a chosen step follows."""
+        return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()
 
     def with_chain(self, chain: Chain, locked: tuple[Contact | None, ...] | None = None) -> LaneSetup:
-        """The same lane with another chain; an automatic step follows."""
-        changed = replace(self, chain=chain, locked=self.locked if locked is None else locked)
-        return changed.chosen() if self.automatic else changed
+        """The same lane with another chain; a chosen step follows."""
+        return replace(self, chain=chain, locked=self.locked if locked is None else locked).with_choice()
 
-    def chosen(self) -> LaneSetup:
-        """The same lane by the method that :func:`choose_method` takes."""
-        method, step = choose_method(self.chain, self.speed)
-        return replace(self, method=method, step=step, automatic=True)
+    def with_choice(self) -> LaneSetup:
+        """The same lane with what nobody has given chosen anew."""
+        if self.automatic:
+            method, step = choose_method(self.chain, self.speed)
+            return replace(self, method=method, step=step)
+        return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.speed))
+
+    def with_method(self, name: str) -> LaneSetup:
+        """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
+        method = self.method if name == "auto" else find_method(name).name
+        return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
+
+    def with_step(self, step: float | None) -> LaneSetup:
+        """The same method with steps of at most `step` [s]; None chooses. ValueError where the method does that."""
+        if step is None:
+            return replace(self, step_given=False).with_choice()
+        if find_method(self.method).adaptive:
+            raise ValueError(f"method {self.method} chooses its own steps")
+        return replace(self, step=step, step_given=True, automatic=False)
 
     def step_for(self, frame_time: float) -> float | None:
-        """Step [s] for a frame of `frame_time` [s]: whole steps to a frame, none longer than `step`; None: adaptive."""
-        if find_method(self.method).adaptive:
+        """Step [s] for a frame of `frame_time` [s], see `steps_in`; None where the method chooses."""
+        if self.step == 0.0:
             return None
-        return frame_time / max(1, math.ceil(frame_time / self.step - 1e-9))
+        return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
 
 
 @dataclass(frozen=True)
@@ -82,21 +96,6 @@ class Setup:
     def frame_time(self) -> float:
         """Model time of one frame [s]."""
         return 1.0 / (FRAME_RATE * self.slow)
-
-
-def choose_method(chain: Chain, speed: float) -> tuple[str, float]:
-    """The cheapest method that holds the scene's error, and its step [s].
-
-    It is `conserving`, whose energy and momentum are exact at any step, with 64 steps to the shortest contact between
-    beads that close at `speed` [m/s]: final velocities of every scene of the catalogue are then right within 6e-4 of
-    it, half a pixel of a plot, for 0.3 microseconds a contact and step.
-    """
-    return "conserving", contact_time(chain, speed) / STEPS_A_CONTACT
-
-
-def contact_time(chain: Chain, speed: float) -> float:
-    """Shortest contact [s] of the chain at the closing speed `speed` [m/s]."""
-    return float(contact_scales(chain, np.array([0.0, speed]))[1].min())
 
 
 def setup_of(scene: Scene) -> Setup:
@@ -114,25 +113,13 @@ def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
         chain=chain,
         method=method,
         step=step,
-        automatic=True,
+        automatic=scene.method is None,
+        step_given=False,
         tolerance=1e-8 if scene.tolerance is None else scene.tolerance,
         locked=(None,) * chain.contacts,
         speed=speed,
         start=State.at_start(chain, lane.velocity),
     )
-    if scene.method is None and scene.step is None:
-        return setup
-    return with_method(setup, scene.method or method, scene.step)
-
-
-def with_method(setup: LaneSetup, name: str, step: float | None = None) -> LaneSetup:
-    """The lane by method `name`, with a step that suits it where none is given. ValueError for an unknown name."""
-    if name == "auto":
-        return setup.chosen()
-    method = find_method(name)
-    if method.adaptive:
-        step = 0.0
-    elif step is None:
-        fine = contact_time(setup.chain, setup.speed)
-        step = fine / (STEPS_A_CONTACT if name == "conserving" else 1000)
-    return replace(setup, method=name, step=step, automatic=False)
+    if scene.method is not None:
+        setup = setup.with_method(scene.method)
+    return setup if scene.step is None else setup.with_step(scene.step)
