@@ -40,15 +40,16 @@ def bar(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float
     x, y, width, height = area
     if width <= 0.0 or height <= 0.0:
         return
+    (right_end, bottom_end), rows = surface.get_size(), _spans(y, y + height)
     for left, right, across in _spans(x, x + width):
-        for top, bottom, down in _spans(y, y + height):
-            share = across * down
-            rect = pygame.Rect(left, top, right - left, bottom - top)
-            if share > 0.995:
-                surface.fill(colour, rect)
-            elif share > 0.005:
-                under = surface.get_at(rect.topleft) if surface.get_rect().collidepoint(rect.topleft) else colour
-                surface.fill(mix((under[0], under[1], under[2]), colour, share), rect)
+        for top, bottom, down in rows:
+            share, tint = across * down, colour
+            if share <= 0.005 or left == right or top == bottom:
+                continue
+            if share <= 0.995 and 0 <= left < right_end and 0 <= top < bottom_end:
+                red, green, blue, _ = surface.get_at((left, top))
+                tint = mix((red, green, blue), colour, share)
+            surface.fill(tint, (left, top, right - left, bottom - top))
 
 
 def _spans(low: float, high: float) -> list[tuple[int, int, float]]:

@@ -28,9 +28,8 @@ RAMP: tuple[Colour, ...] = ((72, 26, 108), (62, 74, 137), (38, 130, 142), (53, 1
 
 def mix(colour: Colour, other: Colour, share: float) -> Colour:
     """`colour` with `share` (0 to 1) of `other` in it."""
-    keep = 1.0 - share
-    red, green, blue = (round(a * keep + b * share) for a, b in zip(colour, other, strict=True))
-    return red, green, blue
+    keep, (red, green, blue), (a, b, c) = 1.0 - share, colour, other  # written out: bars are mixed at every edge
+    return round(red * keep + a * share), round(green * keep + b * share), round(blue * keep + c * share)
 
 
 def bead_colours(count: int) -> tuple[Colour, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from time import perf_counter
 
 import numpy as np
 import pygame
@@ -17,7 +18,8 @@ from sandbox.window.plot_kinds import KINDS, make_plot
 from sandbox.window.plots import Plot
 from sandbox.window.timespan import SECONDS, TimeSpan
 
-COLUMNS_A_FRAME = 120  # inked in one frame, shared by all plots of few curves
+COLUMNS_AT_ONCE = 8
+INKING = 0.003  # seconds of a frame for ink that is missing
 MOST_READ = 10  # values listed at the cursor
 
 
@@ -38,17 +40,15 @@ class Board:
         return len(self.session.lanes)
 
     def rows(self) -> list[list[str]]:
-        """The kinds in each row; the difference stands below those of both lanes."""
+        """The kinds in each row; in the rows of two lanes the last plot is their difference."""
         if self.hidden or not self.shown:
             return []
         own = [kind for kind in self.shown if kind != "difference"]
         if self.lanes == 1:
             half = (len(own) + 1) // 2
             return [own[:half], own[half:]] if len(own) > 3 else [own] if own else []
-        rows = [list(own) for _ in range(self.lanes)] if own else [[]]
-        if "difference" in self.shown and self.lanes == 2:
-            rows[-1].append("difference")
-        return [row for row in rows if row]
+        apart = ["difference"] if "difference" in self.shown and self.lanes == 2 else []
+        return [[*own, *apart] for _ in range(self.lanes)] if own or apart else []
 
     def toggle(self, kind: str) -> None:
         """Show or hide a kind."""
@@ -103,10 +103,12 @@ class Board:
             self._stale()
         grown = self._seen[2] != last or (block, block.revision) != self._seen[:2]
         self._seen = block, block.revision, last
-        curves = sum(max(1, len(plot.names)) for plot in self.plots)
-        budget = max(4, COLUMNS_A_FRAME // max(1, curves // 5))
+        began = perf_counter()
         for plot in self.plots:
-            budget -= plot.update(grown, max(budget, 2))
+            plot.update(grown, COLUMNS_AT_ONCE)
+        while perf_counter() - began < INKING and not all(plot.complete for plot in self.plots):
+            for plot in self.plots:
+                plot.update(False, COLUMNS_AT_ONCE)
 
     def _stale(self) -> None:
         """Frames were dropped or replaced: what is later than the frame shown is ink of another branch."""

@@ -20,7 +20,7 @@ from sandbox.window.page import Host
 RED: Colour = (176, 18, 38)
 AMBER: Colour = (158, 98, 0)
 AUTO = "auto"
-HIGH, HIGH_OF_TWO = 140.0, 140.0  # design pixels of a card
+HIGH, HIGH_OF_TWO = 168.0, 124.0  # design pixels of a card
 SECONDS_BETWEEN_READINGS = 0.2
 SUMMARIES = {AUTO: "the cheapest that holds the scene's error", **{m.name: m.summary for m in METHODS}}
 
@@ -80,11 +80,11 @@ class Cards:
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the badges."""
-        for rect, health, lane in zip(self.rects, self.health, self.session.lanes, strict=False):
-            self._card(surface, rect, health, lane.label)
+        for number, (rect, health) in enumerate(zip(self.rects, self.health, strict=False)):
+            self._card(surface, rect, health, number)
 
-    def _card(self, surface: pygame.Surface, rect: pygame.Rect, health: Health, label: str) -> None:
-        unit = self.host.unit
+    def _card(self, surface: pygame.Surface, rect: pygame.Rect, health: Health, number: int) -> None:
+        unit, label = self.host.unit, self.session.lanes[number].label
         tint = RED if health.level == BAD else AMBER if health.level == FAIR else GOOD
         pygame.draw.rect(surface, mix(PAPER, tint, 0.16 if health.level == BAD else 0.05), rect, border_radius=6)
         pygame.draw.rect(surface, tint if health.level != "good" else FAINT, rect, max(1, round(1.5 * unit)), border_radius=6)
@@ -92,11 +92,12 @@ class Cards:
         room = rect.width - 160 * unit
         title = label if len(self.session.lanes) > 1 and label else "method"
         write(surface, shortened(title, 14 * unit, room, bold=True), (x, y), 14 * unit, INK, bold=True)
-        y += 28 * unit
-        for name, text in _numbers(health):
-            write(surface, name, (x, y), 12.5 * unit, MUTED)
-            write(surface, text, (rect.right - 10 * unit, y), 12.5 * unit, INK, align=(1, 0))
-            y += 16.5 * unit
+        setup = self.session.lanes[number].setup
+        how = f"{setup.method}, step {scientific(setup.step)} s" if setup.step else f"{setup.method}, adaptive"
+        y += 26 * unit
+        write(surface, how, (x, y), 12 * unit, MUTED)
+        y += 17 * unit
+        y = self._numbers(surface, rect, _numbers(health), y)
         mark = {"bad": "✕", "fair": "!"}.get(health.level, "✓")
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         lines = wrapped(health.sentence, 12 * unit, rect.width - 34 * unit)
@@ -106,12 +107,25 @@ class Cards:
             write(surface, text, (x + 15 * unit, y + (2 + 15 * k) * unit), 12 * unit, tint)
 
 
+    def _numbers(self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str]], y: float) -> float:
+        """One a line; two where there are two cards. Returns where the next line is."""
+        unit, columns = self.host.unit, 1 if len(self.rects) == 1 else 2
+        wide = (rect.width - 20 * unit) / columns
+        for k, (name, text) in enumerate(numbers):
+            x = rect.left + 10 * unit + (k % columns) * wide
+            short = name.split()[0] if columns == 2 else name
+            write(surface, short, (x, y), 12.5 * unit, MUTED)
+            write(surface, text, (x + wide - (8 * unit if columns == 2 and k % 2 == 0 else 0), y), 12.5 * unit, INK, align=(1, 0))
+            y += 16.5 * unit if k % columns == columns - 1 else 0.0
+        return y
+
+
 def _numbers(health: Health) -> list[tuple[str, str]]:
     """Names and values of the badge."""
     return [
         ("energy error", _error(health.energy_error)),
         ("momentum error", _error(health.momentum_error)),
-        ("contact chatter", f"{health.chatter:.1f}" if health.chatter < 1e4 else scientific(health.chatter)),
+        ("chatter", f"{health.chatter:.1f}" if health.chatter < 1e4 else scientific(health.chatter)),
         ("physics a frame", f"{health.milliseconds:.2f} ms"),
     ][: 4]
 

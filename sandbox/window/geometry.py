@@ -46,19 +46,19 @@ def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int
     rows = sum(1 for count in plots if count)
     share = {0: 0.0, 1: 0.44, 2: 0.56, 3: 0.6}.get(rows, 0.62)
     beads = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
-    stages, loupes, shares = _beads(beads, unit, lanes)
+    stages, loupes, shares = _beads(beads, unit, lanes, rows < 2)
     below = Rect(main.left, beads.bottom + round(8 * unit), main.width, main.bottom - beads.bottom - round(8 * unit))
     return Geometry(top, foot, panel, stages, loupes, shares, _plots(below, unit, [n for n in plots if n]))
 
 
-def _beads(rect: Rect, unit: float, lanes: int) -> tuple[tuple[Rect, ...], Rect, Rect]:
+def _beads(rect: Rect, unit: float, lanes: int, roomy: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
     none = Rect(rect.left, rect.bottom, rect.width, 0)
     if lanes > 1:
         pitch = rect.height / lanes
         gap = round(4 * unit)
         stages = [Rect(rect.left, round(rect.top + k * pitch), rect.width, round(pitch) - gap) for k in range(lanes)]
         return tuple(stages), none, none
-    shares = round(SHARES * unit) if rect.height > (LEAST_STAGE + SHARES) * unit else 0
+    shares = round(SHARES * unit) if roomy and rect.height > (LEAST_STAGE + SHARES) * unit else 0
     loupes = round(LOUPES * unit) if rect.height - shares > (LEAST_STAGE + LOUPES) * unit else 0
     stage = Rect(rect.left, rect.top, rect.width, rect.height - loupes - shares)
     return (

@@ -12,7 +12,7 @@ LINE, TITLE = 21.0, 27.0  # design pixels
 MOUSE = (
     ("drag a bead", "pull it by a spring; let go to throw"),
     ("drag it, paused", "place it"),
-    ("click", "select a bead, or a contact between two"),
+    ("click", "select a bead or a contact"),
     ("wheel", "slow motion, over the beads"),
     ("drag the timeline", "scrub; playing on starts a new branch"),
     ("over a plot", "read values at the cursor"),
@@ -58,7 +58,7 @@ def _block(
     y += TITLE * unit
     for keys, text in rows:
         _cap(surface, keys, (x, y), unit)
-        write(surface, text, (x + 122 * unit, y + 1 * unit), 13 * unit, INK)
+        write(surface, text, (x + 128 * unit, y + 1 * unit), 13 * unit, INK)
         y += LINE * unit
     return y + 10 * unit
 

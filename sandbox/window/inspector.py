@@ -21,7 +21,7 @@ from sandbox.window.page import Host
 from sandbox.window.parameters import Parameter, parameters
 from sandbox.window.stage_view import Pick
 
-ROW, ENTRY = 52.0, 92.0  # design pixels
+ROW, ENTRY = 47.0, 92.0  # design pixels
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
 KIND_NAMES = {"power": "power law", "gear": "draft gear", "hard": "hard"}
 
@@ -77,7 +77,7 @@ class Inspector:
         y = self.rect.top + 34 * unit
         y = self._kinds(y) if self.pick.kind == "contact" else y
         for parameter in parameters(self.session, self.pick):
-            if y + ROW * unit > self.rect.bottom - 36 * unit:
+            if y + ROW * unit > self.rect.bottom - 34 * unit:
                 break
             self.controls[parameter.key] = self._control(parameter, y)
             y += ROW * unit
@@ -89,7 +89,7 @@ class Inspector:
         place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
         entry = UITextEntryLine(place, manager, initial_text=_text(parameter.value))
         wide = self.rect.width
-        bar = pygame.Rect(left, round(y + 29 * unit), wide, round(14 * unit))
+        bar = pygame.Rect(left, round(y + 27 * unit), wide, round(14 * unit))
         slider = UIHorizontalSlider(bar, parameter.share(), (0.0, 1.0), manager)
         return Control(parameter, slider, entry, parameter.value)
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
-from physics import State
 from physics.time_scale import contact_scales
 from sandbox.draw.numbers import round_step
 from sandbox.draw.scales import Scales, scales_of
 from sandbox.draw.track import Array, Track
 from sandbox.session.lanes import LiveLane
+from sandbox.session.ledger import stored_energy
 from sandbox.session.session import Session
 from scenes import Scene
 
@@ -22,18 +23,24 @@ DEEPER = 1.5
 FEWEST_DECADES = 4
 
 
-def moment(lane: LiveLane) -> Track:
-    """The state of a lane now, as a track of one row."""
-    return track_of_state(lane, lane.state)
+class LiveTrack(Track):
+    """A track of one row, with the energy of all contacts in one go."""
+
+    @cached_property
+    def stored(self) -> Array:
+        """(1,) energy in all contacts [J]."""
+        energy: Array = stored_energy(self.chain.parameters.law, self.overlap).sum(axis=1)
+        return energy
 
 
-def track_of_state(lane: LiveLane, state: State) -> Track:
-    """A track of one row."""
-    return Track(
+def moment(lane: LiveLane) -> LiveTrack:
+    """The state of a lane now."""
+    state = lane.state
+    return LiveTrack(
         chain=lane.chain,
         time=np.array([state.time]),
-        position=state.position(lane.chain)[None],
-        velocity=state.velocity(lane.chain)[None],
+        position=lane.position[None],
+        velocity=lane.velocity[None],
         overlap=state.overlap[None],
         force=state.force[None],
     )
@@ -79,56 +86,50 @@ class LiveScales:
             kept.append(deepest if same else (max(deepest),) * lane.chain.contacts)
         self.scales = replace(self.scales, deepest=tuple(kept))
 
-    def fit(self, lanes: Sequence[LiveLane]) -> bool:
-        """Grow so that the lanes as they are now fit in."""
+    def fit(self, tracks: Sequence[Track]) -> bool:
+        """Grow so that the lanes as they are now, one row each, fit in."""
         old = self.scales
-        self._velocities(lanes)
-        self._forces(lanes)
-        self._overlaps(lanes)
-        self._energies(lanes)
+        self._velocities(tracks)
+        self._forces(tracks)
+        self._overlaps(tracks)
+        self._energies(tracks)
         return self.scales is not old
 
-    def _velocities(self, lanes: Sequence[LiveLane]) -> None:
+    def _velocities(self, tracks: Sequence[Track]) -> None:
         low, high = self.scales.velocity
-        least = min(float(lane.velocity.min()) for lane in lanes)
-        most = max(float(lane.velocity.max()) for lane in lanes)
+        least = min(float(track.velocity.min()) for track in tracks)
+        most = max(float(track.velocity.max()) for track in tracks)
         if least < low or most > high:
             low = _rounded(least) if least < low else low
             high = _rounded(most) if most > high else high
             self.scales = replace(self.scales, velocity=(low, high))
 
-    def _forces(self, lanes: Sequence[LiveLane]) -> None:
-        most = max(float(lane.state.force.max()) for lane in lanes)
+    def _forces(self, tracks: Sequence[Track]) -> None:
+        most = max(float(track.force.max()) for track in tracks)
         if most > self.scales.force:
             self.scales = replace(self.scales, force=_rounded(most))
 
-    def _overlaps(self, lanes: Sequence[LiveLane]) -> None:
-        deepest = [np.array(one) for one in self.scales.deepest]
-        if all((lane.state.overlap <= DEEPER * deep).all() for lane, deep in zip(lanes, deepest, strict=True)):
+    def _overlaps(self, tracks: Sequence[Track]) -> None:
+        pairs = [(track.overlap[0], np.array(deep)) for track, deep in zip(tracks, self.scales.deepest, strict=True)]
+        if all((overlap <= DEEPER * deep).all() for overlap, deep in pairs):
             return
-        grown = [
-            np.where(lane.state.overlap > DEEPER * deep, 2.0 * lane.state.overlap, deep)
-            for lane, deep in zip(lanes, deepest, strict=True)
-        ]
-        most = max(float(deep.max()) for deep in grown)
+        grown = [np.where(overlap > DEEPER * deep, 2.0 * overlap, deep) for overlap, deep in pairs]
         low, high = self.scales.decades
-        higher = max(high, math.ceil(math.log10(most)))
-        self.scales = replace(
-            self.scales, deepest=tuple(tuple(deep.tolist()) for deep in grown), decades=(low, higher)
-        )
+        higher = max(high, math.ceil(math.log10(max(float(deep.max()) for deep in grown))))
+        deepest = tuple(tuple(deep.tolist()) for deep in grown)
+        self.scales = replace(self.scales, deepest=deepest, decades=(low, higher))
 
-    def _energies(self, lanes: Sequence[LiveLane]) -> None:
-        tracks = [moment(lane) for lane in lanes]
-        energy = max(float(t.kinetic.sum() + t.stored[0]) for t in tracks)
+    def _energies(self, tracks: Sequence[Track]) -> None:
+        energy = max(float(track.kinetic.sum() + track.stored[0]) for track in tracks)
         if energy > 1.02 * self.scales.energy:
             self.scales = replace(self.scales, energy=_rounded(energy))
         low, high = self.scales.momentum
-        least = min(float(np.minimum(t.momentum, 0.0).sum()) for t in tracks)
-        most = max(float(np.maximum(t.momentum, 0.0).sum()) for t in tracks)
-        if least < 1.02 * low - 1e-300 or most > 1.02 * high:
-            self.scales = replace(
-                self.scales, momentum=(min(low, GROW * least), GROW * most if most > 1.02 * high else high)
-            )
+        least = min(float(np.minimum(track.momentum, 0.0).sum()) for track in tracks)
+        most = max(float(np.maximum(track.momentum, 0.0).sum()) for track in tracks)
+        slack = 0.02 * (high - low)
+        if least < low - slack or most > high + slack:
+            low, high = min(low, GROW * least), GROW * most if most > high + slack else high
+            self.scales = replace(self.scales, momentum=(low, high))
 
 
 def _rounded(value: float) -> float:

@@ -37,6 +37,9 @@ class Host(Protocol):
     def rebuild(self) -> None:
         """Make all widgets anew."""
 
+    def show(self, page: Page) -> None:
+        """Make `page` the one on screen."""
+
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
 

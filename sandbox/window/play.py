@@ -63,6 +63,7 @@ class Play:
         self.views: list[StageView] = []
         self.ground: pygame.Surface | None = None
         self.waiting = not host.warmer.ready.is_set()
+        self.tracks = [moment(lane) for lane in session.lanes]
         self._setup = session.setup
 
     def _first_scales(self) -> Scales:
@@ -95,6 +96,7 @@ class Play:
             "zoom_out": lambda: self.zoom(-1),
             "method": lambda: self.apply(SetMethod(None, self.cards.next_method())) and self.host.rebuild(),
             "inspector": self.toggle_side,
+            "undo": self.reopen,
             "leave": self.escape,
         }
         plots = {kind: partial(self.toggle_plot, kind) for kind in KINDS}
@@ -165,6 +167,10 @@ class Play:
         self.camera.zoom(steps)
         self.rebuild_views()
 
+    def reopen(self) -> None:
+        """Forget all edits: the scene as it was opened."""
+        self.host.show(Play(self.host, Session(self.scene), self.leave))
+
     def escape(self) -> None:
         """Deselect; with nothing selected, back to the gallery."""
         if self.pick is not None:
@@ -215,7 +221,7 @@ class Play:
         high = round(30 * unit)
         y = top.centery - high // 2
         place = pygame.Rect(round(12 * unit), y, round(84 * unit), high)
-        UIButton(place, "‹  Scenes", manager, tool_tip_text="back to the gallery", command=self.leave)
+        UIButton(place, "← Scenes", manager, tool_tip_text="back to the gallery", command=self.leave)
         x = top.right - round(12 * unit)
         for name, text, wide in reversed(TOOLS):
             x -= round((wide + 5) * unit)
@@ -259,7 +265,8 @@ class Play:
             self._tick(seconds)
         self._notice_edits()
         self.camera.follow(self.session.lanes, self.scene.view.length, seconds)
-        if self.scales.fit(self.session.lanes):
+        self.tracks = [moment(lane) for lane in self.session.lanes]
+        if self.scales.fit(self.tracks):
             self.rebuild_views()
         self.board.update()
         self.timeline.update()
@@ -312,8 +319,8 @@ class Play:
         if self.ground is None:
             self.ground = self._drawn_ground(surface.get_size())
         surface.blit(self.ground, (0, 0))
-        for view, lane in zip(self.views, self.session.lanes, strict=True):
-            view.paint(surface, moment(lane), self.camera.centre)
+        for view, track in zip(self.views, self.tracks, strict=True):
+            view.paint(surface, track, self.camera.centre)
         if self.pick is not None:
             self.views[self.pick.lane].paint_pick(surface, self.pick)
         self.board.paint(surface)

@@ -73,23 +73,23 @@ class StripPlot(Plot):
 
 
 class DifferencePlot(Plot):
-    """Velocities of the second lane less those of the first, bead by bead."""
+    """The second lane less the first, bead by bead or contact by contact."""
 
     def curves(self, first: int, last: int) -> list[tuple[Array, Array]]:
         """See `Plot.curves`."""
-        frames = self.frames(first, last)
-        lanes = [list(stretches(self.source.history, lane, *frames)) for lane in (0, 1)]
-        return [(a.time, b.velocity - a.velocity) for a, b in zip(*lanes, strict=True) if comparable(a, b)]
+        frames, history, values = self.frames(first, last), self.source.history, self.source.values
+        pairs = zip(stretches(history, 0, *frames), stretches(history, 1, *frames), strict=False)
+        return [(a.time, values(b) - values(a)) for a, b in pairs if comparable(a, b)]
 
     def now(self, frame: int) -> Array:
         """See `Plot.now`."""
         a, b = (at_frame(self.source.history, lane, frame) for lane in (0, 1))
-        return (b.velocity - a.velocity)[0] if comparable(a, b) else np.zeros(0)
+        return (self.source.values(b) - self.source.values(a))[0] if comparable(a, b) else np.zeros(0)
 
 
 def comparable(a: Rows, b: Rows) -> bool:
-    """Whether two lanes have as many beads."""
-    return a.velocity.shape == b.velocity.shape
+    """Whether two lanes have as many beads, and the same frames are in hand."""
+    return a.overlap.shape == b.overlap.shape
 
 
 def _heat() -> Array:
@@ -113,19 +113,34 @@ def make_plot(
     """The plot `kind` of lane `number`."""
     beads = lanes[number].chain.contacts + 1
     palette = bead_colours(beads)
-    letter = {"velocities": "v", "forces": "f", "overlaps": "δ", "difference": "Δv"}.get(kind, "f")
+    letter = {"velocities": "v", "overlaps": "δ"}.get(kind, "f")
     of_beads, of_contacts = [letter + index(i) for i in range(beads)], [letter + index(i, i + 1) for i in range(beads - 1)]
     what = (rect, unit, _title(kind, lanes, number), _axis(kind, scales, number, beads, logarithmic))
-    if kind in ("velocities", "difference"):
-        made = Plot if kind == "velocities" else DifferencePlot
-        return made(*what, of_beads, palette, Source(history, number, lambda rows: rows.velocity), span)
+    if kind == "velocities":
+        return Plot(*what, of_beads, palette, Source(history, number, _velocity), span)
+    if kind == "difference" and number == 0:
+        return DifferencePlot(*what, ["Δv" + index(i) for i in range(beads)], palette, Source(history, 0, _velocity), span)
+    if kind == "difference":
+        return DifferencePlot(*what, ["Δ" + name for name in of_contacts], palette[1:], Source(history, 0, _force), span)
     if kind == "energy":
         of_energy = [*("E" + index(i) for i in range(beads)), "stored"]
         return StackPlot(*what, of_energy, (*palette, STEEL), Source(history, number, lambda rows: rows.energies), span)
     if kind == "strip":
-        return StripPlot(*what, of_contacts, palette[1:], Source(history, number, lambda rows: rows.force, scales.force), span)
-    source = Source(history, number, (lambda r: r.force) if kind == "forces" else (lambda r: r.overlap))
+        return StripPlot(*what, of_contacts, palette[1:], Source(history, number, _force, scales.force), span)
+    source = Source(history, number, _force if kind == "forces" else _overlap)
     return Plot(*what, of_contacts, palette[1:], source, span)
+
+
+def _velocity(rows: Rows) -> Array:
+    return rows.velocity
+
+
+def _force(rows: Rows) -> Array:
+    return rows.force
+
+
+def _overlap(rows: Rows) -> Array:
+    return rows.overlap
 
 
 def _title(kind: str, lanes: Sequence[LiveLane], number: int) -> str:
@@ -135,7 +150,7 @@ def _title(kind: str, lanes: Sequence[LiveLane], number: int) -> str:
         "overlaps": "overlap (m)",
         "energy": "energy (J): beads, contacts grey",
         "strip": "contact forces, row by row",
-        "difference": "velocity, second lane less first (m/s)",
+        "difference": "second less first (m/s)" if number == 0 else "second less first (N)",
     }
     label = lanes[number].label
     return f"{titles[kind]} · {label}" if len(lanes) > 1 and label and kind != "difference" else titles[kind]
@@ -145,7 +160,7 @@ def _axis(kind: str, scales: Scales, number: int, beads: int, logarithmic: bool)
     if kind == "velocities":
         return linear_axis("", *scales.velocity)
     if kind == "difference":
-        reach = max(map(abs, scales.velocity)) * 0.5
+        reach = 0.5 * (max(map(abs, scales.velocity)) if number == 0 else scales.force)
         return linear_axis("", -reach, reach)
     if kind == "forces":
         return linear_axis("", 0.0, scales.force)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pygame
+from numpy.typing import NDArray
 
-from sandbox.draw.ink import FINE, put_marker, stroke
+from sandbox.draw.ink import FINE, put_marker
 from sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, Colour
 from sandbox.draw.plots import Axis, spread
-from sandbox.draw.text import shortened, write
+from sandbox.draw.text import shortened, width, write
 from sandbox.draw.track import Array
 from sandbox.session.history import History
 from sandbox.window.records import Rows, at_frame, stretches
@@ -21,6 +23,7 @@ from sandbox.window.timespan import TimeSpan
 LEFT, RIGHT, TOP, BOTTOM = 44.0, 38.0, 22.0, 20.0  # design pixels around the axes
 THICK = 2.0
 POINTS_A_COLUMN = 3
+JOINT = 0.97  # cosine of the angle from which a joint shows
 MOST_MARKED = 10  # curves that carry a marker at the cursor
 
 
@@ -102,26 +105,30 @@ class Plot:
         """Curves in columns `first` to `last`, smooth."""
         size = (last - first) * FINE, self.area.height * FINE
         fine = pygame.transform.scale(self.sheet.ground.subsurface((0, 0, 1, self.area.height)), size)
+        thick = THICK * self.unit * FINE
         for time, values in self.curves(first, last):
-            across = ((time / self.span.column - first + 0.5) * FINE).tolist()
-            down = ((self.y(self.axis.on(values)) + 0.5) * FINE).T
-            for k in range(min(len(down), len(self.colours)) - 1, -1, -1):
-                points = list(zip(across, down[k].tolist(), strict=True))
-                stroke(fine, self.colours[k], points, THICK * self.unit * FINE)
+            across = (time / self.span.column - first + 0.5) * FINE
+            down = (self.y(self.axis.on(values)) + 0.5) * FINE
+            strokes(fine, self.colours, across, down, thick)
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
     def update(self, grown: bool, budget: int) -> int:
         """Bring the sheet up to the history; see `Sheet.update`."""
         history, column = self.source.history, self.span.column
         self.sheet.scroll(self.span.left)
-        first = float(history.blocks[0].time[0])
-        last = float(history.blocks[-1].time[history.blocks[-1].used - 1])
-        return self.sheet.update(first / column, last / column, grown, budget)
+        return self.sheet.update(history.first_time / column, history.last_time / column, grown, budget)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all the history in sight is inked."""
+        history = self.source.history
+        return self.sheet.low <= max(self.sheet.left, math.floor(history.first_time / self.span.column))
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Title and labels of the vertical axis: what stands still."""
         unit, area = self.unit, self.area
-        title = shortened(self.title, 13 * unit, area.width)
+        whole = width(self.title, 13 * unit) <= area.width + 20 * unit
+        title = self.title if whole else shortened(self.title.split(" · ")[0], 13 * unit, area.width)
         write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, INK, align=(0, 1))
         for value, text in self.axis.ticks:
             y = area.top + float(self.y(np.array(value)))
@@ -146,7 +153,7 @@ class Plot:
         area, unit = self.area, self.unit
         for time, text in self.span.ticks():
             x = area.left + self.span.x(time)
-            if area.left - 1 <= x <= area.right - 34 * unit:
+            if area.left - 1 <= x <= area.right - 46 * unit:
                 surface.fill(MUTED, (round(x), area.bottom, 1, round(3 * unit)))
                 write(surface, text, (x, area.bottom + 3 * unit), 11.5 * unit, MUTED, align=(0.5, 0))
 
@@ -167,6 +174,30 @@ class Plot:
             put_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, self.colours[k])
             place = (area.right + 14 * unit, area.top + y)
             write(surface, self.names[k], place, 12 * unit, INK, align=(0, 0.5))
+
+
+def strokes(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:
+    """Lines through (T,) `across` and (T, k) `down`, the first on top, with round joints where they turn."""
+    turns = _turns(across, down)
+    xs, width = across.tolist(), max(1, round(thickness))
+    for k in range(min(down.shape[1], len(colours)) - 1, -1, -1):
+        points = list(zip(xs, down[:, k].tolist(), strict=True))
+        if len(points) > 1:
+            pygame.draw.lines(fine, colours[k], False, points, width)
+        for joint in np.flatnonzero(turns[:, k]).tolist():
+            pygame.draw.circle(fine, colours[k], points[joint], 0.5 * thickness)
+
+
+def _turns(across: Array, down: Array) -> NDArray[np.bool_]:
+    """(T, k) where a line turns by more than JOINT, and at its ends."""
+    sharp = np.ones(down.shape, dtype=bool)
+    if len(across) > 2:
+        dx, dy = np.diff(across)[:, None], np.diff(down, axis=0)
+        length = np.hypot(dx, dy) + 1e-9
+        cosine = (dx[:-1] * dx[1:] + dy[:-1] * dy[1:]) / (length[:-1] * length[1:])
+        sharp[1:-1] = cosine < JOINT
+        sharp[0] = False
+    return sharp
 
 
 def area_of(rect: pygame.Rect, unit: float) -> pygame.Rect:

@@ -111,17 +111,17 @@ class StageView:
     def paint_hold(self, surface: pygame.Surface, bead: int, pointer: tuple[int, int], spring: bool) -> None:
         """The hand: a ring about the bead, and a line to the pointer where a spring pulls."""
         centre = self.centre(bead)
-        pygame.draw.circle(surface, WARNING, centre, 0.5 * self.stage.bead + 3 * self.unit, max(2, round(2 * self.unit)))
+        pygame.draw.aacircle(surface, WARNING, centre, 0.5 * self.stage.bead + 3 * self.unit, max(2, round(2 * self.unit)))
         if spring:
             pygame.draw.aaline(surface, WARNING, centre, pointer, max(2, round(2 * self.unit)))
-            pygame.draw.circle(surface, WARNING, pointer, 4 * self.unit)
+            pygame.draw.aacircle(surface, WARNING, pointer, 4 * self.unit)
 
     def paint_pick(self, surface: pygame.Surface, pick: Pick) -> None:
         """Mark the selected bead or contact."""
         thick = max(2, round(2 * self.unit))
         surface.set_clip(self.stage.rect)
         if pick.kind == "bead" and pick.index < len(self.edges):
-            pygame.draw.circle(surface, INK, self.centre(pick.index), 0.5 * self.stage.bead + 4 * self.unit, thick)
+            pygame.draw.aacircle(surface, INK, self.centre(pick.index), 0.5 * self.stage.bead + 4 * self.unit, thick)
         elif pick.kind == "contact" and pick.index < len(self.contacts):
             x, foot = round(float(self.contacts[pick.index])), round(self.stage.ground + 3 * self.unit)
             half = round(6 * self.unit)
