@@ -10,7 +10,18 @@ from relations import SET_VALUED
 from scipy.integrate import quad
 from truth import CRITICAL_SPEEDS, ELASTIC, GEAR, GEARS
 
-from physics import Chain, Contact, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
+from physics import (
+    Chain,
+    Contact,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+    step_force,
+)
 from physics.closed_forms import (
     LinearChain,
     critical_speed,

@@ -1,4 +1,4 @@
-"""Every method against answers in quadruple precision: what an explicit step must reach, and what a tolerance promises."""
+"""Every method against answers in quadruple precision: what an explicit step must reach, what a tolerance promises."""
 
 from __future__ import annotations
 
