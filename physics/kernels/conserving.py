@@ -184,6 +184,7 @@ def mean_forces(h, law, diagonal, coupling, target, start, overlap, force, work)
         for i in range(n):  # (I - half offdiagonal(L) slope) shift = -residual, by Thomas
             lower = half * coupling[i] * slope[i - 1] if i > 0 else 0.0
             pivot = 1.0 - (lower * upper[i - 1] if i > 0 else 0.0)
+            pivot = max(pivot, ROUND_OFF)  # 0 where all contacts between two walls touch: their common part is free
             right = half * coupling[i + 1] * slope[i + 1] if i < n - 1 else 0.0
             upper[i] = right / pivot
             shift[i] = (-residual[i] + (lower * shift[i - 1] if i > 0 else 0.0)) / pivot
