@@ -31,7 +31,7 @@ class Monkey:
 
     def __init__(self, session: Session, seed: int) -> None:
         self.session, self.random = session, random.Random(seed)
-        self.given = self.refused = 0
+        self.given = self.refused = self.frames = 0
         self.actions: tuple[Callable[[], None], ...] = (
             *(self.edit,) * 10,
             *(self.drag,) * 12,
@@ -160,7 +160,7 @@ def fuzz(session: Session, wall_seconds: float, seed: int, checks: Callable[[Ses
     for picture in range(round(wall_seconds / FRAME)):
         if monkey.random.random() < 3.0 * FRAME:
             monkey.act()
-        session.tick(FRAME)
+        monkey.frames += session.tick(FRAME)
         checks(session)
         if picture % 30 == 0:
             look(session)
@@ -180,7 +180,7 @@ def main(arguments: list[str] | None = None) -> int:
         session = Session(scenes.load(name))
         monkey = fuzz(session, each, wish.seed + number)
         print(
-            f"{name}: {each:.0f} s of play in {perf_counter() - began:.0f} s, {monkey.given} inputs"
+            f"{name}: {each:.0f} s of play in {perf_counter() - began:.0f} s, {monkey.frames} frames, {monkey.given} inputs"
             f" ({monkey.refused} refused), {session.history.memory / 2**20:.1f} MB of history"
             f", {_resident():.0f} MB in all",
             flush=True,

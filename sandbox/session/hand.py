@@ -1,6 +1,6 @@
 """The hand: a damped spring from a bead to the pointer, as quick at the wall in every slow motion.
 
-push = m (omega**2 (pointer - x) - 2 omega v),   omega = QUICKNESS / slow: critically damped
+push = m (omega**2 (pointer - x) - 2 omega v),   omega = QUICKNESS * slow: critically damped
 
 The pointer counts as no farther away than it takes to pull at MOST_SPEED times the scene's speed, so that a wide
 gesture in slow motion does not throw a bead at a thousand times the speed of everything else.
@@ -18,7 +18,7 @@ MOST_SPEED = 10.0  # of the scene's closing speed
 
 def quickness(slow: float) -> float:
     """Of the hand [1/s] in the model's time."""
-    return QUICKNESS / slow
+    return QUICKNESS * slow
 
 
 def push_of_hand(setup: LaneSetup, bead: int, offset: float, velocity: float, quick: float) -> float:
