@@ -9,7 +9,7 @@ from physics.chain import Chain
 from physics.kernels import adaptive as kernel
 from physics.run import Problem, Record, empty_samples
 from physics.state import State
-from physics.time_scale import closing_speed
+from physics.time_scale import speed_scale
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
     switches = np.zeros(book, dtype=np.int64), np.zeros(book)
     rows = empty_samples(times.size, chain.contacts)
     status, time = kernel.integrate(
-        state.time, end, stop, MOST_STEPS, closing_speed(state.velocity(chain)), problem.tolerance, *chain.parameters,
+        state.time, end, stop, MOST_STEPS, speed_scale(chain, state.velocity(chain)), problem.tolerance, *chain.parameters,
         _external(chain, state), chain.anchor, state.overlap, state.rate, state.anchor, state.force,
         *_marks(chain.contacts), *switches, times, *rows, *_scratch(chain.contacts), counter,
     )  # fmt: skip
@@ -47,10 +47,11 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
 
 
 def _external(chain: Chain, state: State) -> Array:
-    """(n+1,) accelerations of the overlaps and of the anchor by ``state.push``, or none."""
-    if state.push is None:
+    """(n+1,) accelerations of the overlaps and of the anchor by what pushes from outside, or none."""
+    push = state.external(chain)
+    if push is None:
         return np.zeros(0)
-    acceleration = state.push * chain.parameters.inverse_mass
+    acceleration = push * chain.parameters.inverse_mass
     return np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
 
 
@@ -60,4 +61,4 @@ def _marks(contacts: int) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
 
 def _scratch(contacts: int) -> tuple[Array, ...]:
     stages = tuple(np.zeros((3, contacts)) for _ in range(6))
-    return (*stages, np.zeros((contacts, 9)), np.zeros((16, max(contacts, 2))))
+    return (*stages, np.zeros((contacts, 9)), np.zeros((16, contacts)), np.zeros((16, max(contacts, 2))))

@@ -15,7 +15,7 @@ from physics.kernels.radau import (
     LOADED,
     OPEN,
     TOUCHING,
-    embedded_error,
+    embedded_errors,
     first_guess,
     flow_into,
     move_anchor,
@@ -29,6 +29,8 @@ EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, EVENT = 0, 1, 2, 3, 4, 5
 COUNTERS = 6
 
 GROW, SHRINK, SAFETY = 8.0, 0.1, 0.9
+TOLERANCE_PART = 0.25  # of the tolerance: to this each step is held
+RATIO = 3.0  # error taken = fine error times this times fine over coarse
 NEWTON_PART = 1e-2  # of the tolerance: to this the stages are solved
 SLOW_PART = 1e-2  # of the tolerance: a contact with preload that arrives at d = 0 slower than this rests there
 LANDING_TRIES = 12
@@ -70,11 +72,11 @@ def book(contact, time, switch_contact, switch_time, counter):
 
 @jit
 def try_step(
-    h, law, inverse_mass, external, mode, overlap, rate, force, precision, stage_overlap, stage_rate, stage_force,
-    along, across, block, z, counter,
+    h, law, inverse_mass, external, mode, overlap, rate, force, precision, past_step, past,
+    stage_overlap, stage_rate, stage_force, along, across, block, z, counter,
 ):  # fmt: skip
     """Solve the stages of one step; False where Newton does not converge."""
-    first_guess(h, law, mode, overlap, rate, force, stage_overlap, stage_force)
+    first_guess(h, law, inverse_mass, mode, overlap, rate, force, past_step, past, stage_overlap, stage_force)
     used = solve_stages(
         h, law, inverse_mass, external, mode, overlap, rate, precision, stage_overlap, stage_force, along, across, block, z
     )  # fmt: skip
@@ -101,7 +103,7 @@ def integrate(
     start, end, stop, most_steps, scale, tolerance, law, inverse_mass, external, anchor_bead,
     overlap, rate, anchor, force, mode, held, switch_contact, switch_time,
     sample_time, sample_overlap, sample_rate, sample_anchor, sample_force,
-    stage_overlap, stage_rate, stage_force, along, across, z, block, work, counter,
+    stage_overlap, stage_rate, stage_force, along, across, z, block, past, work, counter,
 ):  # fmt: skip
     """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the state is moved in place.
 
@@ -109,10 +111,10 @@ def integrate(
     and of the anchor, or (0,). Returns the status and the time reached.
     """
     n = overlap.size
-    wanted = tolerance * scale
+    wanted = TOLERANCE_PART * tolerance * scale
     precision, slow, negligible = NEWTON_PART * wanted, SLOW_PART * wanted, 1e-15 * scale
     time = start
-    load, upper = work[0], work[1]
+    last_step, last_error, past_step = 0.0, wanted, 0.0
     set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)
     h_next = math.inf
     for i in range(n):
@@ -120,7 +122,6 @@ def integrate(
             book(i, time, switch_contact, switch_time, counter)
             if mode[i] == LOADED and overlap[i] == 0.0:
                 h_next = min(h_next, onset_step(law, inverse_mass, i, max(rate[i], 0.0), wanted))
-    fresh = True
     while True:
         while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] <= time:
             k = counter[SAMPLE]
@@ -164,13 +165,13 @@ def integrate(
         h = opening_limit(min(h_next, end - time), law, inverse_mass, mode, overlap, rate, force, wanted)
         if not math.isfinite(h):
             h = first_step(law, inverse_mass, external, mode, overlap, rate, force, scale)
-        landing, kind, tries, error = -1, NOTHING, 0, 0.0
+        landing, kind, tries, error, ceiling = -1, NOTHING, 0, 0.0, h
         while True:
             if counter[STEP] + counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
             if not try_step(
-                h, law, inverse_mass, external, mode, overlap, rate, force, precision, stage_overlap, stage_rate,
-                stage_force, along, across, block, z, counter,
+                h, law, inverse_mass, external, mode, overlap, rate, force, precision, past_step, past,
+                stage_overlap, stage_rate, stage_force, along, across, block, z, counter,
             ):  # fmt: skip
                 counter[REJECTED] += 1
                 landing, h = -1, 0.25 * h
@@ -185,39 +186,43 @@ def integrate(
                     tries += 1
                     continue
                 if abs(miss) > LANDED * h and tries < LANDING_TRIES and time + miss != time:
-                    h = max(h + miss, 0.1 * h)
+                    h = min(max(h + miss, 0.1 * h), ceiling)
                     tries += 1
                     continue
-            elif found >= 0 and time + part * h > time:
-                landing, kind, h = found, its_kind, part * h
+            elif found >= 0 and tries < LANDING_TRIES:
+                landing, kind, ceiling = found, its_kind, h
+                h = max(part * h, 1e-15 * (abs(time) + h))
                 continue
-            elif found >= 0:
-                landing, kind = found, its_kind
-            ended = stage_rate[2, 0]
-            for i in range(n):
-                along[0, i] = stage_rate[2, i]
-            error = embedded_error(
-                h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, load, upper
+            fine, coarse = embedded_errors(
+                h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force,
+                work[0], work[1], work[6],
             )  # fmt: skip
+            error = fine * min(1.0, RATIO * fine / max(coarse, 1e-300))
             if error > wanted and time + h > time:
                 counter[REJECTED] += 1
-                h *= max(SHRINK, SAFETY * (wanted / error) ** 0.25)
-                landing, tries = -1, 0
+                h *= max(SHRINK, SAFETY * (wanted / error) ** 0.2)
+                landing = -1
                 continue
             break
-        grow = min(GROW, SAFETY * (wanted / max(error, 1e-300)) ** 0.25)
+        grow = min(GROW, SAFETY * (wanted / max(error, 1e-300)) ** 0.2)
+        if h < last_step and landing < 0:  # steps that shrink go on shrinking (Gustafsson)
+            grow = min(grow, SAFETY * (h / last_step) * (wanted * last_error / max(error * error, 1e-300)) ** 0.2)
+        last_step, last_error = (h, max(error, 1e-3 * wanted)) if landing < 0 else (0.0, wanted)
         h_next = max(h_next, h * grow) if landing >= 0 and math.isfinite(h_next) else h * grow
         # samples need the stages, so what the step found is kept first
         for i in range(n):
-            across[0, i], across[1, i], across[2, i] = stage_overlap[2, i], along[0, i], stage_force[2, i]
-            work[2, i], work[3, i], work[4, i] = across[0, i], across[1, i], across[2, i]
+            work[2, i], work[3, i], work[4, i] = stage_overlap[2, i], stage_rate[2, i], stage_force[2, i]
+            past[8, i] = force[i]
+            for k in range(3):
+                past[9 + k, i], past[13 + k, i] = stage_force[k, i], stage_overlap[k, i]
+            past[12, i] = overlap[i]
         move_anchor(h, inverse_mass, external, anchor_bead, stage_force, anchor, work[5])
         while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] < time + h:
             k = counter[SAMPLE]
             beyond = sample_time[k] - time
             if not try_step(
-                beyond, law, inverse_mass, external, mode, overlap, rate, force, precision, stage_overlap, stage_rate,
-                stage_force, along, across, block, z, counter,
+                beyond, law, inverse_mass, external, mode, overlap, rate, force, precision, past_step, past,
+                stage_overlap, stage_rate, stage_force, along, across, block, z, counter,
             ):  # fmt: skip
                 return FAILED, time
             for i in range(n):
@@ -230,14 +235,26 @@ def integrate(
         for i in range(n):
             overlap[i], rate[i], force[i] = work[2, i], work[3, i], work[4, i]
             held[i] = 0
+            for k in range(8):
+                past[k, i] = past[8 + k, i]
+        for i in range(n):
             if mode[i] == TOUCHING:
                 rate[i] = 0.0
+            elif mode[i] == OPEN and overlap[i] > 0.0 and i != landing:  # an event that could not be hit
+                mode[i] = LOADED
+                book(i, time, switch_contact, switch_time, counter)
             elif mode[i] == LOADED and overlap[i] < 0.0 and i != landing and not continued(law, i):
-                mode[i], force[i] = OPEN, 0.0
-                back = overlap[i] / rate[i] if rate[i] < 0.0 else 0.0
-                book(i, time - min(back, h), switch_contact, switch_time, counter)
+                last_step, force[i] = 0.0, 0.0
+                if abs(rate[i]) > slow or flow_into(i, inverse_mass, force) > (external[i] if external.size else 0.0):
+                    mode[i] = OPEN
+                    back = overlap[i] / rate[i] if rate[i] < 0.0 else 0.0
+                    book(i, time - min(back, h), switch_contact, switch_time, counter)
+                else:  # pushed from both sides, or not at all, and slower than what counts: it stays
+                    overlap[i], rate[i] = 0.0, 0.0
+        past_step = h
         anchor[0], anchor[1] = work[5, 0], work[5, 1]
         if landing >= 0:
+            past_step = 0.0
             counter[EVENT] += 1
             i = landing
             if mode[i] != TOUCHING:
@@ -246,12 +263,8 @@ def integrate(
                 mode[i], held[i] = LOADED, 1
             elif kind == OPENS and mode[i] == TOUCHING:
                 mode[i], held[i] = OPEN, 1
-            was = mode[i]
             if kind == CLOSES:
                 h_next = min(h_next, onset_step(law, inverse_mass, i, rate[i], wanted))
-            for j in range(n):
-                work[7, j] = mode[j]
-            shut = work[7]
             for j in range(n):
                 z[0, j] = mode[j]
             set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)

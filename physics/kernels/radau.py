@@ -36,9 +36,11 @@ SQUARE_INVERSE = INVERSE @ INVERSE
 _SMALL = 1.0 / np.linalg.eigvals(INVERSE).real.max()  # reciprocal of the one real eigenvalue, gamma_0
 GAMMA = float(_SMALL)
 EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * _ROOT6, -13.0 + 7.0 * _ROOT6, -1.0])  # Hairer & Wanner, IV.8
+_COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
+COARSE = (TABLEAU[2] - _COARSE) @ INVERSE  # its error, of one order less than the embedded one
 
 MOST_NEWTON = 15
-BLOCK_ROWS = 27  # rows (n,) of scratch memory
+FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
 
 
@@ -69,7 +71,8 @@ def slope_at(preload, stiffness, exponent, overlap, force):
 @jit
 def move_along(preload, stiffness, exponent, overlap, force, by_overlap, by_force):
     """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d."""
-    if exponent < 1.0 and (overlap == 0.0 or (by_overlap < 0.0) == (overlap > 0.0)):
+    towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
+    if exponent < 1.0 and (overlap == 0.0 or towards_zero):
         excess = force + by_force - preload
         if excess > 0.0 or (preload > 0.0 and excess < 0.0):
             reach = (abs(excess) / stiffness) ** (1.0 / exponent)
@@ -93,23 +96,63 @@ def flow_into(i, inverse_mass, force):
 
 
 @jit
-def first_guess(h, law, mode, overlap, rate, force, stage_overlap, stage_force):
-    """Stages to begin Newton from: soft contacts keep their force, others fly on."""
+def cubic(x, y0, y1, y2, y3):
+    """Value at x of the cubic through (0, y0) and the stages (c_k, y_k), by divided differences."""
+    c1, c2 = NODES[0], NODES[1]
+    first, second, third = (y1 - y0) / c1, (y2 - y1) / (c2 - c1), (y3 - y2) / (1.0 - c2)
+    left, right = (second - first) / c2, (third - second) / (1.0 - c1)
+    return y0 + x * (first + (x - c1) * (left + (x - c2) * (right - left)))
+
+
+@jit
+def first_guess(h, law, inverse_mass, mode, overlap, rate, force, past_step, past, stage_overlap, stage_force):
+    """Stages to begin Newton from: the cubics of the step before, where there was one of like size, go on.
+
+    `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts keep their force,
+    others fly on.
+    """
+    follows = past_step > 0.0 and h < FOLLOW * past_step
     for i in range(overlap.size):
         preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
         for k in range(3):
             flown = overlap[i] + h * NODES[k] * rate[i]
+            x = 1.0 + NODES[k] * h / past_step if follows else 0.0
             if mode[i] == OPEN:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
             elif mode[i] == TOUCHING:
                 stage_overlap[k, i], stage_force[k, i] = 0.0, force[i]
+                if follows:
+                    stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
             elif exponent < 1.0 and force[i] > preload:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                if follows:
+                    excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
+                    if 0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload):
+                        stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
+                        stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:
                 stage_overlap[k, i], stage_force[k, i] = 0.0, preload
+                if i > 0 and preload == 0.0:
+                    set_pushed(h, law, inverse_mass, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
             else:
+                if follows:
+                    flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
                 stage_overlap[k, i] = flown
                 stage_force[k, i] = signed_force(preload, stiffness, exponent, flown)
+    for i in range(overlap.size - 2, -1, -1):
+        for k in range(3):
+            if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
+                set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
+
+
+@jit
+def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_force):
+    """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
+    if push <= 0.0:
+        return
+    flown = 0.5 * (h * NODES[k]) ** 2 * inverse_mass[bead] * push
+    stage_force[k, i] = min(0.8 * push, law[i, 1] * power(flown, law[i, 2]))
+    stage_overlap[k, i] = power(stage_force[k, i] / law[i, 1], 1.0 / law[i, 2])
 
 
 @jit
@@ -285,42 +328,51 @@ def compliance(law, mode, i, overlap, force):
 
 
 @jit
-def embedded_error(
-    h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, load, upper
+def embedded_errors(
+    h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, fine, coarse, upper
 ):  # fmt: skip
-    """Error of the step as a velocity [m/s]: the embedded quadrature, filtered through (I - h gamma J)^-1.
+    """Errors of the step as velocities [m/s] by two embedded quadratures, of orders h**4 and h**3; (n,) scratch arrays.
 
-    With the compliance C = dd/df and the force error phi: (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are
-    e_w - h gamma L phi in the rate and C phi in the overlap, which counts by its energy, sqrt(L C) phi.
+    Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
+    (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
+    overlap, which counts by its energy, sqrt(L C) phi.
     """
     n = overlap.size
     reach = h * GAMMA
-    error_rate = stage_rate[0]  # the first two rows are free by now: the end of the step is the third
+    fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
     for i in range(n):
         drive = external[i] if external.size else 0.0
-        of_rate = reach * (drive - flow_into(i, inverse_mass, force))
-        of_overlap = reach * rate[i]
+        fine_w, fine_d = reach * (drive - flow_into(i, inverse_mass, force)), reach * rate[i]
+        coarse_w, coarse_d = 0.0, 0.0
         for k in range(3):
-            of_rate += EMBEDDED[k] * (stage_rate[k, i] - rate[i])
-            of_overlap += EMBEDDED[k] * (stage_overlap[k, i] - overlap[i])
-        error_rate[i] = of_rate
+            by_rate, by_overlap = stage_rate[k, i] - rate[i], stage_overlap[k, i] - overlap[i]
+            fine_w += EMBEDDED[k] * by_rate
+            fine_d += EMBEDDED[k] * by_overlap
+            coarse_w += COARSE[k] * by_rate
+            coarse_d += COARSE[k] * by_overlap
+        fine_rate[i], coarse_rate[i] = fine_w, coarse_w
         give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
-        upper[i], load[i] = 0.0, 0.0
+        upper[i], fine[i], coarse[i] = 0.0, 0.0, 0.0
         if give >= 0.0:
             lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
             pivot = reach * reach * (inverse_mass[i] + inverse_mass[i + 1]) + give
-            load[i] = of_overlap + reach * of_rate
+            fine[i], coarse[i] = fine_d + reach * fine_w, coarse_d + reach * coarse_w
             if i > 0:
                 pivot -= lower * upper[i - 1]
-                load[i] -= lower * load[i - 1]
-            load[i] /= pivot
+                fine[i] -= lower * fine[i - 1]
+                coarse[i] -= lower * coarse[i - 1]
+            fine[i] /= pivot
+            coarse[i] /= pivot
             upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
     for i in range(n - 2, -1, -1):
-        load[i] -= upper[i] * load[i + 1]
-    worst = 0.0
+        fine[i] -= upper[i] * fine[i + 1]
+        coarse[i] -= upper[i] * coarse[i + 1]
+    worst_fine, worst_coarse = 0.0, 0.0
     for i in range(n):
-        worst = max(worst, abs(error_rate[i] - reach * flow_into(i, inverse_mass, load)))
+        worst_fine = max(worst_fine, abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine)))
+        worst_coarse = max(worst_coarse, abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse)))
         give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
         if give > 0.0:
-            worst = max(worst, math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * give) * abs(load[i]))
-    return worst
+            weight = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * give)
+            worst_fine, worst_coarse = max(worst_fine, weight * abs(fine[i])), max(worst_coarse, weight * abs(coarse[i]))
+    return worst_fine, worst_coarse
