@@ -20,9 +20,9 @@ from sandbox.window.page import Host
 RED: Colour = (176, 18, 38)
 AMBER: Colour = (158, 98, 0)
 AUTO = "auto"
-HIGH, HIGH_OF_TWO = 168.0, 124.0  # design pixels of a card
+HIGH, HIGH_OF_TWO = 180.0, 124.0  # design pixels of a card
 SECONDS_BETWEEN_READINGS = 0.2
-SUMMARIES = {AUTO: "the cheapest that holds the scene's error", **{m.name: m.summary for m in METHODS}}
+SUMMARIES = {method.name: method.summary for method in METHODS}
 
 
 class Cards:
@@ -87,7 +87,9 @@ class Cards:
         unit, label = self.host.unit, self.session.lanes[number].label
         tint = RED if health.level == BAD else AMBER if health.level == FAIR else GOOD
         pygame.draw.rect(surface, mix(PAPER, tint, 0.16 if health.level == BAD else 0.05), rect, border_radius=6)
-        pygame.draw.rect(surface, tint if health.level != "good" else FAINT, rect, max(1, round(1.5 * unit)), border_radius=6)
+        pygame.draw.rect(
+            surface, tint if health.level != "good" else FAINT, rect, max(1, round(1.5 * unit)), border_radius=6
+        )
         x, y = rect.left + 10 * unit, rect.top + 12 * unit
         room = rect.width - 160 * unit
         title = label if len(self.session.lanes) > 1 and label else "method"
@@ -97,6 +99,10 @@ class Cards:
         y += 26 * unit
         write(surface, how, (x, y), 12 * unit, MUTED)
         y += 17 * unit
+        if len(self.rects) == 1:
+            summary = SUMMARIES[setup.method]
+            write(surface, shortened(summary, 12 * unit, rect.width - 20 * unit), (x, y), 12 * unit, MUTED)
+            y += 19 * unit
         y = self._numbers(surface, rect, _numbers(health), y)
         mark = {"bad": "✕", "fair": "!"}.get(health.level, "✓")
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
@@ -106,7 +112,6 @@ class Cards:
             text = shortened(line + " …", 12 * unit, rect.width - 34 * unit) if k == most - 1 < len(lines) - 1 else line
             write(surface, text, (x + 15 * unit, y + (2 + 15 * k) * unit), 12 * unit, tint)
 
-
     def _numbers(self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str]], y: float) -> float:
         """One a line; two where there are two cards. Returns where the next line is."""
         unit, columns = self.host.unit, 1 if len(self.rects) == 1 else 2
@@ -115,7 +120,14 @@ class Cards:
             x = rect.left + 10 * unit + (k % columns) * wide
             short = name.split()[0] if columns == 2 else name
             write(surface, short, (x, y), 12.5 * unit, MUTED)
-            write(surface, text, (x + wide - (8 * unit if columns == 2 and k % 2 == 0 else 0), y), 12.5 * unit, INK, align=(1, 0))
+            write(
+                surface,
+                text,
+                (x + wide - (8 * unit if columns == 2 and k % 2 == 0 else 0), y),
+                12.5 * unit,
+                INK,
+                align=(1, 0),
+            )
             y += 16.5 * unit if k % columns == columns - 1 else 0.0
         return y
 
@@ -127,7 +139,7 @@ def _numbers(health: Health) -> list[tuple[str, str]]:
         ("momentum error", _error(health.momentum_error)),
         ("chatter", f"{health.chatter:.1f}" if health.chatter < 1e4 else scientific(health.chatter)),
         ("physics a frame", f"{health.milliseconds:.2f} ms"),
-    ][: 4]
+    ][:4]
 
 
 def _error(error: float | None) -> str:

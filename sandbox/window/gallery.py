@@ -28,7 +28,7 @@ class Gallery:
         self.names = names()
         self.scenes: list[Scene] = [load(name) for name in self.names]
         self.pictures: dict[int, pygame.Surface] = {}
-        self.shown: dict[tuple[int, tuple[int, int]], pygame.Surface] = {}
+        self.scaled: dict[tuple[int, tuple[int, int]], pygame.Surface] = {}
         self.selected, self.scroll, self.rows = 0, 0.0, 1
         self.cards: list[UIButton] = []
         for k, scene in enumerate(self.scenes):
@@ -54,7 +54,7 @@ class Gallery:
         self.picture_size = round(self.wide), round(self.wide * thumbnails.SIZE[1] / thumbnails.SIZE[0])
         self.pitch = self.picture_size[1] + (CAPTION + GUTTER) * unit
         self.rows = -(-len(self.names) // self.columns)
-        self.shown.clear()
+        self.scaled.clear()
         self.cards = [
             UIButton(
                 self.place(k), "", self.host.manager, object_id="#card", command=partial(self.choose, name)
@@ -159,9 +159,9 @@ class Gallery:
         if k not in self.pictures:
             return None
         key = (k, self.picture_size)
-        if key not in self.shown:
-            self.shown[key] = pygame.transform.smoothscale(self.pictures[k].convert(), self.picture_size)
-        return self.shown[key]
+        if key not in self.scaled:
+            self.scaled[key] = pygame.transform.smoothscale(self.pictures[k].convert(), self.picture_size)
+        return self.scaled[key]
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Nothing lies above the cards."""

@@ -77,5 +77,9 @@ def _plots(rect: Rect, unit: float, counts: Sequence[int]) -> tuple[tuple[Rect, 
     for k, count in enumerate(counts):
         wide = (rect.width - (count - 1) * gutter) / count
         y = rect.top + k * (high + 2 * unit)
-        rows.append(tuple(Rect(round(rect.left + i * (wide + gutter)), round(y), round(wide), round(high)) for i in range(count)))
+        rows.append(
+            tuple(
+                Rect(round(rect.left + i * (wide + gutter)), round(y), round(wide), round(high)) for i in range(count)
+            )
+        )
     return tuple(rows)

@@ -167,7 +167,9 @@ class Hands:
         else:
             locked = all(law is not None for lane in session.lanes for law in lane.setup.locked)
             if self.page.apply(Lock(None, None, not locked)):
-                self.page.host.messages.say("all pistons unlocked" if locked else "all pistons locked: the usual cradle")
+                self.page.host.messages.say(
+                    "all pistons unlocked" if locked else "all pistons locked: the usual cradle"
+                )
 
     def turn(self) -> None:
         """Power law or draft gear in the selected contact."""

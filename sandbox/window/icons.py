@@ -36,7 +36,9 @@ def _restart(fine: pygame.Surface, colour: Colour, centre: Point, size: float) -
     box.center = (round(centre[0]), round(centre[1]))
     pygame.draw.arc(fine, colour, box, 0.9, 6.6, max(2, round(0.26 * size)))
     x, y = box.right - 0.30 * size, box.top + 0.42 * size
-    pygame.draw.polygon(fine, colour, [(x - 0.75 * size, y), (x + 0.35 * size, y + 0.1 * size), (x + 0.15 * size, y - 0.8 * size)])
+    pygame.draw.polygon(
+        fine, colour, [(x - 0.75 * size, y), (x + 0.35 * size, y + 0.1 * size), (x + 0.15 * size, y - 0.8 * size)]
+    )
 
 
 _DRAWN: dict[str, Callable[[pygame.Surface, Colour, Point, float], None]] = {"restart": _restart}

@@ -77,8 +77,15 @@ def _of_bead(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
         found.append(Parameter("mass", "mass", "kg", low, high, True, mass, lambda m: SetMass(pick.lane, number, m)))
     found.append(
         Parameter(
-            "velocity", "velocity", "m/s", -speed, speed, False, velocity,
-            lambda v: SetVelocity(pick.lane, number, v), live=True,
+            "velocity",
+            "velocity",
+            "m/s",
+            -speed,
+            speed,
+            False,
+            velocity,
+            lambda v: SetVelocity(pick.lane, number, v),
+            live=True,
         )  # fmt: skip
     )
     return found
@@ -94,14 +101,23 @@ def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]
     found = []
     if law.stiffness > 0.0:
         low, high = _around(session, pick, law.stiffness)
-        found.append(Parameter("stiffness", factor_name, factor_unit, low, high, True, law.stiffness, change("stiffness")))
+        found.append(
+            Parameter("stiffness", factor_name, factor_unit, low, high, True, law.stiffness, change("stiffness"))
+        )
         found.append(Parameter("exponent", alpha_name, "", 0.01, 3.0, True, law.exponent, change("exponent")))
     force = max(2.0 * law.preload, _force(session, pick))
     found.append(Parameter("preload", "preload", "N", 0.0, force, False, law.preload, change("preload")))
     found.append(
         Parameter(
-            "gap", "gap to the next bead", "m", 0.0, 2.0 * length, False, gap,
-            lambda g: SetGap(pick.lane, pick.index, g), live=True,
+            "gap",
+            "gap to the next bead",
+            "m",
+            0.0,
+            2.0 * length,
+            False,
+            gap,
+            lambda g: SetGap(pick.lane, pick.index, g),
+            live=True,
         )  # fmt: skip
     )
     return found

@@ -8,7 +8,7 @@ from functools import partial
 import pygame
 from pygame_gui.elements import UIButton
 
-from sandbox.draw.palette import FAINT, INK, MUTED, PAPER
+from sandbox.draw.palette import FAINT, INK, MUTED, PAPER, WARNING
 from sandbox.draw.scales import Scales, scales_of
 from sandbox.draw.text import shortened, write
 from sandbox.session.inputs import Input, SetMethod
@@ -44,9 +44,7 @@ TOOLS = (
 class Play:
     """One session on screen. `leave` goes back to the gallery."""
 
-    def __init__(
-        self, host: Host, session: Session, leave: Callable[[], None], replay: Replay | None = None
-    ) -> None:
+    def __init__(self, host: Host, session: Session, leave: Callable[[], None], replay: Replay | None = None) -> None:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
         self.scene = session.scene
         self.side = True
@@ -277,8 +275,10 @@ class Play:
     def _tick(self, seconds: float) -> None:
         if self.replay is None or self.replay.done:
             self.session.tick(seconds)
-        elif not self.replay.session.scrubbed:
+        elif not self.session.scrubbed:
             self.replay.tick(seconds)
+            if self.replay.done:
+                self.host.messages.say(self.replay.sentence, trouble=self.replay.diverged is not None)
 
     def _await(self) -> None:
         """The physics has become ready: scales from a run ahead."""
@@ -350,10 +350,11 @@ class Play:
         point = pygame.mouse.get_pos()
         self.board.paint_reading(surface, point)
         self.timeline.paint_reading(surface, point)
-        if self.waiting:
+        if self.waiting or self.replay is not None:
             place = (self.places.stages[0].centerx, self.places.stages[0].top + 60 * self.host.unit)
-            text = "preparing the physics: a few seconds, once"
-            write(surface, text, place, 15 * self.host.unit, MUTED, align=(0.5, 0.5))
+            text = "preparing the physics: a few seconds, once" if self.replay is None else self.replay.sentence
+            tint = WARNING if self.replay is not None and self.replay.diverged is not None else MUTED
+            write(surface, text, place, 15 * self.host.unit, tint, bold=tint is WARNING, align=(0.5, 0.5))
 
     def shown(self, surface: pygame.Surface, seconds: float) -> None:
         """The finished picture may belong to a film."""

@@ -114,14 +114,21 @@ def make_plot(
     beads = lanes[number].chain.contacts + 1
     palette = bead_colours(beads)
     letter = {"velocities": "v", "overlaps": "δ"}.get(kind, "f")
-    of_beads, of_contacts = [letter + index(i) for i in range(beads)], [letter + index(i, i + 1) for i in range(beads - 1)]
+    of_beads, of_contacts = (
+        [letter + index(i) for i in range(beads)],
+        [letter + index(i, i + 1) for i in range(beads - 1)],
+    )
     what = (rect, unit, _title(kind, lanes, number), _axis(kind, scales, number, beads, logarithmic))
     if kind == "velocities":
         return Plot(*what, of_beads, palette, Source(history, number, _velocity), span)
     if kind == "difference" and number == 0:
-        return DifferencePlot(*what, ["Δv" + index(i) for i in range(beads)], palette, Source(history, 0, _velocity), span)
+        return DifferencePlot(
+            *what, ["Δv" + index(i) for i in range(beads)], palette, Source(history, 0, _velocity), span
+        )
     if kind == "difference":
-        return DifferencePlot(*what, ["Δ" + name for name in of_contacts], palette[1:], Source(history, 0, _force), span)
+        return DifferencePlot(
+            *what, ["Δ" + name for name in of_contacts], palette[1:], Source(history, 0, _force), span
+        )
     if kind == "energy":
         of_energy = [*("E" + index(i) for i in range(beads)), "stored"]
         return StackPlot(*what, of_energy, (*palette, STEEL), Source(history, number, lambda rows: rows.energies), span)

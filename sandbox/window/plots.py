@@ -134,7 +134,14 @@ class Plot:
             y = area.top + float(self.y(np.array(value)))
             if area.top - 1 <= y <= area.bottom + 1:
                 write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, MUTED, align=(1, 0.5))
-        write(surface, f"t ({self.span.unit()[1]})", (area.right, area.bottom + 3 * unit), 11.5 * unit, MUTED, align=(1, 0))
+        write(
+            surface,
+            f"t ({self.span.unit()[1]})",
+            (area.right, area.bottom + 3 * unit),
+            11.5 * unit,
+            MUTED,
+            align=(1, 0),
+        )
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
         """Draw the sheet, the times below it, and the cursor at `time` with the curves' `values` (k,) there."""

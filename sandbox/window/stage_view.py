@@ -111,7 +111,9 @@ class StageView:
     def paint_hold(self, surface: pygame.Surface, bead: int, pointer: tuple[int, int], spring: bool) -> None:
         """The hand: a ring about the bead, and a line to the pointer where a spring pulls."""
         centre = self.centre(bead)
-        pygame.draw.aacircle(surface, WARNING, centre, 0.5 * self.stage.bead + 3 * self.unit, max(2, round(2 * self.unit)))
+        pygame.draw.aacircle(
+            surface, WARNING, centre, 0.5 * self.stage.bead + 3 * self.unit, max(2, round(2 * self.unit))
+        )
         if spring:
             pygame.draw.aaline(surface, WARNING, centre, pointer, max(2, round(2 * self.unit)))
             pygame.draw.aacircle(surface, WARNING, pointer, 4 * self.unit)

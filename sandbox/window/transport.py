@@ -67,9 +67,16 @@ class Transport:
         x = right - sum(CHIP_WIDTHS[kind] + 4 for kind in kinds) * unit
         self.chips.clear()
         for kind in kinds:
-            place = pygame.Rect(round(x), self.rect.centery - round(13 * unit), round(CHIP_WIDTHS[kind] * unit), round(26 * unit))
+            place = pygame.Rect(
+                round(x), self.rect.centery - round(13 * unit), round(CHIP_WIDTHS[kind] * unit), round(26 * unit)
+            )
             chip = UIButton(
-                place, CHIPS[kind], manager, object_id="#chip", tool_tip_text="plot: " + hint(kind), command=self.actions[kind]
+                place,
+                CHIPS[kind],
+                manager,
+                object_id="#chip",
+                tool_tip_text="plot: " + hint(kind),
+                command=self.actions[kind],
             )
             if kind in self.board.shown and not self.board.hidden:
                 chip.select()
