@@ -71,7 +71,7 @@ def test_no_closed_form_is_said_in_a_sentence():
 @pytest.mark.parametrize("method", SET_VALUED, ids=lambda method: method.name)
 def test_one_on_one_swaps_velocities(law, method):
     found = simulate(Chain([2.0, 2.0], law), [1.5, -0.5], method=method.name, samples=3)
-    assert found.final_velocity == pytest.approx([-0.5, 1.5], abs=1e-9)
+    assert found.final_velocity == pytest.approx([-0.5, 1.5], abs=1e-7)  # ten times the default tolerance
 
 
 @pytest.mark.parametrize("n", [1, 2, 4, 10])

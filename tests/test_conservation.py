@@ -13,6 +13,7 @@ from physics import METHODS, Chain, State, advance, cluster_on_cluster, draft_ge
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
+TOLERANT = [method.name for method in METHODS if method.adaptive]
 EXPLICIT = [method for method in FIXED_STEP if not method.set_valued]
 EXACT = [method for method in FIXED_STEP if method.set_valued]
 
@@ -71,11 +72,11 @@ def test_adaptive_energy_to_the_tolerance(truth):
 @pytest.mark.parametrize("method", NAMES)
 def test_motion_is_the_same_for_a_moving_observer(method):
     chain, start = cluster_on_cluster(2, 3, hertz(1.0), [1.0, 2.0, 1.0, 0.5, 1.0]), np.array([1.0, 1.0, 0, 0, 0])
-    options = {"method": method, "duration": 3.0, "samples": 7} | ({} if method == "scipy" else {"step": 0.01})
+    options = {"method": method, "duration": 3.0, "samples": 7} | ({} if method in TOLERANT else {"step": 0.01})
     here = simulate(chain, start, **options)
     there = simulate(chain, start + 0.75, **options)
-    assert there.velocity == pytest.approx(here.velocity + 0.75, abs=1e-9)
-    assert there.overlap == pytest.approx(here.overlap, abs=1e-9)
+    assert there.velocity == pytest.approx(here.velocity + 0.75, abs=1e-7)
+    assert there.overlap == pytest.approx(here.overlap, abs=1e-7)
 
 
 @pytest.mark.parametrize("method", NAMES)
