@@ -40,6 +40,8 @@ _COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES
 COARSE = (TABLEAU[2] - _COARSE) @ INVERSE  # its error, of one order less than the embedded one
 
 MOST_NEWTON = 15
+LOOSE = 10.0  # times the precision: what is accepted where Newton does not settle
+FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps no force counts, yet the next begins from it
 FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
 
@@ -69,8 +71,16 @@ def slope_at(preload, stiffness, exponent, overlap, force):
 
 
 @jit
-def move_along(preload, stiffness, exponent, overlap, force, by_overlap, by_force):
-    """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d."""
+def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap, by_force):
+    """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
+
+    Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
+    """
+    if exponent < 1.0 and by_overlap > 0.0 and overlap > 0.0:
+        excess = force + by_force - preload
+        reach = power(excess / stiffness, 1.0 / exponent)
+        if reach < 0.1 * weight * excess:
+            return reach, preload + excess
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
     if exponent < 1.0 and (overlap == 0.0 or towards_zero):
         excess = force + by_force - preload
@@ -250,7 +260,7 @@ def solve_stages(
     for iteration in range(MOST_NEWTON):
         directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, across)
         eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stage_force, along, across, block, z)
-        size = 0.0
+        size, changed, largest = 0.0, 0.0, 0.0
         for i in range(n):
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
@@ -259,7 +269,8 @@ def solve_stages(
                     return 0
                 if mode[i] == LOADED:
                     d, f = move_along(
-                        law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i], by_overlap, by_force
+                        law[i, 0], law[i, 1], law[i, 2], h * h * weight,
+                        stage_overlap[k, i], stage_force[k, i], by_overlap, by_force,
                     )  # fmt: skip
                     by_overlap, by_force = d - stage_overlap[k, i], f - stage_force[k, i]
                     stage_overlap[k, i], stage_force[k, i] = d, f
@@ -268,10 +279,13 @@ def solve_stages(
                 else:
                     stage_force[k, i] += by_force
                 size = max(size, h * weight * abs(by_force), math.sqrt(weight * abs(by_overlap * by_force)))
-        if size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before):
+                changed, largest = max(changed, abs(by_force)), max(largest, abs(stage_force[k, i]))
+        if changed <= FORCE_PRECISION * largest and (
+            size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before)
+        ):
             return iteration + 1
         before = size
-    return 0
+    return MOST_NEWTON if before <= LOOSE * precision else 0  # contacts too weak to count may go on flipping
 
 
 @jit
