@@ -93,8 +93,8 @@ def test_late_physics_slows_the_clock_and_says_so():
     compute = session._compute_frame
 
     def slow_frame():
-        compute()
         clock.now += 0.008
+        return compute()
 
     session._compute_frame = slow_frame
     frames = [session.tick(PICTURE) for _ in range(60)]
@@ -112,8 +112,8 @@ def test_a_frame_beyond_the_budget_is_still_computed():
     compute = session._compute_frame
 
     def endless_frame():
-        compute()
         clock.now += 3.0
+        return compute()
 
     session._compute_frame = endless_frame
     assert session.tick(PICTURE) == 1

@@ -180,8 +180,8 @@ def main(arguments: list[str] | None = None) -> int:
         session = Session(scenes.load(name))
         monkey = fuzz(session, each, wish.seed + number)
         print(
-            f"{name}: {each:.0f} s of play in {perf_counter() - began:.0f} s, {monkey.frames} frames, {monkey.given} inputs"
-            f" ({monkey.refused} refused), {session.history.memory / 2**20:.1f} MB of history"
+            f"{name}: {each:.0f} s of play in {perf_counter() - began:.0f} s, {monkey.frames} frames"
+            f", {monkey.given} inputs ({monkey.refused} refused), {session.history.memory / 2**20:.1f} MB of history"
             f", {_resident():.0f} MB in all",
             flush=True,
         )

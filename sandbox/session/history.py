@@ -172,9 +172,7 @@ class History:
         block = self.blocks[-1]
         if block.used == len(block.time) or block.widths != _widths(moment):
             block.cut(block.used)
-            self.blocks.append(Block.at(self.last + 1, _widths(moment)))
-            while len(self.blocks) > 2 and self.memory > self.bound:
-                self.blocks.popleft()
+            self._add_block(self.last + 1, moment)
         self.blocks[-1].add(moment)
 
     def replace_last(self, moment: Moment) -> None:
@@ -186,8 +184,14 @@ class History:
                 block.cut(block.used)
             else:
                 self.blocks.pop()
-            self.blocks.append(Block.at(frame, _widths(moment)))
+            self._add_block(frame, moment)
         self.blocks[-1].add(moment)
+
+    def _add_block(self, first: int, moment: Moment) -> None:
+        """Begin a block for frame `first`, and drop the oldest ones that are too much with it."""
+        self.blocks.append(Block.at(first, _widths(moment)))
+        while len(self.blocks) > 2 and self.memory > self.bound:
+            self.blocks.popleft()
 
     def drop_after(self, frame: int) -> None:
         """Forget every frame later than `frame`."""

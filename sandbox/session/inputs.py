@@ -63,7 +63,7 @@ class SetContact:
 
 @dataclass(frozen=True)
 class SetKind:
-    """Turn a contact (None: all) into a 'power' law, a draft 'gear' or 'hard', as strong at this scene's speed."""
+    """Turn a contact (None: all) into a 'power' law, a draft 'gear' or 'hard', alike at this scene's speed."""
 
     lane: int
     contact: int | None

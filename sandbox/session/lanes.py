@@ -19,7 +19,12 @@ from sandbox.session.series import is_closed
 from sandbox.session.setup import LaneSetup
 
 Array = NDArray[np.float64]
+LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
 Hand = tuple[float, float, float]  # lane (-1: empty), bead, position of the pointer [m]
+
+
+class BlownUpError(Exception):
+    """A method has gone past its limit; the message is a sentence."""
 
 
 @dataclass
@@ -68,11 +73,18 @@ class LiveLane:
         return LiveLane(setup.with_start(start), state, books)
 
     def advance(self, duration: float, bead: int, pointer: float, quickness: float) -> None:
-        """Move on by one frame; `bead` (-1: none) is held at `pointer` by a hand of that quickness [1/s]."""
+        """Move on by one frame; `bead` (-1: none) is held at `pointer` by a hand of that quickness [1/s].
+
+        BlownUpError, with a state that means nothing, where a number has grown beyond all sense.
+        """
         chain, state, setup = self.chain, self.state, self.setup
         before, closed, switches = self.position, is_closed(state.overlap, state.force), state.switches
         state.push = self._push(bead, pointer, quickness)
         advance(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance)
+        if not all(
+            (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
+        ):
+            raise BlownUpError(f"{setup.method} has blown up: take conserving or a smaller step")
         books = self.books.copy()
         ledger.read(chain, state, books)
         ledger.book_frame(chain, self.books, books, self._outside(before, duration))

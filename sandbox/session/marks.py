@@ -123,18 +123,24 @@ def _bounced(rows: _Rows) -> NDArray[np.bool_]:
     return bounced
 
 
-def _closings(rows: _Rows, row: Rows, contact: Rows) -> Marks:
+def _meeting(rows: _Rows, row: Rows, contact: Rows) -> Array:
+    """When the beads of an open contact meet if they go on as at `row`, at the latest by the next row."""
     speed = np.maximum(rows.rate[row, contact], 0.0)
     wait = np.divide(-rows.overlap[row, contact], speed, out=np.zeros(len(row)), where=speed > 0.0)
-    when = np.minimum(rows.time[row] + np.maximum(wait, 0.0), rows.time[row + 1])
+    return np.minimum(rows.time[row] + np.maximum(wait, 0.0), rows.time[row + 1])
+
+
+def _closings(rows: _Rows, row: Rows, contact: Rows) -> Marks:
+    speed = np.maximum(rows.rate[row, contact], 0.0)
     lane, yes = np.full(len(row), rows.lane), np.ones(len(row), dtype=bool)
-    return Marks(when, rows.first + row + 1, lane, contact, yes, speed)
+    return Marks(_meeting(rows, row, contact), rows.first + row + 1, lane, contact, yes, speed)
 
 
 def _openings(rows: _Rows, row: Rows, contact: Rows) -> Marks:
     parting = np.minimum(rows.rate[row + 1, contact], 0.0)
     since = np.divide(rows.overlap[row + 1, contact], parting, out=np.zeros(len(row)), where=parting < 0.0)
-    when = np.maximum(rows.time[row + 1] - np.maximum(since, 0.0), rows.time[row])
+    earliest = np.where(rows.closed[row, contact], rows.time[row], _meeting(rows, row, contact))
+    when = np.maximum(rows.time[row + 1] - np.maximum(since, 0.0), earliest)
     lane, none = np.full(len(row), rows.lane), np.zeros(len(row))
     return Marks(when, rows.first + row + 1, lane, contact, none.astype(bool), none)
 

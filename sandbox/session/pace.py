@@ -25,8 +25,11 @@ class Pace:
         self.due = 0.0  # frames, within half of one of what the wall clock says
         self.clock_ratio, self.milliseconds = 1.0, 0.0
 
-    def run(self, wall_seconds: float, frame: Callable[[], None]) -> int:
-        """Call `frame` as often as `wall_seconds` ask for and the budget allows, but once if due; returns how often."""
+    def run(self, wall_seconds: float, frame: Callable[[], bool]) -> int:
+        """Call `frame` as often as `wall_seconds` ask for and the budget allows, but once if due; returns how often.
+
+        A `frame` that returns False was the last.
+        """
         wanted = min(max(wall_seconds, 0.0), LONGEST_TICK)
         self.due += wanted * FRAME_RATE
         count = done = round(self.due)
@@ -35,8 +38,11 @@ class Pace:
             if k > 0 and now - began + (now - began) / k > self.budget:
                 done = k
                 break
-            frame()
+            going_on = frame()
             now = self.clock()
+            if not going_on:
+                self.due, count, done = 0.0, k, k
+                break
         dropped = count - done
         self.due -= count
         self._average(wall_seconds, wanted * FRAME_RATE, dropped, 1e3 * (now - began) / done if done else None)

@@ -9,7 +9,7 @@ from time import perf_counter
 from sandbox.session import inputs
 from sandbox.session.hand import quickness
 from sandbox.session.history import MEMORY, NO_HAND, History, Moment
-from sandbox.session.lanes import Hand, LiveLane
+from sandbox.session.lanes import BlownUpError, Hand, LiveLane
 from sandbox.session.pace import BUDGET, Pace
 from sandbox.session.recording import Recording
 from sandbox.session.setup import Setup, setup_of
@@ -36,6 +36,7 @@ class Player:
         frame: the frame shown; `history.first` <= frame <= `history.last`.
         history: every frame kept.
         recording: base, inputs and hashes of all that.
+        trouble: why the session stopped by itself, in a sentence; empty where it did not.
         ticked: the frames before and after the last tick.
         pace: clock ratio and physics milliseconds a frame.
     """
@@ -69,6 +70,7 @@ class Player:
         self.history.start(moment, frame)
         self._show(self.history.moment(frame), frame)
         self.hand = moment.hand
+        self.trouble = ""
         self._loaded = False  # whether the moment shown was read from the history: playing on is then a new branch
         self.ticked = frame, frame
         self.recording = Recording(self.history.moment(frame), frame)
@@ -119,7 +121,8 @@ class Player:
         target = max(self.frame + count, self.history.first)
         self.scrub_frame(min(target, self.history.last))
         for _ in range(target - self.frame):
-            self._compute_frame()
+            if not self._compute_frame():
+                break
 
     def scrub(self, time: float) -> None:
         """Pause and show the moment nearest to `time` [s] of the history."""
@@ -192,16 +195,28 @@ class Player:
 
     # ---- frames
 
-    def _compute_frame(self) -> None:
-        """One frame: every lane moves on by the same model time."""
+    def _compute_frame(self) -> bool:
+        """One frame: every lane moves on by the same model time. False where a method blew up: paused before it."""
         self._branch()
+        try:
+            self._advance()
+        except BlownUpError as error:
+            self.trouble = str(error)
+            self.pause()
+            self._show(self.history.moment(self.frame), self.frame)
+            self._loaded = True
+            return False
+        self.trouble = ""
+        self.frame += 1
+        self.history.append(self.moment())
+        self.recording.note_frame(self.moment())
+        return True
+
+    def _advance(self) -> None:
         held, bead, pointer = self.hand
         for index, lane in enumerate(self.lanes):
             holding = int(bead) if index == int(held) else -1
             lane.advance(self.setup.frame_time, holding, pointer, quickness(self.setup.slow))
-        self.frame += 1
-        self.history.append(self.moment())
-        self.recording.note_frame(self.moment())
 
     def moment(self) -> Moment:
         """The moment shown, all of it; its arrays are those of the lanes."""

@@ -34,8 +34,8 @@ class Replay:
 
     @property
     def done(self) -> bool:
-        """Whether every recorded frame has been run."""
-        return self.session.history.last >= self.recording.last
+        """Whether every recorded frame has been run, or none can be run any more."""
+        return self.session.history.last >= self.recording.last or bool(self.session.trouble)
 
     @property
     def sentence(self) -> str:
@@ -55,18 +55,28 @@ class Replay:
             self.step()
         return self.diverged is None
 
-    def step(self) -> None:
-        """One frame, if there is one left."""
+    def step(self) -> bool:
+        """One frame, if there is one left; False where there is none."""
         if self.done:
-            return
-        session = self.session
+            return False
+        session, frame = self.session, self.session.frame + 1
         session.step_frames(1)
-        frame = session.frame
-        agrees = hash_of(session.moment()) == self.recording.hashes[frame - self.recording.frame - 1]
-        if not agrees and self.diverged is None:
-            self.diverged = frame
+        agrees = not session.trouble and hash_of(session.moment()) == self._hash(frame)
+        if not agrees:
+            self._differs(frame)
         self._give_inputs()
+        return not self.done
+
+    def _hash(self, frame: int) -> int:
+        return self.recording.hashes[frame - self.recording.frame - 1]
+
+    def _differs(self, frame: int) -> None:
+        if self.diverged is None:
+            self.diverged = frame
 
     def _give_inputs(self) -> None:
         for item in self._inputs.get(self.session.frame, ()):
-            self.session.apply(item)
+            try:
+                self.session.apply(item)
+            except ValueError:  # it was possible when it was recorded
+                self._differs(self.session.frame)

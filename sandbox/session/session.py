@@ -9,7 +9,7 @@ from time import perf_counter
 from physics.trajectory import Trajectory
 from sandbox.atomic import output_file
 from sandbox.errors import UserError
-from sandbox.session.health import LEVELS, WINDOW, Health, health_of
+from sandbox.session.health import BAD, LEVELS, WINDOW, Health, health_of
 from sandbox.session.history import MEMORY
 from sandbox.session.keep import scene_of, trajectory_of
 from sandbox.session.marks import Impact, MarkBook, Marks
@@ -70,6 +70,8 @@ class Session(Player):
 
     def verdict(self) -> tuple[str, str]:
         """The worst level of any lane, 'good', 'fair' or 'bad', and its sentence."""
+        if self.trouble:
+            return BAD, self.trouble
         found = [self.health(lane) for lane in range(len(self.lanes))]
         worst = max(found, key=lambda health: LEVELS.index(health.level))
         return worst.level, worst.sentence
