@@ -1,0 +1,126 @@
+"""The window: time to the first frame, with and without cached kernels, and how long the frames of a busy page take.
+
+python -m benchmarks.window [--json] [--seconds 10]
+
+A frame is everything: events, physics, drawing, showing. 1280x720, a row of 50 beads that is being hit, plots on. On
+the display there is, else without one (SDL's dummy driver, whose showing is free).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+FRAME = 1.0 / 60.0
+STARTS = 3
+SCENE = """
+title = "One on forty-nine"
+[[lanes]]
+beads = [1, 49]
+contact = {law = "power", f0 = 1.0, alpha = "1/10"}
+velocity = 1.0
+approach = 0.5
+[view]
+slow = 2.0
+"""
+FIRST_FRAME = """
+from sandbox.window.app import App
+app = App()
+app.frame(1 / 60)
+print("shown", flush=True)
+"""
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--seconds", type=float, default=10.0, help="of frames to take")
+    args = parser.parse_args()
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("win32", "darwin")):
+        os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+    os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
+    found = {"start": starts(), "frame": frames(args.seconds)}
+    print(json.dumps(found, indent=2) if args.json else _told(found))
+
+
+def starts() -> dict[str, float]:
+    """Seconds from the start of the process to the first frame: kernels cached, and neither kernels nor thumbnails."""
+    cached = min(_start(dict(os.environ)) for _ in range(STARTS))
+    with tempfile.TemporaryDirectory() as folder:
+        empty = {**os.environ, "NUMBA_CACHE_DIR": folder, "SOFTCRADLE_CACHE": f"{folder}/thumbnails"}
+        return {"cached_seconds": cached, "uncached_seconds": _start(empty)}
+
+
+def _start(environment: dict[str, str]) -> float:
+    began = perf_counter()
+    with subprocess.Popen([sys.executable, "-c", FIRST_FRAME], stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        seconds = perf_counter() - began
+        process.kill()
+    return seconds
+
+
+def frames(seconds: float) -> dict[str, Any]:
+    """Milliseconds of the frames in `seconds` of playing; restarted whenever the collision is over."""
+    from sandbox.window.app import App
+    from sandbox.window.play import Play
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "fifty.toml"
+        path.write_text(SCENE)
+        app = App(start=str(path))
+    app.warmer.ready.wait()
+    app.frame(FRAME)
+    page = app.page
+    assert isinstance(page, Play)
+    page.session.play()
+    took, physics = [], []
+    for k in range(round(seconds / FRAME)):
+        if k % 600 == 599:
+            app.act("restart")
+        began = perf_counter()
+        app.frame(FRAME)
+        took.append(1e3 * (perf_counter() - began))
+        physics.append(2.0 * page.session.pace.milliseconds)  # two frames of the model to a picture
+    import pygame
+
+    driver = pygame.display.get_driver()
+    app.close()
+    return {
+        "driver": driver,
+        "frames": len(took),
+        "median_ms": float(np.median(took)),
+        "p95_ms": float(np.percentile(took, 95)),
+        "p99_ms": float(np.percentile(took, 99)),
+        "worst_ms": max(took),
+        "late": int(np.sum(np.array(took) > 1e3 * FRAME)),
+        "physics_median_ms": float(np.median(physics)),
+    }
+
+
+def _told(found: dict[str, Any]) -> str:
+    start, frame = found["start"], found["frame"]
+    return "\n".join(
+        (
+            f"first frame: {start['cached_seconds']:.2f} s with cached kernels, {start['uncached_seconds']:.2f} s without",
+            f"frames at 1280x720, 50 beads, plots on, driver {frame['driver']} ({frame['frames']} of them):",
+            f"  median {frame['median_ms']:.1f} ms, 95th percentile {frame['p95_ms']:.1f} ms, "
+            f"99th percentile {frame['p99_ms']:.1f} ms, worst {frame['worst_ms']:.1f} ms",
+            f"  {frame['late']} later than {1e3 * FRAME:.1f} ms; physics {frame['physics_median_ms']:.2f} ms a frame",
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()
