@@ -99,6 +99,24 @@ def test_a_moving_wall_is_booked():
     assert health.momentum_error is None
 
 
+def test_walls_that_move_differently_leave_no_energy_to_compare():
+    session = Session(scenes.load("hertz-cradle"))
+    session.apply(SetMass(0, 0, math.inf))
+    session.apply(SetMass(0, 4, math.inf))
+    session.step_frames(600)
+    assert session.health(0).energy_error is None
+
+
+def test_a_bead_shut_in_between_two_walls_stays():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetVelocity(0, None, 0.0))
+    for bead in (1, 3):
+        session.apply(SetMass(0, bead, math.inf))
+    session.step_frames(10)
+    assert session.lanes[0].velocity.tolist() == [0.0] * 5
+    assert session.trouble == ""
+
+
 def test_placing_shoves_neighbours_and_lets_none_through():
     session = Session(scenes.load("one-on-four"))
     session.drag(0, 0, 1.5)

@@ -1,5 +1,7 @@
 """The history of a session: bounded, and every array of it what the frames say one by one."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -118,6 +120,24 @@ def test_marks_of_a_dropped_branch_are_gone():
     session.apply(SetVelocity(0, None, 0.0))
     session.step_frames(10)
     assert len(session.marks().time) == 0
+
+
+def test_marks_asked_for_all_along_are_those_found_at_the_end():
+    session = Session(scenes.load("hertz-cradle"), memory=700_000)
+    for edit in (SetMass(0, 0, math.inf), SetMass(0, 4, math.inf), SetSlow(1.0), SetVelocity(0, None, 0.0)):
+        session.apply(edit)
+    session.apply(SetVelocity(0, 2, 1.0))
+    for k in range(25):
+        session.step_frames(190)
+        session.marks()
+        if k % 6 == 5:
+            session.scrub_frame(session.history.last - 300)
+            session.apply(SetVelocity(0, 1 + k % 3, 1.5))
+    assert session.history.first > 0
+    fresh = MarkBook(session.history).all()
+    assert len(fresh.time) > 20
+    for known, found in zip(session.marks().columns(), fresh.columns(), strict=True):
+        assert (known == found).all()
 
 
 def test_memory_is_bounded_and_the_oldest_is_dropped():

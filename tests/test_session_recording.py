@@ -91,6 +91,14 @@ def test_another_input_diverges_at_the_frame_after_it(tmp_path):
     assert replay.diverged == 251
 
 
+def test_of_a_quick_pointer_only_the_last_place_in_a_frame_is_kept():
+    session = Session(scenes.load("one-on-four"))
+    session.play()
+    for k in range(1000):
+        session.drag(0, 0, 0.001 * k)
+    assert [item for _, item in session.recording.inputs] == [Drag(0, 0, 0.999)]
+
+
 @pytest.mark.parametrize("seed", [3, 4, 5, 6])
 def test_whatever_was_done_comes_again(tmp_path, seed):
     names = scenes.names()

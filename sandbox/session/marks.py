@@ -58,12 +58,17 @@ class MarkBook:
     def __init__(self, history: History) -> None:
         self.history = history
         self._full: dict[int, tuple[Block, int, Marks]] = {}
+        self._known: tuple[tuple[tuple[int, int], ...] | None, Marks] = (None, _joined([]))
 
     def all(self) -> Marks:
         """Every mark in the history."""
-        found = [self._of(block, before) for before, block in self._pairs()]
-        self._full = {key: item for key, item in self._full.items() if item[0] in self.history.blocks}
-        return _joined(found)
+        *full, (before, newest) = self._pairs()
+        key = tuple((id(block), block.revision) for _, block in full)
+        if key != self._known[0]:
+            kept = {id(block) for _, block in full}
+            self._full = {place: item for place, item in self._full.items() if place in kept}
+            self._known = key, _joined([self._of(block, earlier) for earlier, block in full])
+        return _joined([self._known[1], self._of(newest, before)])
 
     def since(self, frame: int) -> Marks:
         """Marks later than `frame`, which is before the newest."""
@@ -147,6 +152,9 @@ def _openings(rows: _Rows, row: Rows, contact: Rows) -> Marks:
 
 def _joined(parts: list[Marks]) -> Marks:
     """All `parts` in order of time."""
+    if not parts:
+        none, whole = np.empty(0), np.empty(0, dtype=np.int64)
+        return Marks(none, whole, whole, whole, none.astype(bool), none)
     columns = [np.concatenate(column) for column in zip(*(part.columns() for part in parts), strict=True)]
     order = np.argsort(columns[0], kind="stable")
     return Marks(*(column[order] for column in columns))

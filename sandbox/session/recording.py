@@ -53,7 +53,11 @@ class Recording:
         return len(self.inputs) > MOST_INPUTS or len(self.hashes) > MOST_FRAMES
 
     def note(self, item: inputs.Input) -> None:
-        """Note an input given now."""
+        """Note an input given now; of many places of the hand in one frame only the last is felt."""
+        if isinstance(item, inputs.Drag) and self.inputs:
+            frame, before = self.inputs[-1]
+            if frame == self.last and isinstance(before, inputs.Drag):
+                self.inputs.pop()
         self.inputs.append((self.last, item))
 
     def note_frame(self, moment: Moment) -> None:
