@@ -83,7 +83,7 @@ class Reduction:
 
     @cached_property
     def share(self) -> Array:
-        """(n,) force of each contact as a part of its carrier's, Eq. (4): the masses beyond it over those beyond that."""
+        """(n,) force of each contact as a part of its carrier's, Eq. (4): masses beyond it over those beyond that."""
         mass = np.array(self.chain.mass)
         share = np.ones(self.chain.contacts)
         first, last = self.modes[0], self.modes[-1]
@@ -170,7 +170,7 @@ class ModeCoupling:
         return difference
 
     def returns(self, contact: int) -> float:
-        """Time [s] at which the mode of that `contact` of the whole chain first returns to zero; inf if it never does."""
+        """Time [s] at which the mode of that `contact` of the whole chain first returns to zero; inf if never."""
         intervals = self.reduced.contact_intervals[self.reduction.modes.index(contact)]
         return intervals[0][1] if intervals else float("inf")
 

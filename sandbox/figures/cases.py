@@ -14,7 +14,8 @@ from physics.modes import ModeCoupling, mode_coupling
 Array = NDArray[np.float64]
 Table = dict[str, Array]  # column name: values; what a figure draws and what its csv file holds
 
-METHOD = "scipy"
+METHOD = "radau"
+FIXED_STEP = "conserving"  # where a step is given: a motion that goes on and on, whose energy must not leak
 TOLERANCE = 1e-8
 SAMPLES = 1001
 
@@ -38,9 +39,10 @@ def solved(
     duration: float | None = None,
     samples: int | tuple[float, ...] = SAMPLES,
     tolerance: float = TOLERANCE,
+    step: float | None = None,
 ) -> Trajectory:
-    """The full motion, Eq. (3)."""
-    return simulate(chain, velocity, duration, method=METHOD, samples=_times(samples), tolerance=tolerance)
+    """The full motion, Eq. (3); with a `step` by the conserving method."""
+    return simulate(chain, velocity, duration, _method(step), step, _times(samples), tolerance)
 
 
 @lru_cache(maxsize=512)
@@ -50,9 +52,14 @@ def coupled(
     duration: float | None = None,
     samples: int | tuple[float, ...] = SAMPLES,
     tolerance: float = TOLERANCE,
+    step: float | None = None,
 ) -> ModeCoupling:
     """The mode-coupling model, Eqs. (7), (A2), (A3)."""
-    return mode_coupling(chain, velocity, duration, method=METHOD, samples=_times(samples), tolerance=tolerance)
+    return mode_coupling(chain, velocity, duration, _method(step), step, _times(samples), tolerance)
+
+
+def _method(step: float | None) -> str:
+    return METHOD if step is None else FIXED_STEP
 
 
 def _times(samples: int | tuple[float, ...]) -> int | Array:

@@ -23,14 +23,15 @@ MIDDLE = np.concatenate(
 def discrepancy(n: int, alpha: float, fractions: Array = MIDDLE, tolerance: float = TOLERANCE) -> tuple[Array, Array]:
     """(T,) times and (T, n-2) values of ``[(n-1)/(n-i)]**(1/alpha) * d_i / d_1 - 1``, i = 2 ... n-1.
 
-    At `fractions` (T,) of the time for which the striker is in contact.
+    At `fractions` (T,) of the time for which the striker is in contact; nan once the first inner contact is open.
     """
     chain = soft(n, alpha)
     times = fractions * contact_time(chain, start(chain))
     found = solved(chain, start(chain), None, tuple(times.tolist()), tolerance)
     depth = np.arange(2, n)
     scaled = ((n - 1) / (n - depth)) ** (1.0 / alpha) * found.overlap[:, 2:]
-    return times, scaled / found.overlap[:, 1:2] - 1.0
+    first = found.overlap[:, 1:2]
+    return times, np.where(first > 0.0, scaled, np.nan) / first - 1.0
 
 
 def panels() -> Table:
@@ -67,7 +68,7 @@ def _panel(axes: Axes, table: Table, n: int) -> None:
             curve["fraction of contact"], curve["discrepancy"], color=COLOURS[i],
             linewidth=(2.6, 1.7, 0.8)[i - 2], label=rf"$\Delta_{{{i},{i + 1}}}$",
         )  # fmt: skip
-    largest = np.abs(table["discrepancy"][np.abs(table["fraction of contact"] - 0.5) < 0.47]).max()
+    largest = np.nanmax(np.abs(table["discrepancy"][np.abs(table["fraction of contact"] - 0.5) < 0.46]))
     axes.set(xlim=(0.0, 1.0), ylim=(-1.6 * largest, 1.6 * largest))
 
 

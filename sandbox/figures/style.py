@@ -1,4 +1,4 @@
-"""The look of the figures: one column of a journal, a serif that matches the formulas, colours that all eyes tell apart."""
+"""The look of the figures: a journal's columns, a serif that matches the formulas, colours that all eyes tell apart."""
 
 from __future__ import annotations
 
@@ -70,6 +70,11 @@ def page(
 def label(axes: Axes, text: str, x: float = 0.03, y: float = 0.95, **options: Any) -> None:
     """`text` inside the axes at a fraction of them, upper left unless said otherwise."""
     axes.text(x, y, text, transform=axes.transAxes, va="top", **options)
+
+
+def title(axes: Axes, text: str) -> None:
+    """Name a panel above its upper left corner."""
+    axes.set_title(text, loc="left", pad=4.0)
 
 
 def zero(axes: Axes) -> None:

@@ -1,0 +1,35 @@
+"""A figure as files: a picture to look at, one to print, and its numbers."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from sandbox.atomic import output_file
+from sandbox.figures import Figure
+from sandbox.figures.cases import Table
+from sandbox.figures.style import styled
+
+SUFFIXES = (".png", ".pdf", ".csv")
+
+
+def write(figure: Figure, folder: Path) -> list[Path]:
+    """Compute `figure` and write it into `folder` as .png, .pdf and .csv, whole or not at all (UserError)."""
+    table = figure.compute()
+    paths = [folder / f"figure-{figure.name}{suffix}" for suffix in SUFFIXES]
+    with styled():
+        picture = figure.picture(table)
+        for path in paths[:2]:
+            with output_file(path) as temporary:
+                picture.savefig(temporary, metadata={"CreationDate": None} if path.suffix == ".pdf" else None)
+    with output_file(paths[2]) as temporary:
+        write_csv(table, temporary)
+    return paths
+
+
+def write_csv(table: Table, path: Path) -> None:
+    """Write `table` to `path`: a header of column names, then a row a sample; numbers read back equal."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(table)
+        writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
