@@ -51,6 +51,23 @@ def test_the_chosen_method_balances_the_books_whatever_is_edited(seed):
         assert health.momentum_error is None or health.momentum_error < 1e-9
 
 
+@given(seed=st.integers(0, 2**32), name=st.sampled_from(NAMES))
+@settings(max_examples=40)
+def test_the_scene_of_any_session_reads_back_as_its_start(seed, name):
+    session = Session(scenes.load(name))
+    monkey = Monkey(session, seed)
+    for _ in range(15):
+        monkey.act()
+    again = Session(scenes.parse(session.to_scene().to_toml()))
+    session.restart()
+    for one, other in zip(session.lanes, again.lanes, strict=True):
+        assert one.chain.mass == other.chain.mass
+        assert one.chain.contact == other.chain.contact
+        assert one.chain.drive == other.chain.drive
+        assert np.allclose(one.state.overlap, other.state.overlap, rtol=1e-12, atol=1e-12)
+        assert np.allclose(one.velocity, other.velocity, rtol=1e-12, atol=1e-12)
+
+
 def test_the_same_seed_does_the_same(tmp_path):
     def run():
         session = Session(scenes.load("one-on-four"), budget=np.inf)
