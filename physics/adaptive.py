@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,7 @@ from physics.time_scale import speed_scale
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 2_000_000
+MOST_STEPS = 200_000
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000
 
 
@@ -24,6 +26,8 @@ def run(problem: Problem) -> Record:
         found = _pass(problem, end, np.zeros(0), True)
         times = problem.sample_times(found.end.time)
         end = max(found.end.time, float(times[-1]))
+        if found.warnings:
+            return dataclasses.replace(_pass(problem, end, times, False), warnings=found.warnings)
     return _pass(problem, end, problem.sample_times(end), False)
 
 
@@ -34,7 +38,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
     rows = empty_samples(times.size, chain.contacts)
     status, time = kernel.integrate(
         state.time, end, stop, MOST_STEPS, speed_scale(chain, state.velocity(chain)), problem.tolerance, *chain.parameters,
-        _external(chain, state), chain.anchor, state.overlap, state.rate, state.anchor, state.force,
+        np.zeros(0) if state.push is None else state.push, _external(chain, state), chain.anchor, state.overlap, state.rate, state.anchor, state.force,
         *_marks(chain.contacts), *switches, times, *rows, *_scratch(chain.contacts), counter,
     )  # fmt: skip
     state.time = time
@@ -61,4 +65,4 @@ def _marks(contacts: int) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
 
 def _scratch(contacts: int) -> tuple[Array, ...]:
     stages = tuple(np.zeros((3, contacts)) for _ in range(6))
-    return (*stages, np.zeros((contacts, 9)), np.zeros((16, contacts)), np.zeros((16, max(contacts, 2))))
+    return (*stages, np.zeros((contacts, 9)), np.zeros((16, contacts)), np.zeros((16, contacts + 1)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from physics.kernels.conserving import conserving_step
 from physics.kernels.jit import jit
 from physics.kernels.march import DONE, FAILED, OUT_OF_STEPS, SEPARATED
 from physics.kernels.modes import CLOSES, NOTHING, OPENS, YIELDS, continued, find_event, miss_of, set_modes
@@ -24,9 +25,9 @@ from physics.kernels.radau import (
     stage_rates,
 )
 
-# entries of the counter array: evaluations of all contacts, rejected steps, steps, sample rows, switches, events
-EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, EVENT = 0, 1, 2, 3, 4, 5
-COUNTERS = 6
+# entries of the counter array: evaluations of all contacts, rejected steps, steps, sample rows, switches, events, rescues
+EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, EVENT, RESCUE = 0, 1, 2, 3, 4, 5, 6
+COUNTERS = 7
 
 GROW, SHRINK, SAFETY = 8.0, 0.1, 0.9
 TOLERANCE_PART = 0.25  # of the tolerance: to this each step is held
@@ -34,6 +35,7 @@ RATIO = 3.0  # error taken = fine error times this times fine over coarse
 NEWTON_PART = 1e-2  # of the tolerance: to this the stages are solved
 SLOW_PART = 1e-2  # of the tolerance: a contact with preload that arrives at d = 0 slower than this rests there
 LANDING_TRIES = 12
+MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
 LANDED = 1e-13  # of the step: an event is hit
 
 
@@ -100,7 +102,7 @@ def resting(law, mode, overlap, rate, force, negligible):
 
 @jit
 def integrate(
-    start, end, stop, most_steps, scale, tolerance, law, inverse_mass, external, anchor_bead,
+    start, end, stop, most_steps, scale, tolerance, law, inverse_mass, push, external, anchor_bead,
     overlap, rate, anchor, force, mode, held, switch_contact, switch_time,
     sample_time, sample_overlap, sample_rate, sample_anchor, sample_force,
     stage_overlap, stage_rate, stage_force, along, across, z, block, past, work, counter,
@@ -166,6 +168,7 @@ def integrate(
         if not math.isfinite(h):
             h = first_step(law, inverse_mass, external, mode, overlap, rate, force, scale)
         landing, kind, tries, error, ceiling = -1, NOTHING, 0, 0.0, h
+        failures = 0
         while True:
             if counter[STEP] + counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
@@ -175,8 +178,9 @@ def integrate(
             ):  # fmt: skip
                 counter[REJECTED] += 1
                 landing, h = -1, 0.25 * h
-                if time + h <= time:
-                    return FAILED, time
+                failures += 1
+                if failures > MOST_FAILURES or time + h <= time:
+                    break
                 continue
             found, its_kind, part = find_event(law, mode, landing, overlap, force, stage_overlap, stage_force, 1.0)
             if landing >= 0:
@@ -204,6 +208,23 @@ def integrate(
                 landing = -1
                 continue
             break
+        if failures > MOST_FAILURES or time + h <= time:  # Newton does not settle: one small step of `conserving`
+            h = min(max(h, 1e-15 * abs(time)), end - time)
+            counter[EVALUATION] += abs(
+                conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work)
+            )
+            counter[STEP] += 1
+            counter[RESCUE] += 1
+            time = time + h if h < end - time else end
+            for i in range(n):
+                held[i] = 0
+                z[0, i] = mode[i]
+            set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)
+            for i in range(n):
+                if (z[0, i] != OPEN) != (mode[i] != OPEN):
+                    book(i, time, switch_contact, switch_time, counter)
+            h_next, last_step, past_step = 4.0 * h, 0.0, 0.0
+            continue
         grow = min(GROW, SAFETY * (wanted / max(error, 1e-300)) ** 0.2)
         if h < last_step and landing < 0:  # steps that shrink go on shrinking (Gustafsson)
             grow = min(grow, SAFETY * (h / last_step) * (wanted * last_error / max(error * error, 1e-300)) ** 0.2)

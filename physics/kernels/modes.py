@@ -24,10 +24,11 @@ def set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, hel
     """Modes and forces from overlaps and rates; contacts with preload at rest at d = 0 (rates below `slow`) share a
     complementarity problem, w' = -L f + e with 0 <= f <= preload: the resolvent solver with rigid contacts.
 
-    `held` (n,) nonzero keeps the mode of a contact that has just switched. `work` (13, n).
+    `held` (n,) nonzero keeps the mode of a contact that has just switched. `work` (15, n+1).
     """
     n = mode.size
-    rows, target, start, moved, load, diagonal, coupling = work[0:6], work[6], work[7], work[8], work[9], work[10], work[11]
+    rows, target, start, moved = work[0:6], work[6], work[7, :n], work[8]
+    load, diagonal, coupling = work[9, :n], work[10], work[11]
     resting = 0
     for i in range(n):
         load[i] = 0.0
@@ -47,7 +48,7 @@ def set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, hel
     if resting == 0:
         return
     rigid = work[12:15].T
-    coupling_last = 0.0
+    coupling[n] = 0.0
     for i in range(n):
         start[i] = 0.0
         rigid[i, 0], rigid[i, 1], rigid[i, 2] = law[i, 0], 0.0, 1.0

@@ -40,7 +40,6 @@ _COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES
 COARSE = (TABLEAU[2] - _COARSE) @ INVERSE  # its error, of one order less than the embedded one
 
 MOST_NEWTON = 15
-LOOSE = 10.0  # times the precision: what is accepted where Newton does not settle
 FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps no force counts, yet the next begins from it
 FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
@@ -81,6 +80,14 @@ def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap,
         reach = power(excess / stiffness, 1.0 / exponent)
         if reach < 0.1 * weight * excess:
             return reach, preload + excess
+    if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
+        soft = 1.0 + weight * exponent * (force - preload) / overlap
+        if soft < 2.0 and preload > 0.0:  # far to the right of the solution: go to the bound that d + weight f = const sets on it
+            rest = overlap + weight * (force - preload) + soft * by_overlap
+            if rest > 0.0:
+                reach = power(rest / (weight * stiffness), 1.0 / exponent)
+                if reach < overlap:
+                    return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
     if exponent < 1.0 and (overlap == 0.0 or towards_zero):
         excess = force + by_force - preload
@@ -285,7 +292,7 @@ def solve_stages(
         ):
             return iteration + 1
         before = size
-    return MOST_NEWTON if before <= LOOSE * precision else 0  # contacts too weak to count may go on flipping
+    return 0
 
 
 @jit
