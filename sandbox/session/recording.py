@@ -22,7 +22,7 @@ from sandbox.session.moments import moment_from, moment_table
 from scenes import Scene, SceneError, parse
 
 FORMAT = 1
-MOST_INPUTS, MOST_FRAMES = 100_000, 1_000_000  # what a recording holds before it begins anew, 16 and 8 megabytes
+MOST_INPUTS, MOST_FRAMES = 50_000, 1_000_000  # what a recording holds before it begins anew: 8 megabytes each
 
 Path = str | PathLike[str]
 
