@@ -85,8 +85,8 @@ class Loupes:
     def _caps(self, glass: pygame.Surface, colours: tuple[Colour, Colour], depth: float) -> None:
         middle, radius = self.side / 2, CURVE * self.radius
         y = middle - math.ceil(radius)
-        put(glass, _cap(radius, colours[0]), middle + depth / 2 - 2 * radius, y)
-        put(glass, _cap(radius, colours[1]), middle - depth / 2, y)
+        put(glass, cap(radius, colours[0]), middle + depth / 2 - 2 * radius, y)
+        put(glass, cap(radius, colours[1]), middle - depth / 2, y)
 
     def _gear(self, glass: pygame.Surface, colours: tuple[Colour, Colour], depth: float) -> None:
         """Cylinder head, piston and the face it meets; the dashes show where the piston's face rests."""
@@ -115,7 +115,8 @@ def _magnify(room: float, deepest: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def _cap(radius: float, colour: Colour) -> Sprites:
+def cap(radius: float, colour: Colour) -> Sprites:
+    """One side of a contact: a piece of a large disc."""
     side = math.ceil(2 * radius)
 
     def paint(fine: pygame.Surface, shift: float) -> None:

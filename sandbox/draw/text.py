@@ -20,7 +20,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
     return pygame.font.Font(str(resource(_FONTS[bold])), max(4, size))
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)
 def rendered(text: str, size: int, colour: Colour = INK, bold: bool = False) -> pygame.Surface:
     """`text` on a transparent surface of its own; not to be drawn on."""
     return font(size, bold).render(text, True, colour)

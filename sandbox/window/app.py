@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -72,11 +73,16 @@ class App:
         self.prompt = None
         self.page = page
         self.rebuild()
+        gc.collect()  # the old page and its history go in circles: they would stay for minutes
 
     def rebuild(self) -> None:
         """Make all widgets anew: the page, the size or the scale has changed."""
-        self.unit = self._unit()
-        self.manager = theme.manager(self.size, self.unit)
+        before, self.unit = self.unit, self._unit()
+        if self.unit == before:  # a new manager would have to draw the shapes of all widgets again
+            self.manager.set_window_resolution(self.size)
+            self.manager.clear_and_reset()
+        else:
+            self.manager = theme.manager(self.size, self.unit)
         self.page.build()
         if self.prompt is not None and self.prompt.open:
             self.prompt.build()

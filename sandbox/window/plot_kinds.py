@@ -41,18 +41,22 @@ class StackPlot(Plot):
         height = self.area.height
         pixels = pygame.surfarray.array3d(self.sheet.ground)[:1].repeat(last - first, axis=0)
         table = np.array([*self.colours, PAPER], dtype=np.uint8)
+        middles = np.arange(height) + 0.5
         for time, values in self.curves(first, last):
-            columns = np.floor(time / self.span.column).astype(int) - first
             tops = self.y(np.cumsum(values, axis=1))
-            held = np.flatnonzero((columns >= 0) & (columns < last - first))
-            filled = np.unique(columns[held], return_index=True)
-            ends = [*filled[0][1:], last - first]
-            for column, row, end in zip(filled[0], held[filled[1]], ends, strict=True):
-                until = column + 1 if end == last - first and row != len(time) - 1 else end
-                layer = np.searchsorted(-tops[row], -np.arange(height, dtype=float) - 0.5, side="left")
+            for column, row in _latest(time / self.span.column, first, last):
+                layer = np.searchsorted(-tops[row], -middles)  # the first pile that reaches as high as the pixel
                 inside = layer < values.shape[1]
-                pixels[column:until, inside] = table[layer[inside]]
+                pixels[column - first, inside] = table[layer[inside]]
         return pygame.surfarray.make_surface(pixels)
+
+
+def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:
+    """(column, row) for the columns `first` to `last`: the newest row in it, or before; `places` (T,) in columns."""
+    columns = np.arange(first, last)
+    rows = np.searchsorted(places, columns + 1) - 1
+    held = (rows >= 0) & (columns <= places[-1])
+    return list(zip(columns[held].tolist(), rows[held].tolist(), strict=True))
 
 
 class StripPlot(Plot):

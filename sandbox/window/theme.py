@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 import pygame_gui
+from pygame_gui.core.utility import set_default_manager
 
 from sandbox.resources import resource
 
@@ -28,6 +29,7 @@ def _theme() -> dict[str, Any]:
 def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
     """An empty manager of widgets for a window of `size`; `unit` is how many pixels a pixel of the design is."""
     made = pygame_gui.UIManager(size, enable_live_theme_updates=False)
+    set_default_manager(made)  # pygame_gui would keep the first one, with all its widgets, for ever
     paths = {"regular": resource("Inter-Regular.otf"), "bold": resource("Inter-SemiBold.otf")}
     made.add_font_paths("inter", str(paths["regular"]), str(paths["bold"]), str(paths["regular"]), str(paths["bold"]))
     made.get_theme().load_theme({name: _scaled(block, unit) for name, block in _theme().items()})
