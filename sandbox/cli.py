@@ -29,6 +29,8 @@ COMMANDS: tuple[Command, ...] = (
     Command("check", "sandbox.commands.check", "say whether scene files are right, and what is wrong with them"),
     Command("run", "sandbox.commands.run", "compute a scene: table of results, .npz or .csv"),
     Command("render", "sandbox.commands.render", "make a film or pictures of a scene"),
+    Command("figures", "sandbox.commands.figures", "draw the paper's figures, and write their numbers"),
+    Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
 )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from physics import Chain, Trajectory, one_on, power_law, simulate
 from physics.modes import ModeCoupling, mode_coupling
@@ -76,9 +76,12 @@ def moments(*parts: Sequence[float] | Array) -> tuple[float, ...]:
     return tuple(np.unique(np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])).tolist())
 
 
-def long_table(columns: Sequence[str], rows: Sequence[Sequence[float] | Array]) -> Table:
+def long_table(columns: Sequence[str], rows: Sequence[Sequence[ArrayLike]]) -> Table:
     """A table from blocks: each of `rows` is one block, a value or an array a column, broadcast together."""
-    blocks = [np.column_stack(np.broadcast_arrays(*[np.atleast_1d(value) for value in row])) for row in rows]
+    blocks = [
+        np.column_stack(np.broadcast_arrays(*[np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in row]))
+        for row in rows
+    ]
     stacked = np.concatenate(blocks)
     return {name: stacked[:, k] for k, name in enumerate(columns)}
 

@@ -23,7 +23,7 @@ def positions() -> Table:
     found = solved(chain, velocity, AFTER)
     ahead = np.linspace(-BEFORE, 0.0, 100, endpoint=False)
     time = np.concatenate((ahead, found.time))
-    moved = np.concatenate((ahead[:, None] * np.array(velocity), found.position)) + np.arange(N + 1)
+    moved = np.concatenate((ahead[:, None] * np.array(velocity), found.position)) + np.arange(N + 1.0)
     return {"t": time, **{f"x{i}": moved[:, i] for i in range(N + 1)}}
 
 

@@ -108,7 +108,7 @@ def draw_history(table: Table) -> Figure:
     for i, colour in zip(range(SHOWN_SIZE, 0, -1), (style.PURPLE, style.GREEN, "black", style.ORANGE), strict=True):
         lower.plot(table["t"], table[f"v{i} - V"], color=colour, linewidth=0.9)
         if i < 3:
-            top = int(np.argmax(np.abs(table[f"v{i} - V"][:PER_PERIOD])))
+            top = int(np.argmax(table[f"v{i} - V"][:PER_PERIOD]))
             text = "$v_1$" if i == 1 else "$v_{2,3,4}$"
             lower.annotate(
                 text, (table["t"][top], table[f"v{i} - V"][top]), xytext=(0, 5), textcoords="offset points",

@@ -12,7 +12,7 @@ from sandbox.figures.cases import Array, Table, long_table, pick, soft, solved, 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SOFT = tuple(np.geomspace(1.0 / 30.0, 1.0 / 3.0, 91).tolist())  # exponents of the spread
+SOFT = tuple(np.geomspace(1.0 / 24.0, 1.0 / 3.0, 91).tolist())  # exponents of the spread
 SPREAD_SIZES = (2, 3, 4)
 FINE = 1e-11  # tolerance: spreads are smaller than the error of a usual run
 EXPONENTS = tuple(np.geomspace(1.0 / 30.0, 2.0, 81).tolist())  # of one on four, from rigid-like to cradle
@@ -88,7 +88,7 @@ def draw_losses(table: Table) -> Figure:
     axes.annotate(r"$\alpha=1/n$", (0.25, 0.93), xytext=(-3, 0), textcoords="offset points", ha="right", fontsize=8)
     axes.axvline(1.0, color=style.GREY, linewidth=0.7, linestyle=":")
     axes.set(xlabel=r"$\alpha$", ylabel="velocity after the collision", xlim=(1.0 / 30.0, 2.0))
-    axes.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.2))
+    axes.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.13), columnspacing=0.8, handlelength=1.2)
     style.title(axes, "(a)  $n=4$")
     for n, colour in zip(LONG_SIZES, (style.BLUE, style.ORANGE, style.RED), strict=True):
         some = pick(table, n=n, alpha=LONG_ALPHA)

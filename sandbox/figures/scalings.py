@@ -32,7 +32,7 @@ def scan() -> Table:
 
 def limit_of_psi(n: int, alpha: float) -> float:
     """``((n-1)/n)**(1/alpha)``: what f12 = (n-1)/n f01 and f01 -> 1 make of max psi; exp(-1/(n alpha)) for large n."""
-    return ((n - 1) / n) ** (1.0 / alpha)
+    return float(((n - 1) / n) ** (1.0 / alpha))
 
 
 def limit_of_response(n: int, alpha: float) -> float:

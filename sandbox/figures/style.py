@@ -51,7 +51,7 @@ def styled() -> Iterator[None]:
     """Draw inside with these settings and without a window."""
     import matplotlib as mpl
 
-    with mpl.rc_context(SETTINGS):
+    with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
         yield
 
 

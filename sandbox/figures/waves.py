@@ -22,7 +22,7 @@ STRIKE = power_law(1.0, 1.0 / 30.0)  # the striker's contact, the same in all th
 SPRING, SPRING_PRESTRESS = hooke(400.0), 20.0
 SOFT, SOFT_PRESTRESS = power_law(1.0, ALPHA), 0.75
 STEP, SAMPLES = 1e-4, 1000
-UNTIL = {"soft": 3.0, "springs": 3.0, "prestressed": 12.0}
+UNTIL = {"soft": 3.0, "springs": 3.0, "prestressed": 24.0}
 PULSE_BEADS, PULSE_UNTIL = 30, 40.0
 
 
@@ -51,7 +51,7 @@ def _forces(chain: Chain, state: State) -> np.ndarray:
 
 def roads() -> Table:
     """Evanescent cluster, stiff springs, and a soft cluster under prestress, side by side."""
-    found = {}
+    found: Table = {}
     for name, inner, force in (
         ("soft", SOFT, 0.0), ("springs", SPRING, SPRING_PRESTRESS), ("prestressed", SOFT, SOFT_PRESTRESS),
     ):  # fmt: skip
