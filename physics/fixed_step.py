@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,11 @@ from physics.chain import Chain
 from physics.kernels import explicit
 from physics.kernels import march as kernel
 from physics.kernels.conserving import WORK_ROWS
-from physics.run import Problem, Record, empty_samples
+from physics.run import NO_TIMES, Problem, Record, empty_samples, run_to_end
 from physics.state import State
 
 Array = NDArray[np.float64]
 
-NO_TIMES = np.zeros(0)
 PARTS = {
     "euler": explicit.EULER,
     "verlet": explicit.VERLET,
@@ -26,30 +26,30 @@ PARTS = {
 MOST_STEPS = 100_000_000  # a run that needs more has a step that does not fit its motion
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 
+_LOADED: set[str] = set()  # methods whose kernels are in memory
+
 
 def run(problem: Problem) -> Record:
-    """Run a fixed-step method; without a duration in two passes, the first of which finds the end."""
-    end = np.inf if problem.duration is None else problem.state.time + problem.duration
-    if problem.duration is None:
-        book = FIRST_SWITCHES
-        found = _pass(problem, end, NO_TIMES, True, book)
-        times = problem.sample_times(found.end.time)
-        end = max(found.end.time, float(times[-1]) if times.size else 0.0)
-    times = problem.sample_times(end)
-    return _pass(problem, end, times, False, FIRST_SWITCHES)
+    """Run a fixed-step method."""
+    if problem.method not in _LOADED:  # so that the cost measured is that of the motion
+        _pass(problem, problem.state.time, NO_TIMES, False)
+        _LOADED.add(problem.method)
+    return run_to_end(problem, _pass)
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int) -> Record:
+def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FIRST_SWITCHES) -> Record:
     """One run of the kernel; again with a larger book of switches where the first was too small."""
     chain, state = problem.chain, problem.state.copy()
     counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
     switches = np.zeros(book, dtype=np.int64), np.zeros(book)
     rows = empty_samples(times.size, chain.contacts)
+    began = perf_counter()
     status, time = kernel.march(
         *PARTS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, *chain.parameters, _push(chain, state),
         chain.anchor, *_moving(state), *_spare(chain.contacts), *_marks(problem.method, chain.contacts),
         *switches, times, *rows, counter,
     )  # fmt: skip
+    seconds = perf_counter() - began
     used = int(counter[kernel.SWITCH])
     if used > book and book < MOST_SWITCHES:
         return _pass(problem, end, times, stop, min(4 * used, MOST_SWITCHES))
@@ -57,7 +57,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int) -> 
     kept = min(used, book)
     return Record(
         times, *rows, switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), _warnings(problem, status, time, counter, kept),
+        int(counter[kernel.EVALUATION]), seconds, _warnings(problem, status, time, counter, kept),
     )  # fmt: skip
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,7 @@ class Record:
         switch_contact, switch_time: every change of a contact between open and closed (all start open).
         end: State at the end of the run.
         steps, evaluations: cost.
+        seconds: wall time of the solver, loading of kernels left out.
         warnings: sentences on what may be wrong.
     """
 
@@ -63,6 +65,7 @@ class Record:
     end: State
     steps: int
     evaluations: int
+    seconds: float = 0.0
     warnings: tuple[str, ...] = ()
 
 
@@ -73,4 +76,39 @@ def empty_samples(count: int, contacts: int) -> tuple[Array, Array, Array, Array
         np.zeros((count, contacts)),
         np.zeros((count, 2)),
         np.zeros((count, contacts)),
+    )
+
+
+Pass = Callable[[Problem, float, Array, bool], Record]
+NO_TIMES = np.zeros(0)
+
+
+def run_to_end(problem: Problem, once: Pass) -> Record:
+    """Run `once(problem, end, sample times, stop)` to the duration; without one, first to the end it finds itself.
+
+    The first pass then gives the end, the switches and the cost, a second one the samples, if any lie in between.
+    """
+    if problem.duration is not None:
+        end = problem.state.time + problem.duration
+        return once(problem, end, problem.sample_times(end), False)
+    found = once(problem, np.inf, NO_TIMES, True)
+    times = problem.sample_times(found.end.time)
+    if isinstance(problem.samples, int) and problem.samples == 2:
+        first, last = problem.state, found.end
+        return replace(
+            found,
+            time=times,
+            overlap=np.array([first.overlap, last.overlap]),
+            rate=np.array([first.rate, last.rate]),
+            anchor=np.array([first.anchor, last.anchor]),
+            force=np.array([first.force, last.force]),
+        )
+    sampled = once(problem, max(found.end.time, float(times[-1])), times, False)
+    return replace(
+        found,
+        time=sampled.time,
+        overlap=sampled.overlap,
+        rate=sampled.rate,
+        anchor=sampled.anchor,
+        force=sampled.force,
     )

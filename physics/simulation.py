@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import warnings
 from importlib import import_module
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,12 +50,10 @@ def simulate(
     """
     problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
     runner = import_module(find_method(method).module)
-    began = perf_counter()
     record: Record = runner.run(problem)
-    seconds = perf_counter() - began
     for sentence in record.warnings:
         warnings.warn(sentence, RuntimeWarning, stacklevel=2)
-    return _trajectory(problem, record, seconds)
+    return _trajectory(problem, record)
 
 
 def advance(
@@ -133,7 +130,7 @@ def _samples(samples: int | ArrayLike, duration: float | None) -> int | Array:
     return times
 
 
-def _trajectory(problem: Problem, record: Record, seconds: float) -> Trajectory:
+def _trajectory(problem: Problem, record: Record) -> Trajectory:
     return Trajectory(
         chain=problem.chain,
         time=record.time,
@@ -148,7 +145,7 @@ def _trajectory(problem: Problem, record: Record, seconds: float) -> Trajectory:
         tolerance=problem.tolerance,
         steps=record.steps,
         evaluations=record.evaluations,
-        seconds=seconds,
+        seconds=record.seconds,
         warnings=record.warnings,
     )
 

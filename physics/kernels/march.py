@@ -20,6 +20,7 @@ EVALUATION, FAILURE, STEP, SAMPLE, SWITCH = 0, 1, 2, 3, 4
 COUNTERS = 5
 
 GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
+STANDSTILL = 1e-14  # of the fastest rate at the start: what is slower is round-off and closes nothing
 MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
@@ -64,11 +65,11 @@ def note_switches(before, time, overlap, rate, force, closed, switch_contact, sw
 
 
 @jit
-def flight_time(overlap, rate):
-    """Time until the first contact closes if none pushes; inf when all move apart."""
+def flight_time(overlap, rate, still):
+    """Time until the first contact closes if none pushes; inf when none closes faster than `still`."""
     first = math.inf
     for i in range(overlap.size):
-        if rate[i] > 0.0:
+        if rate[i] > still:
             first = min(first, -overlap[i] / rate[i])
     return first
 
@@ -86,6 +87,9 @@ def march(
     Returns the status and the time reached.
     """
     n = overlap.size
+    slow = 0.0
+    for i in range(n):
+        slow = max(slow, STANDSTILL * abs(rate[i]))
     still = note_switches(start, start, overlap, rate, force, closed, switch_contact, switch_time, counter)
     while True:
         time = start + counter[STEP] * h
@@ -110,7 +114,7 @@ def march(
             return OUT_OF_STEPS, time
         until = end if counter[SAMPLE] == sample_time.size else min(end, sample_time[counter[SAMPLE]])
         if still == 0 and push.size == 0:
-            flight = flight_time(overlap, rate)
+            flight = flight_time(overlap, rate, slow)
             if stop and flight == math.inf:
                 return SEPARATED, time
             whole = math.floor(min(flight, until - time) / h) - 1.0
