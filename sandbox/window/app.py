@@ -12,6 +12,8 @@ import pygame
 from sandbox.errors import UserError
 from sandbox.window import theme
 from sandbox.window.gallery import Gallery
+from sandbox.window.hanging import NAME as HANGING
+from sandbox.window.hanging import HangingPage
 from sandbox.window.helping import paint_help
 from sandbox.window.keys import action_of
 from sandbox.window.messages import Messages
@@ -103,6 +105,8 @@ class App:
     def _opened(self, name_or_path: str) -> Page:
         from sandbox.window.play import Play
 
+        if name_or_path == HANGING:
+            return HangingPage(self, self.show_gallery)
         if name_or_path.lower().endswith(".npz"):
             from sandbox.session.replay import Replay
 

@@ -95,7 +95,8 @@ class Cards:
         title = label if len(self.session.lanes) > 1 and label else "method"
         write(surface, shortened(title, 14 * unit, room, bold=True), (x, y), 14 * unit, INK, bold=True)
         setup = self.session.lanes[number].setup
-        how = f"{setup.method}, step {scientific(setup.step)} s" if setup.step else f"{setup.method}, adaptive"
+        step = setup.step_for(self.session.setup.frame_time)
+        how = f"{setup.method}, step {scientific(step)} s" if step else f"{setup.method}, adaptive"
         y += 26 * unit
         write(surface, how, (x, y), 12 * unit, MUTED)
         y += 17 * unit
@@ -104,7 +105,7 @@ class Cards:
             write(surface, shortened(summary, 12 * unit, rect.width - 20 * unit), (x, y), 12 * unit, MUTED)
             y += 19 * unit
         y = self._numbers(surface, rect, _numbers(health), y)
-        mark = {"bad": "✕", "fair": "!"}.get(health.level, "✓")
+        mark = {"bad": "×", "fair": "!"}.get(health.level, "✓")
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         lines = wrapped(health.sentence, 12 * unit, rect.width - 34 * unit)
         most = int((rect.bottom - y) // (15 * unit))

@@ -11,6 +11,10 @@ from pygame_gui.elements import UIButton
 from sandbox.draw.palette import FAINT, INK, MUTED, PAPER, STAGE
 from sandbox.draw.text import shortened, wrapped, write
 from sandbox.window import thumbnails
+from sandbox.window.hanging import NAME as HANGING
+from sandbox.window.hanging import TEXT as HANGING_TEXT
+from sandbox.window.hanging import TITLE as HANGING_TITLE
+from sandbox.window.hanging import thumbnail as hanging_thumbnail
 from sandbox.window.page import Host
 from scenes import Scene, load, names
 
@@ -25,8 +29,10 @@ class Gallery:
 
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
-        self.names = names()
-        self.scenes: list[Scene] = [load(name) for name in self.names]
+        self.scenes: list[Scene] = [load(name) for name in names()]
+        self.names = (*names(), HANGING)
+        self.captions = [(scene.title, scene.text, scene.source) for scene in self.scenes]
+        self.captions.append((HANGING_TITLE, HANGING_TEXT, "SoftChain, PinJoint strings, gravity"))
         self.pictures: dict[int, pygame.Surface] = {}
         self.scaled: dict[tuple[int, tuple[int, int]], pygame.Surface] = {}
         self.selected, self.scroll, self.rows = 0, 0.0, 1
@@ -37,6 +43,7 @@ class Gallery:
                 host.warmer.ask(("thumbnail", k), partial(thumbnails.motion, scene))
             else:
                 self.pictures[k] = picture
+        self.pictures[len(self.scenes)] = hanging_thumbnail(thumbnails.SIZE)
         self.actions: dict[str, Callable[[], None]] = {
             "select_left": partial(self.step, -1),
             "select_right": partial(self.step, 1),
@@ -126,7 +133,7 @@ class Gallery:
             place = self.place(k)
             if place.bottom > HEADER * unit and place.top < self.host.size[1]:
                 self._card(surface, k, place)
-        surface.fill(PAPER, (0, 0, self.host.size[0], round((HEADER - 8) * unit)))
+        surface.fill(PAPER, (0, 0, self.host.size[0], round((HEADER - 4) * unit)))
         x, y = MARGIN * unit, 20 * unit
         write(surface, "softcradle", (x, y), 28 * unit, INK, bold=True)
         line = "Beads that only push on each other, softly. Choose a scene, or drop a scene file here."
@@ -135,7 +142,7 @@ class Gallery:
         write(surface, "F1: help", place_of_help, 15 * unit, MUTED, align=(1, 0))
 
     def _card(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
-        unit, scene = self.host.unit, self.scenes[k]
+        unit, (title, text, source) = self.host.unit, self.captions[k]
         image = self._image(k)
         picture = pygame.Rect(place.topleft, self.picture_size)
         if image is None:
@@ -144,11 +151,11 @@ class Gallery:
         else:
             surface.blit(image, picture)
         x, y, room = place.left + 10 * unit, picture.bottom + 7 * unit, self.wide - 20 * unit
-        write(surface, shortened(scene.title, 15 * unit, room, bold=True), (x, y), 15 * unit, INK, bold=True)
-        caption = wrapped(scene.text, 12 * unit, room)[:1] if scene.text else []
+        write(surface, shortened(title, 15 * unit, room, bold=True), (x, y), 15 * unit, INK, bold=True)
+        caption = wrapped(text, 12 * unit, room)[:1] if text else []
         for line in caption:
             write(surface, shortened(line + " …", 12 * unit, room), (x, y + 21 * unit), 12 * unit, MUTED)
-        source = shortened(scene.source, 11.5 * unit, room)
+        source = shortened(source, 11.5 * unit, room)
         write(surface, source, (x, y + 38 * unit), 11.5 * unit, MUTED)
         surface.fill(FAINT, (place.left, picture.bottom, place.width, 1))
         if k == self.selected:
