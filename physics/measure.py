@@ -1,10 +1,11 @@
-"""Measures of a motion that the paper speaks of: the depth law of overlaps and the separation of time scales."""
+"""Measures of a motion that the paper speaks of: depth law, loads, and the separation of time scales."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.chain import Chain
 from physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -29,6 +30,27 @@ def depth_bound(n: int, alpha: float) -> Array:
     """
     bound: Array = np.exp(-(np.arange(1, n) - 1) / (n * alpha))
     return bound
+
+
+def loads(chain: Chain, struck: int = 0) -> Array:
+    """(n,) the force that each contact has to pass on, as a part of its own at overlap 1; 1 at the contact `struck`.
+
+    If the clusters move as rigid bodies and the struck contact pushes with its force at overlap 1, a contact inside
+    passes on the part of it that accelerates the masses beyond, Eq. (4). For small exponents a contact can pass on no
+    more than about its force at overlap 1, so clusters are rigid-like only if all loads are below 1; how small the
+    exponents must be follows from ``load**(1/exponent)``, the overlap. For n equal beads the greatest load is (n-1)/n.
+
+    >>> from physics import one_on, power_law
+    >>> loads(one_on(4, power_law(1.0, 0.1)))
+    array([1.  , 0.75, 0.5 , 0.25])
+    """
+    mass = np.array(chain.mass)
+    strength = np.array([contact.preload + contact.stiffness for contact in chain.contact])
+    beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
+    right = np.arange(chain.contacts) >= struck
+    share = np.where(right, beyond / beyond[struck], before / before[struck])
+    found: Array = share * strength[struck] / strength
+    return found
 
 
 def response_times(trajectory: Trajectory) -> Array:

@@ -24,7 +24,7 @@ def scan() -> Table:
     rows = []
     for n in SIZES:
         for alpha in ALPHAS:
-            found = solved(soft(n, alpha), start(soft(n, alpha)), None, SAMPLES)
+            found = solved(soft(n, alpha), start(soft(n, alpha)), 1.25 * limit_of_contact(n), SAMPLES)
             contact = found.contact_intervals[0][0][1]
             rows.append((n, alpha, found.overlap[:, 1].max(), contact, response_times(found)[1]))
     return long_table(("n", "alpha", "max psi", "contact time", "response time"), rows)
