@@ -113,7 +113,8 @@ def _told(found: dict[str, Any]) -> str:
     start, frame = found["start"], found["frame"]
     return "\n".join(
         (
-            f"first frame: {start['cached_seconds']:.2f} s with cached kernels, {start['uncached_seconds']:.2f} s without",
+            f"first frame: {start['cached_seconds']:.2f} s with cached kernels, "
+            f"{start['uncached_seconds']:.2f} s without",
             f"frames at 1280x720, 50 beads, plots on, driver {frame['driver']} ({frame['frames']} of them):",
             f"  median {frame['median_ms']:.1f} ms, 95th percentile {frame['p95_ms']:.1f} ms, "
             f"99th percentile {frame['p99_ms']:.1f} ms, worst {frame['worst_ms']:.1f} ms",

@@ -10,6 +10,8 @@ import numpy as np
 import pygame
 import pytest
 
+from sandbox.session.inputs import SetStep
+from sandbox.window.cards import RED
 from sandbox.window.gallery import Gallery
 from sandbox.window.stage_view import Pick
 from tests.windows import Driver
@@ -48,7 +50,7 @@ def test_gallery_draws_and_keeps_thumbnails_and_opens_the_scene_that_is_clicked(
             break
         pygame.time.wait(5)
     assert len(page.pictures) == len(page.names)
-    assert len(list((tmp_path / "cache").glob("*.png"))) == len(page.names)
+    assert len(list((tmp_path / "cache").glob("*.png"))) == len(page.scenes)
     chosen = page.names.index("one-on-four")
     page.selected = chosen
     page.step(0)
@@ -150,7 +152,7 @@ def test_a_bead_is_placed_while_paused(driver: Driver) -> None:
     driver.release((x - 60, y))
     after = driver.session.lanes[0].position
     assert after[0] < before[0]
-    assert after[0] - before[0] == pytest.approx(driver.play.views[0].metres(-60), rel=0.05)
+    assert after[0] - before[0] == pytest.approx(driver.play.scenery.views[0].metres(-60), rel=0.05)
     assert np.array_equal(after[1:], before[1:])
 
 
@@ -247,17 +249,21 @@ def test_method_menu_switches_live_and_the_badge_turns_red(driver: Driver) -> No
     driver.click(item.rect.center)
     driver.frames(5)
     assert driver.session.lanes[0].setup.method == "euler"
-    driver.session.apply(_coarse())
-    driver.frames(400)
+
+
+def test_badge_turns_red_with_a_sentence_when_the_method_is_past_its_limit() -> None:
+    driver = Driver("draft-gear-one-on-three")
+    for key in (pygame.K_m, pygame.K_EQUALS, pygame.K_EQUALS, pygame.K_EQUALS):
+        driver.key(key)
+    driver.session.apply(SetStep(None, 0.01))
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
     health = driver.play.cards.health[0]
+    assert driver.session.lanes[0].setup.method == "euler"
     assert health.level == "bad"
-    assert "euler" in health.sentence or "contact" in health.sentence
-
-
-def _coarse() -> object:
-    from sandbox.session.inputs import SetStep
-
-    return SetStep(None, 0.5)
+    card = driver.play.cards.rects[0]
+    assert driver.app.surface.get_at((card.centerx, card.top))[:3] == RED
+    driver.close()
 
 
 def test_scene_is_saved_and_dropped_again(driver: Driver, tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ class Fuzz:
         width, height = self.driver.app.size
         page = self.driver.app.page
         if isinstance(page, Play) and self.chance.random() < 0.4:
-            view = self.chance.choice(page.views)
+            view = self.chance.choice(page.scenery.views)
             return tuple(map(round, view.centre(self.chance.randrange(len(view.edges)))))
         return self.chance.randrange(width), self.chance.randrange(60, height)
 

@@ -82,7 +82,7 @@ class Driver:
             self.move(point, (1, 0, 0))
 
     def bead(self, bead: int, lane: int = 0) -> tuple[float, float]:
-        return self.play.views[lane].centre(bead)
+        return self.play.scenery.views[lane].centre(bead)
 
     def drop_file(self, path: object) -> None:
         pygame.event.post(pygame.Event(pygame.DROPFILE, file=str(path)))

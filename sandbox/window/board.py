@@ -14,7 +14,7 @@ from sandbox.draw.palette import FAINT, INK, PAPER
 from sandbox.draw.scales import Scales
 from sandbox.draw.text import width, write
 from sandbox.session.session import Session
-from sandbox.window.plot_kinds import KINDS, make_plot
+from sandbox.window.plot_kinds import KINDS, Setting, make_plot
 from sandbox.window.plots import Plot
 from sandbox.window.timespan import SECONDS, TimeSpan
 
@@ -58,16 +58,11 @@ class Board:
 
     def build(self, rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales) -> None:
         """Make the plots anew; their curves come back within some frames."""
-        session = self.session
-        self.plots = []
+        session, self.plots = self.session, []
+        setting = Setting(session.lanes, scales, session.history, self.span, self.logarithmic)
         for row, (kinds, places) in enumerate(zip(self.rows(), rects, strict=True)):
             lane = row if self.lanes > 1 else 0
-            for kind, rect in zip(kinds, places, strict=True):
-                self.plots.append(
-                    make_plot(
-                        kind, rect, unit, session.lanes, lane, scales, session.history, self.span, self.logarithmic
-                    )
-                )  # fmt: skip
+            self.plots += [make_plot(kind, lane, rect, unit, setting) for kind, rect in zip(kinds, places, strict=True)]
         if self.plots:
             self._respan(min(plot.area.width for plot in self.plots))
         self._seen = (None, -1, -1)

@@ -13,6 +13,7 @@ from sandbox.draw.numbers import scientific
 from sandbox.draw.palette import FAINT, GOOD, INK, MUTED, PAPER, Colour, mix
 from sandbox.draw.text import shortened, wrapped, write
 from sandbox.session.health import BAD, FAIR, Health
+from sandbox.session.health import GOOD as GOOD_LEVEL
 from sandbox.session.inputs import SetMethod
 from sandbox.session.session import Session
 from sandbox.window.page import Host
@@ -105,7 +106,7 @@ class Cards:
             write(surface, shortened(summary, 12 * unit, rect.width - 20 * unit), (x, y), 12 * unit, MUTED)
             y += 19 * unit
         y = self._numbers(surface, rect, _numbers(health), y)
-        mark = {"bad": "×", "fair": "!"}.get(health.level, "✓")
+        mark = "✓" if health.level == GOOD_LEVEL else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         lines = wrapped(health.sentence, 12 * unit, rect.width - 34 * unit)
         most = int((rect.bottom - y) // (15 * unit))

@@ -54,7 +54,7 @@ class Gallery:
 
     def build(self) -> None:
         """Make the cards for the host's size and unit."""
-        unit, (width, height) = self.host.unit, self.host.size
+        unit, width = self.host.unit, self.host.size[0]
         inner = width - 2 * MARGIN * unit
         self.columns = max(1, int((inner + GUTTER * unit) // ((COLUMN + GUTTER) * unit)))
         self.wide = (inner - (self.columns - 1) * GUTTER * unit) / self.columns

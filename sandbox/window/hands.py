@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pygame
 
-from sandbox.session.inputs import AddBead, Lock, RemoveBead, SetKind
+from sandbox.session.inputs import AddBead, Input, Lock, RemoveBead, SetKind
 from sandbox.session.kinds import kind_of
 from sandbox.window.stage_view import Pick
 
@@ -53,12 +53,12 @@ class Hands:
 
     def at(self, point: tuple[int, int]) -> Pick | None:
         """What is under `point`."""
-        return next((pick for view in self.page.views if (pick := view.pick(point)) is not None), None)
+        return next((pick for view in self.page.scenery.views if (pick := view.pick(point)) is not None), None)
 
     def _press(self, point: tuple[int, int]) -> bool:
         pick = self.at(point)
         if pick is None:
-            if any(view.stage.rect.collidepoint(point) for view in self.page.views):
+            if any(view.stage.rect.collidepoint(point) for view in self.page.scenery.views):
                 self.page.select(None)
                 return True
             return False
@@ -66,7 +66,7 @@ class Hands:
         if pick.kind == "bead":
             self.held, self.pulling = pick, False
             self._pressed = self._pointer = point
-            self._grip = float(self.page.views[pick.lane].edges[pick.index]) - point[0]
+            self._grip = float(self.page.scenery.views[pick.lane].edges[pick.index]) - point[0]
         return True
 
     def _move(self, point: tuple[int, int]) -> None:
@@ -84,7 +84,7 @@ class Hands:
         if self.held is None or not self.pulling or self.page.waiting:
             return
         pick, session = self.held, self.page.session
-        view = self.page.views[pick.lane]
+        view = self.page.scenery.views[pick.lane]
         if pick.index >= len(view.edges):
             self.release()
             return
@@ -99,7 +99,7 @@ class Hands:
     def _wheel(self, event: pygame.Event) -> bool:
         point = pygame.mouse.get_pos()
         if pygame.key.get_mods() & pygame.KMOD_CTRL:
-            self.page.zoom(1 if event.y > 0 else -1)
+            self.page.actions["zoom_in" if event.y > 0 else "zoom_out"]()
             return True
         if self.page.places.side.collidepoint(point):
             return False
@@ -109,9 +109,9 @@ class Hands:
 
     def paint(self, surface: pygame.Surface) -> None:
         """The hand that holds a bead."""
-        if self.held is not None and self.held.index < len(self.page.views[self.held.lane].edges):
+        if self.held is not None and self.held.index < len(self.page.scenery.views[self.held.lane].edges):
             spring = self.pulling and self.page.session.playing
-            self.page.views[self.held.lane].paint_hold(surface, self.held.index, self._pointer, spring)
+            self.page.scenery.views[self.held.lane].paint_hold(surface, self.held.index, self._pointer, spring)
 
     # ---- keys
 
@@ -166,10 +166,14 @@ class Hands:
             self.page.apply(Lock(pick.lane, pick.index, not locked))
         else:
             locked = all(law is not None for lane in session.lanes for law in lane.setup.locked)
-            if self.page.apply(Lock(None, None, not locked)):
-                self.page.host.messages.say(
-                    "all pistons unlocked" if locked else "all pistons locked: the usual cradle"
-                )
+            if self._to_all_lanes(lambda lane: Lock(lane, None, not locked)):
+                said = "all pistons unlocked" if locked else "all pistons locked: the usual cradle"
+                self.page.host.messages.say(said)
+
+    def _to_all_lanes(self, edit: Callable[[int], Input]) -> bool:
+        """Give every lane its edit; whether all were taken."""
+        taken = [self.page.apply(edit(lane)) for lane in range(len(self.page.session.lanes))]
+        return all(taken)
 
     def turn(self) -> None:
         """Power law or draft gear in the selected contact."""
@@ -180,8 +184,9 @@ class Hands:
 
     def turn_all(self) -> None:
         """Power law or draft gear in all contacts."""
-        gears = all(kind_of(law) == "gear" for lane in self.page.session.lanes for law in lane.chain.contact)
+        session = self.page.session
+        gears = all(kind_of(law) == "gear" for lane in session.lanes for law in lane.chain.contact)
         kind = "power" if gears else "gear"
-        if self.page.apply(SetKind(None, None, kind)):
+        if self._to_all_lanes(lambda lane: SetKind(lane, None, kind)):
             name = {"power": "power laws", "gear": "draft gears"}[kind]
             self.page.host.messages.say(f"all contacts are {name} now")

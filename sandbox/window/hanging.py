@@ -11,7 +11,7 @@ from pygame_gui.elements import UIButton, UIDropDownMenu
 
 from sandbox.draw import shapes
 from sandbox.draw.ink import put
-from sandbox.draw.numbers import fixed
+from sandbox.draw.numbers import MINUS, fixed
 from sandbox.draw.palette import FAINT, INK, MUTED, OKABE_ITO, PAPER, STAGE, bead_colours
 from sandbox.draw.plots import linear_axis
 from sandbox.draw.text import wrapped, write
@@ -25,8 +25,8 @@ NAME, TITLE = "hanging-cradle", "A hanging cradle in pymunk"
 TEXT = (
     "Balls on strings in an ordinary pymunk world, once with soft contacts between them and once with pymunk's own "
     "rigid collisions. Same strings, same gravity, same steps. With a small exponent the balls that are hit swing off "
-    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it out by the order in which they are "
-    "solved. Drag a ball and let it go."
+    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it out by the order in which they "
+    "are solved. Drag a ball and let it go."
 )
 SPAN = 12.0  # seconds of energy that are seen
 WIDE, HIGH = 2.6, 1.35  # metres that a cradle's picture holds
@@ -189,7 +189,7 @@ class HangingPage:
                 pygame.draw.aalines(surface, colour, False, points)
                 pygame.draw.aalines(surface, colour, False, [(x, y + 1) for x, y in points])
             place = (area.left + k * 0.45 * area.width, area.bottom + 6 * unit)
-            text = f"{NAMES[k]}: {100 * (shares[k][-1] - 1):+.1f} %".replace("-", "−")
+            text = f"{NAMES[k]}: {100 * (shares[k][-1] - 1):+.1f} %".replace("-", MINUS)
             write(surface, text, place, 13 * unit, colour, bold=True)
 
     def paint_over(self, surface: pygame.Surface) -> None:

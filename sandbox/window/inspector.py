@@ -1,17 +1,18 @@
-"""The inspector: what is selected, as sliders and typed numbers with units, and the buttons that change it as a whole."""
+"""The inspector: what is selected, as sliders and typed numbers with units, and buttons that change it as a whole."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
 
-from sandbox.draw.numbers import index
-from sandbox.draw.palette import INK, MUTED, bead_colours
 from sandbox.draw.ink import put_marker
+from sandbox.draw.numbers import MINUS, index
+from sandbox.draw.palette import INK, MUTED, bead_colours
 from sandbox.draw.text import wrapped, write
 from sandbox.session.inputs import Input, SetKind, SetMass
 from sandbox.session.kinds import kind_of
@@ -101,7 +102,7 @@ class Inspector:
         now = kind_of(lane.chain.contact[self.pick.index])
         for k, (kind, name) in enumerate(KIND_NAMES.items()):
             place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
-            button = self._button(place, name, lambda kind=kind: self._turn(kind), "#chip", "law of this contact")
+            button = self._button(place, name, partial(self._turn, kind), "#chip", "law of this contact")
             if kind == now:
                 button.select()
         return y + 34 * unit
@@ -116,7 +117,10 @@ class Inspector:
         locked = False
         if self.pick.kind == "contact":
             locked = self.session.lanes[self.pick.lane].setup.locked[self.pick.index] is not None
-            texts = (("unlock piston" if locked else "lock piston", "lock"), ("all alike", None))
+            texts: tuple[tuple[str, str | None], ...] = (
+                ("unlock piston" if locked else "lock piston", "lock"),
+                ("all alike", None),
+            )
         else:
             texts = (("add bead", "add_bead"), ("remove bead", "remove_bead"))
         for k, (text, action) in enumerate(texts):
@@ -168,7 +172,7 @@ class Inspector:
     def _typed(self, control: Control, text: str) -> None:
         from sandbox.options import positive
 
-        cleaned = text.replace("−", "-").replace(",", ".").strip()
+        cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
         try:
             value = float(cleaned) if "/" not in cleaned else positive(cleaned)
         except Exception:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import pygame
 
+from sandbox.draw.numbers import MINUS
+
 CTRL, SHIFT, PLAIN = pygame.KMOD_CTRL, pygame.KMOD_SHIFT, 0
 _NAMES = {
     pygame.K_SPACE: "Space",
@@ -21,7 +23,7 @@ _NAMES = {
     pygame.K_END: "End",
     pygame.K_PERIOD: ".",
     pygame.K_COMMA: ",",
-    pygame.K_MINUS: "−",
+    pygame.K_MINUS: MINUS,
     pygame.K_EQUALS: "+",
     pygame.K_TAB: "Tab",
     pygame.K_F1: "F1",

@@ -1,4 +1,4 @@
-"""Scales of a running scene: those of a run computed ahead where there is one, grown in round steps as the motion asks."""
+"""Scales of a running scene: those of a run ahead where there is one, grown in round steps as the motion asks."""
 
 from __future__ import annotations
 

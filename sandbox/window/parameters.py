@@ -1,4 +1,4 @@
-"""What can be edited of a bead or a contact: name, unit, range of the slider, how it is read and which input sets it."""
+"""What can be edited of a bead or a contact: name, unit, range of the slider, and which input sets it."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _of_bead(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
             velocity,
             lambda v: SetVelocity(pick.lane, number, v),
             live=True,
-        )  # fmt: skip
+        )
     )
     return found
 
@@ -118,7 +118,7 @@ def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]
             gap,
             lambda g: SetGap(pick.lane, pick.index, g),
             live=True,
-        )  # fmt: skip
+        )
     )
     return found
 

@@ -8,27 +8,24 @@ from functools import partial
 import pygame
 from pygame_gui.elements import UIButton
 
-from sandbox.draw.palette import FAINT, INK, MUTED, PAPER, WARNING
-from sandbox.draw.scales import Scales, scales_of
-from sandbox.draw.text import shortened, write
+from sandbox.draw.palette import MUTED, WARNING
+from sandbox.draw.text import write
 from sandbox.session.inputs import Input, SetMethod
 from sandbox.session.replay import Replay
 from sandbox.session.session import Session
 from sandbox.window.board import Board
-from sandbox.window.camera import Camera
 from sandbox.window.cards import Cards
 from sandbox.window.geometry import Geometry, geometry
 from sandbox.window.hands import Hands
 from sandbox.window.inspector import Inspector
 from sandbox.window.keeping import Keeping
 from sandbox.window.keys import hint
-from sandbox.window.live_scales import LiveScales, estimated, moment
 from sandbox.window.page import Host
-from sandbox.window.plot_kinds import KINDS
-from sandbox.window.stage_view import Pick, ShownScene, StageView
-from sandbox.window.thumbnails import motion
+from sandbox.window.scenery import Scenery
+from sandbox.window.stage_view import Pick
 from sandbox.window.timeline import Timeline
 from sandbox.window.transport import Transport
+from sandbox.window.view_keys import ViewKeys
 
 USUAL_PLOTS = ("velocities", "forces", "overlaps")
 TOOLS = (
@@ -39,42 +36,38 @@ TOOLS = (
     ("film", "Film", 52.0),
     ("help", "Help", 52.0),
 )
+PREPARING = "preparing the physics: a few seconds, once"
 
 
 class Play:
-    """One session on screen. `leave` goes back to the gallery."""
+    """One session on screen. `leave` goes back to the gallery; `replay` runs the session where it is a recorded one."""
 
     def __init__(self, host: Host, session: Session, leave: Callable[[], None], replay: Replay | None = None) -> None:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
-        self.scene = session.scene
-        self.side = True
+        self.side, self.title_room = True, 0.0
         self.pick: Pick | None = None
+        self.waiting = not host.warmer.ready.is_set()
+        self._setup = session.setup
         self.board = Board(session, [*USUAL_PLOTS, "difference"] if len(session.lanes) == 2 else USUAL_PLOTS)
-        self.scales = LiveScales(self._first_scales(), session.lanes)
-        self.camera = Camera.of(self.scales.scales)
+        self.scenery = Scenery(self)
         self.hands, self.keeping = Hands(self), Keeping(self)
-        self.actions: dict[str, Callable[[], None]] = self._actions()
         self.timeline = Timeline(session)
+        self.actions: dict[str, Callable[[], None]] = {
+            **self._time_actions(),
+            **ViewKeys(self).actions,
+            **self.hands.actions,
+            **self.keeping.actions,
+            "undo": self.reopen,
+            "help": host.toggle_help,
+            "leave": self.escape,
+        }
         self.transport = Transport(host, session, self.board, self.actions)
         self.inspector = Inspector(host, session, self.apply, self.actions)
         self.cards = Cards(host, session)
-        self.views: list[StageView] = []
-        self.ground: pygame.Surface | None = None
-        self.waiting = not host.warmer.ready.is_set()
-        self.tracks = [moment(lane) for lane in session.lanes]
-        self._setup = session.setup
 
-    def _first_scales(self) -> Scales:
-        """From a run ahead where the physics can run without a wait: the scales of the film."""
-        if not self.host.warmer.ready.is_set():
-            return estimated(self.scene, self.session)
-        try:
-            return scales_of(self.scene, motion(self.scene))
-        except (ValueError, RuntimeError, ArithmeticError):
-            return estimated(self.scene, self.session)
-
-    def _actions(self) -> dict[str, Callable[[], None]]:
-        session, time = self.session, {
+    def _time_actions(self) -> dict[str, Callable[[], None]]:
+        session = self.session
+        return {
             "play_pause": self.play_pause,
             "forward": partial(self.step, 1),
             "back": partial(self.step, -1),
@@ -83,40 +76,26 @@ class Play:
             "restart": self.restart,
             "first": lambda: session.scrub_frame(session.history.first),
             "last": lambda: session.scrub_frame(session.history.last),
-            "previous_mark": lambda: self.timeline.to_mark(-1),
-            "next_mark": lambda: self.timeline.to_mark(1),
-        }  # fmt: skip
-        view = {
-            "logarithmic": self.toggle_axis,
-            "plots": self.toggle_plots,
-            "fit": self.toggle_follow,
-            "zoom_in": lambda: self.zoom(1),
-            "zoom_out": lambda: self.zoom(-1),
-            "method": lambda: self.apply(SetMethod(None, self.cards.next_method())) and self.host.rebuild(),
-            "inspector": self.toggle_side,
-            "undo": self.reopen,
-            "leave": self.escape,
+            "previous_mark": partial(self.timeline.to_mark, -1),
+            "next_mark": partial(self.timeline.to_mark, 1),
         }
-        plots = {kind: partial(self.toggle_plot, kind) for kind in KINDS}
-        help_alone = {"help": self.host.toggle_help}
-        return {**time, **view, **plots, **help_alone, **self.hands.actions, **self.keeping.actions}
 
-    # ---- what the keys do
+    # ---- what is done to the session
+
+    @property
+    def typing(self) -> bool:
+        """Whether a number is being typed."""
+        return self.inspector.typing
 
     def play_pause(self) -> None:
         """Play or pause."""
         if self.session.playing:
             self.session.pause()
         elif self.waiting:
-            self.host.messages.say("the physics is still being prepared: a few seconds, once")
+            self.host.messages.say(PREPARING)
         else:
             self.transport.settle()
             self.session.play()
-
-    @property
-    def typing(self) -> bool:
-        """Whether a number is being typed."""
-        return self.inspector.typing
 
     def step(self, by: int) -> None:
         """`by` frames on."""
@@ -127,47 +106,18 @@ class Play:
         """Back to the start, edits kept, playing on if it was."""
         playing = self.session.playing
         self.session.restart()
-        self.camera = Camera.of(self.scales.scales)
-        self.rebuild_views()
+        self.scenery.reset_camera()
         if playing:
             self.session.play()
 
-    def toggle_plot(self, kind: str) -> None:
-        """Show or hide one kind of plot."""
-        if kind == "difference" and len(self.session.lanes) != 2:
-            self.host.messages.say("the difference needs two lanes")
-            return
-        self.board.toggle(kind)
-        self.host.rebuild()
-
-    def toggle_plots(self) -> None:
-        """Show or hide all plots."""
-        self.board.hidden = not self.board.hidden
-        self.host.rebuild()
-
-    def toggle_axis(self) -> None:
-        """Overlaps on a logarithmic axis or a plain one."""
-        self.board.logarithmic = not self.board.logarithmic
-        self.rebuild_views()
-
-    def toggle_follow(self) -> None:
-        """Let the camera follow the beads, or stand where it is."""
-        self.camera.following = not self.camera.following
-        self.host.messages.say("the camera follows the beads" if self.camera.following else "the camera stands still")
-
-    def toggle_side(self) -> None:
-        """Hide or show the panel on the right."""
-        self.side = not self.side
-        self.host.rebuild()
-
-    def zoom(self, steps: int) -> None:
-        """Nearer or farther."""
-        self.camera.zoom(steps)
-        self.rebuild_views()
-
     def reopen(self) -> None:
         """Forget all edits: the scene as it was opened."""
-        self.host.show(Play(self.host, Session(self.scene), self.leave))
+        self.host.show(Play(self.host, Session(self.session.scene), self.leave))
+
+    def next_method(self) -> None:
+        """The next method, in all lanes."""
+        if self.apply(SetMethod(None, self.cards.next_method())):
+            self.host.rebuild()
 
     def escape(self) -> None:
         """Deselect; with nothing selected, back to the gallery."""
@@ -180,12 +130,12 @@ class Play:
         """Select a bead or contact, or nothing."""
         self.pick = pick
         self.inspector.select(pick)
-        self.redraw()
+        self.scenery.redraw()
 
     def apply(self, item: Input) -> bool:
         """Hand an input to the session; what it refuses is said on screen."""
         if self.waiting:
-            self.host.messages.say("the physics is still being prepared: a few seconds, once")
+            self.host.messages.say(PREPARING)
             return False
         try:
             self.session.apply(item)
@@ -205,14 +155,14 @@ class Play:
         side = self.places.side.inflate(-2 * margin, -2 * round(7 * unit)) if self.side else self.places.side
         self._build_top()
         foot = self.places.foot
-        self.timeline.build(
-            pygame.Rect(foot.left + 2 * margin, foot.top + round(12 * unit), foot.width - 4 * margin, round(22 * unit)),
-            unit,
+        line = pygame.Rect(
+            foot.left + 2 * margin, foot.top + round(12 * unit), foot.width - 4 * margin, round(22 * unit)
         )
+        self.timeline.build(line, unit)
         below = pygame.Rect(foot.left + margin, foot.top + round(42 * unit), foot.width - 2 * margin, round(46 * unit))
         self.transport.build(below)
         self.inspector.build(self.cards.build(side))
-        self.rebuild_views()
+        self.scenery.rebuild()
 
     def _build_top(self) -> None:
         unit, manager, top = self.host.unit, self.host.manager, self.places.top
@@ -227,30 +177,14 @@ class Play:
             UIButton(place, text, manager, tool_tip_text=hint(name), command=self.actions[name])
         self.title_room = x - round(120 * unit)
 
-    def rebuild_views(self) -> None:
-        """Make beads and plots anew: scales, camera, lanes or their number have changed."""
-        lanes, unit, places = self.session.lanes, self.host.unit, self.places
-        self.scales.reset_lanes(lanes)
-        scales = self.camera.window(self.scales.scales)
-        shown = ShownScene.of(lanes, self.scene.view)
-        self.views = [
-            StageView(k, (rect, places.loupes, places.shares), unit, lane, shown, scales)
-            for k, (rect, lane) in enumerate(zip(places.stages, lanes, strict=True))
-        ]
-        self.board.build(places.plots, unit, scales)
-        self.redraw()
-
-    def redraw(self) -> None:
-        """What stands still must be drawn again."""
-        self.ground = None
-
     # ---- every frame
 
     def handle(self, event: pygame.Event) -> bool:
         """Widgets' own events first, then the mouse."""
         chosen = self.cards.handle(event)
         if chosen is not None:
-            return self.apply(chosen) or True
+            self.apply(chosen)
+            return True
         if self.transport.handle(event) or self.inspector.handle(event):
             return True
         return self.timeline.handle(event) or self.hands.handle(event)
@@ -262,10 +196,7 @@ class Play:
         if not self.waiting:
             self._tick(seconds)
         self._notice_edits()
-        self.camera.follow(self.session.lanes, self.scene.view.length, seconds)
-        self.tracks = [moment(lane) for lane in self.session.lanes]
-        if self.scales.fit(self.tracks):
-            self.rebuild_views()
+        self.scenery.update(seconds)
         self.board.update()
         self.timeline.update()
         self.cards.update(seconds)
@@ -281,66 +212,43 @@ class Play:
                 self.host.messages.say(self.replay.sentence, trouble=self.replay.diverged is not None)
 
     def _await(self) -> None:
-        """The physics has become ready: scales from a run ahead."""
+        """The physics may have become ready."""
         if self.waiting and self.host.warmer.ready.is_set():
             self.waiting = False
             if self.host.warmer.problem:
                 self.host.messages.say(self.host.warmer.problem, trouble=True)
-            self.scales = LiveScales(self._first_scales(), self.session.lanes)
-            self.camera = Camera.of(self.scales.scales)
-            self.rebuild_views()
+            self.scenery.look_ahead()
+            self.scenery.rebuild()
 
     def _notice_edits(self) -> None:
         """The setup is another one: after an edit, or at a scrubbed moment before one."""
         if self.session.setup is self._setup:
             return
         before, self._setup = self._setup, self.session.setup
-        chains = [lane.chain for lane in self._setup.lanes]
         if before.slow != self._setup.slow:
             self.board.respan()
-            self.redraw()
-        if [lane.chain for lane in before.lanes] != chains:
-            self._changed_chains()
-        elif [lane.locked for lane in before.lanes] != [lane.locked for lane in self._setup.lanes]:
-            self.rebuild_views()
+            self.scenery.redraw()
+        old, new = ([(lane.chain, lane.locked) for lane in setup.lanes] for setup in (before, self._setup))
+        if old != new:
+            self._reselect()
+            self.scenery.rebuild()
 
-    def _changed_chains(self) -> None:
+    def _reselect(self) -> None:
+        """Keep something selected that is still there, and its widgets in step."""
         pick = self.pick
-        if pick is not None:
-            count = self.session.lanes[pick.lane].chain.contacts + (1 if pick.kind == "bead" else 0)
-            if pick.index >= count:
-                self.select(Pick(pick.lane, pick.kind, count - 1))
-            elif not self.inspector.busy:
-                self.inspector.remake()
-        self.rebuild_views()
+        if pick is None:
+            return
+        count = self.session.lanes[pick.lane].chain.contacts + (1 if pick.kind == "bead" else 0)
+        if pick.index >= count:
+            self.select(Pick(pick.lane, pick.kind, count - 1))
+        elif not self.inspector.busy:
+            self.inspector.remake()
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
-        if self.ground is None:
-            self.ground = self._drawn_ground(surface.get_size())
-        surface.blit(self.ground, (0, 0))
-        for view, track in zip(self.views, self.tracks, strict=True):
-            view.paint(surface, track, self.camera.centre)
-        if self.pick is not None:
-            self.views[self.pick.lane].paint_pick(surface, self.pick)
-        self.board.paint(surface)
+        self.scenery.paint(surface)
         self.timeline.paint(surface)
         self.cards.paint(surface)
-
-    def _drawn_ground(self, size: tuple[int, int]) -> pygame.Surface:
-        ground, unit, places = pygame.Surface(size, 0, 32), self.host.unit, self.places
-        ground.fill(PAPER)
-        for view in self.views:
-            view.backdrop(ground)
-        self.board.backdrop(ground)
-        self.inspector.backdrop(ground)
-        for y in (places.top.bottom - 1, places.foot.top):
-            ground.fill(FAINT, (0, y, size[0], 1))
-        if self.side:
-            ground.fill(FAINT, (places.side.left, places.side.top, 1, places.side.height))
-        title = shortened(self.scene.title, 19 * unit, self.title_room, bold=True)
-        write(ground, title, (110 * unit, places.top.centery), 19 * unit, INK, bold=True, align=(0, 0.5))
-        return ground
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw what lies above the widgets."""
@@ -350,11 +258,12 @@ class Play:
         point = pygame.mouse.get_pos()
         self.board.paint_reading(surface, point)
         self.timeline.paint_reading(surface, point)
+        stage, unit = self.places.stages[0], self.host.unit
         if self.waiting or self.replay is not None:
-            place = (self.places.stages[0].centerx, self.places.stages[0].top + 60 * self.host.unit)
-            text = "preparing the physics: a few seconds, once" if self.replay is None else self.replay.sentence
-            tint = WARNING if self.replay is not None and self.replay.diverged is not None else MUTED
-            write(surface, text, place, 15 * self.host.unit, tint, bold=tint is WARNING, align=(0.5, 0.5))
+            text = PREPARING if self.replay is None else self.replay.sentence
+            bad = self.replay is not None and self.replay.diverged is not None
+            place = (stage.centerx, stage.top + 30 * unit)
+            write(surface, text, place, 15 * unit, WARNING if bad else MUTED, bold=bad, align=(0.5, 0.5))
 
     def shown(self, surface: pygame.Surface, seconds: float) -> None:
         """The finished picture may belong to a film."""

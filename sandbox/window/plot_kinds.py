@@ -1,8 +1,9 @@
-"""The kinds of plots: curves of velocities, forces and overlaps, the energy split, the space-time strip, the difference."""
+"""The kinds of plots: curves, the energy split, the space-time strip, the difference of two lanes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pygame
@@ -14,7 +15,7 @@ from sandbox.draw.scales import Scales
 from sandbox.draw.track import Array
 from sandbox.session.history import History
 from sandbox.session.lanes import LiveLane
-from sandbox.window.plots import Plot, Source
+from sandbox.window.plots import Content, Plot, Source
 from sandbox.window.records import Rows, at_frame, stretches
 from sandbox.window.timespan import TimeSpan
 
@@ -103,43 +104,40 @@ def _heat() -> Array:
     return np.array(rows, dtype=np.uint8)
 
 
-def make_plot(
-    kind: str,
-    rect: pygame.Rect,
-    unit: float,
-    lanes: Sequence[LiveLane],
-    number: int,
-    scales: Scales,
-    history: History,
-    span: TimeSpan,
-    logarithmic: bool,
-) -> Plot:
-    """The plot `kind` of lane `number`."""
-    beads = lanes[number].chain.contacts + 1
-    palette = bead_colours(beads)
-    letter = {"velocities": "v", "overlaps": "δ"}.get(kind, "f")
-    of_beads, of_contacts = (
-        [letter + index(i) for i in range(beads)],
-        [letter + index(i, i + 1) for i in range(beads - 1)],
-    )
-    what = (rect, unit, _title(kind, lanes, number), _axis(kind, scales, number, beads, logarithmic))
-    if kind == "velocities":
-        return Plot(*what, of_beads, palette, Source(history, number, _velocity), span)
-    if kind == "difference" and number == 0:
-        return DifferencePlot(
-            *what, ["Δv" + index(i) for i in range(beads)], palette, Source(history, 0, _velocity), span
-        )
-    if kind == "difference":
-        return DifferencePlot(
-            *what, ["Δ" + name for name in of_contacts], palette[1:], Source(history, 0, _force), span
-        )
-    if kind == "energy":
-        of_energy = [*("E" + index(i) for i in range(beads)), "stored"]
-        return StackPlot(*what, of_energy, (*palette, STEEL), Source(history, number, lambda rows: rows.energies), span)
-    if kind == "strip":
-        return StripPlot(*what, of_contacts, palette[1:], Source(history, number, _force, scales.force), span)
-    source = Source(history, number, _force if kind == "forces" else _overlap)
-    return Plot(*what, of_contacts, palette[1:], source, span)
+@dataclass(frozen=True)
+class Setting:
+    """What plots are made from, whatever their kind."""
+
+    lanes: Sequence[LiveLane]
+    scales: Scales
+    history: History
+    span: TimeSpan
+    logarithmic: bool
+
+    def names(self, lane: int) -> tuple[list[str], list[str]]:
+        """Indices of the beads and of the contacts of a lane."""
+        beads = self.lanes[lane].chain.contacts + 1
+        return [index(i) for i in range(beads)], [index(i, i + 1) for i in range(beads - 1)]
+
+
+def make_plot(kind: str, lane: int, rect: pygame.Rect, unit: float, setting: Setting) -> Plot:
+    """The plot `kind` of lane number `lane`."""
+    made = {"energy": StackPlot, "strip": StripPlot, "difference": DifferencePlot}.get(kind, Plot)
+    beads, contacts = setting.names(lane)
+    palette = bead_colours(len(beads))
+    names, colours, values = {
+        "velocities": (["v" + name for name in beads], palette, _velocity),
+        "forces": (["f" + name for name in contacts], palette[1:], _force),
+        "overlaps": (["δ" + name for name in contacts], palette[1:], _overlap),
+        "energy": ([*("E" + name for name in beads), "stored"], (*palette, STEEL), _energies),
+        "strip": (["f" + name for name in contacts], palette[1:], _force),
+        "difference": (["Δv" + name for name in beads], palette, _velocity)
+        if lane == 0
+        else (["Δf" + name for name in contacts], palette[1:], _force),
+    }[kind]
+    source = Source(setting.history, lane, values, setting.scales.force)
+    content = Content(_title(kind, setting, lane), _axis(kind, setting, lane), names, colours, source)
+    return made(rect, unit, content, setting.span)
 
 
 def _velocity(rows: Rows) -> Array:
@@ -154,34 +152,43 @@ def _overlap(rows: Rows) -> Array:
     return rows.overlap
 
 
-def _title(kind: str, lanes: Sequence[LiveLane], number: int) -> str:
+def _energies(rows: Rows) -> Array:
+    return rows.energies
+
+
+def _title(kind: str, setting: Setting, lane: int) -> str:
     titles = {
         "velocities": "velocity (m/s)",
         "forces": "contact force (N)",
         "overlaps": "overlap (m)",
         "energy": "energy (J): beads, contacts grey",
         "strip": "contact forces, row by row",
-        "difference": "second less first (m/s)" if number == 0 else "second less first (N)",
+        "difference": "second less first (m/s)" if lane == 0 else "second less first (N)",
     }
-    label = lanes[number].label
-    return f"{titles[kind]} · {label}" if len(lanes) > 1 and label and kind != "difference" else titles[kind]
+    label = setting.lanes[lane].label
+    named = len(setting.lanes) > 1 and label and kind != "difference"
+    return f"{titles[kind]} · {label}" if named else titles[kind]
 
 
-def _axis(kind: str, scales: Scales, number: int, beads: int, logarithmic: bool) -> Axis:
-    if kind == "velocities":
-        return linear_axis("", *scales.velocity)
-    if kind == "difference":
-        reach = 0.5 * (max(map(abs, scales.velocity)) if number == 0 else scales.force)
-        return linear_axis("", -reach, reach)
-    if kind == "forces":
-        return linear_axis("", 0.0, scales.force)
-    if kind == "energy":
-        return linear_axis("", 0.0, 1.05 * scales.energy)
+def _axis(kind: str, setting: Setting, lane: int) -> Axis:
+    scales = setting.scales
+    half = 0.5 * (max(map(abs, scales.velocity)) if lane == 0 else scales.force)
+    low, high = {
+        "velocities": scales.velocity,
+        "difference": (-half, half),
+        "forces": (0.0, scales.force),
+        "energy": (0.0, 1.05 * scales.energy),
+        "overlaps": (0.0, 1.1 * (max(map(max, scales.deepest)) or 1.0)),
+        "strip": (0.0, 1.0),
+    }[kind]
     if kind == "strip":
-        step = max(1, (beads - 1 + 4) // 5)
-        rows = range(0, beads - 1, step)
-        return Axis("", float(beads - 1), 0.0, tuple((k + 0.5, index(k, k + 1)) for k in rows))
-    if logarithmic:
+        return _row_axis(setting.names(lane)[1])
+    if kind == "overlaps" and setting.logarithmic:
         return decade_axis("", *scales.decades)
-    deepest = max(max(one) for one in scales.deepest) or 1.0
-    return linear_axis("", 0.0, 1.1 * deepest)
+    return linear_axis("", low, high)
+
+
+def _row_axis(names: Sequence[str]) -> Axis:
+    """A row a contact, the first on top; at most five carry their name."""
+    step = max(1, (len(names) + 4) // 5)
+    return Axis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))

@@ -1,4 +1,4 @@
-"""Live plots: a rectangle each, axes drawn once, curves on a sheet that scrolls with time, a cursor that reads values."""
+"""Live plots: axes drawn once, curves on a sheet that scrolls with time, a cursor that reads values."""
 
 from __future__ import annotations
 
@@ -40,34 +40,33 @@ class Source:
     most: float = 1.0
 
 
+@dataclass(frozen=True)
+class Content:
+    """What a plot shows: a title, the vertical axis, names and colours of the curves, and where they come from."""
+
+    title: str
+    axis: Axis
+    names: Sequence[str]
+    colours: Sequence[Colour]
+    source: Source
+
+
 class Plot:
     """One plot. What is inked depends on the history alone; `paint` adds the cursor.
 
     Arguments:
         rect: of the whole plot; pixels.
         unit: pixels that a pixel of the design is.
-        title: above the axes.
-        axis: the vertical one.
-        names, colours: of the curves.
-        source: of the numbers.
+        content: what it shows.
         span: the time axis, shared by all plots of a page.
     """
 
     marked = True  # whether curves carry markers at the cursor
 
-    def __init__(
-        self,
-        rect: pygame.Rect,
-        unit: float,
-        title: str,
-        axis: Axis,
-        names: Sequence[str],
-        colours: Sequence[Colour],
-        source: Source,
-        span: TimeSpan,
-    ) -> None:
-        self.rect, self.unit, self.title, self.axis = rect, unit, title, axis
-        self.names, self.colours, self.source, self.span = names, colours, source, span
+    def __init__(self, rect: pygame.Rect, unit: float, content: Content, span: TimeSpan) -> None:
+        self.rect, self.unit, self.span = rect, unit, span
+        self.title, self.axis, self.source = content.title, content.axis, content.source
+        self.names, self.colours = content.names, content.colours
         self.area = area_of(rect, unit)
         self.sheet = Sheet(self._ground(), self.ink)
 

@@ -1,7 +1,7 @@
-"""A sheet: what a live plot has inked, in columns of pixels that scroll with time; new columns first, old ones when idle.
+"""A sheet: what a live plot has inked, in columns of pixels that scroll with time; new columns come first.
 
-Columns are counted from t = 0, so scrolling moves pixels and never redraws them. After a change of scale the columns are
-inked again from the newest backwards, a few in each frame: no frame is late because of a plot.
+Columns are counted from t = 0, so scrolling moves pixels and never redraws them. After a change of scale they are inked
+again from the newest backwards, a few in each frame: no frame is late because of a plot.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import pygame
 
 from physics import Chain
@@ -46,6 +47,7 @@ class ShownLane:
     label: str
     velocity: tuple[float, ...]
     row: Chain
+    locked: tuple[bool, ...]
 
     def chain(self) -> Chain:
         """The chain."""
@@ -62,7 +64,12 @@ class ShownScene:
     @classmethod
     def of(cls, lanes: Sequence[LiveLane], view: View) -> ShownScene:
         """A picture of `lanes`."""
-        return cls(tuple(ShownLane(lane.label, tuple(lane.velocity.tolist()), lane.chain) for lane in lanes), view)
+        return cls(tuple(map(_shown, lanes)), view)
+
+
+def _shown(lane: LiveLane) -> ShownLane:
+    locked = tuple(law is not None for law in lane.setup.locked)
+    return ShownLane(lane.label, tuple(lane.velocity.tolist()), lane.chain, locked)
 
 
 class StageView:
@@ -73,7 +80,6 @@ class StageView:
         number: int,
         rects: tuple[pygame.Rect, pygame.Rect, pygame.Rect],
         unit: float,
-        lane: LiveLane,
         scene: ShownScene,
         scales: Scales,
     ) -> None:
@@ -82,9 +88,10 @@ class StageView:
         self.stage = Stage(rects[0], unit, scene, number, scales)
         self.loupes = Loupes(rects[1], unit, self.stage, scales.deepest[number], scales) if rects[1].height else None
         self.shares = Shares(rects[2], unit, self.stage.colours, scales, badges=False) if rects[2].height else None
-        self.locked = tuple(law is not None for law in lane.setup.locked)
-        self.edges: Array = lane.position  # pixels, of the last picture
-        self.contacts: Array = lane.state.overlap
+        lane = scene.lanes[number]
+        self.locked = lane.locked
+        self.edges: Array = np.zeros(lane.row.contacts + 1)  # pixels, of the last picture
+        self.contacts: Array = np.zeros(lane.row.contacts)
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """What stands still."""

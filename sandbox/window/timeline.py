@@ -1,4 +1,4 @@
-"""The timeline: everything that is remembered, frame by frame, with every closing and opening of a contact as a mark."""
+"""The timeline: everything that is remembered, frame by frame; every closing and opening of a contact is a mark."""
 
 from __future__ import annotations
 
@@ -70,9 +70,7 @@ class Timeline:
         """Read new marks now and then, and make room for more frames."""
         history = self.session.history
         count = history.last - history.first
-        if count > self.room:
-            self.room = max(LEAST_FRAMES, round(GROWTH * count))
-        elif count < self.room / (GROWTH * GROWTH):
+        if not self.room / GROWTH**2 <= count <= self.room:
             self.room = max(LEAST_FRAMES, round(GROWTH * count))
         self._age += 1
         changed = (history.blocks[-1], history.blocks[-1].revision, self.room)
