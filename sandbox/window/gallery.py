@@ -14,7 +14,7 @@ from sandbox.window import thumbnails
 from sandbox.window.hanging import NAME as HANGING
 from sandbox.window.hanging import TEXT as HANGING_TEXT
 from sandbox.window.hanging import TITLE as HANGING_TITLE
-from sandbox.window.hanging import thumbnail as hanging_thumbnail
+from sandbox.window.hanging_picture import thumbnail as hanging_thumbnail
 from sandbox.window.page import Host
 from scenes import Scene, load, names
 

@@ -13,10 +13,11 @@ from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
 from sandbox.draw.ink import put_marker
 from sandbox.draw.numbers import MINUS, index
 from sandbox.draw.palette import INK, MUTED, bead_colours
-from sandbox.draw.text import wrapped, write
+from sandbox.draw.text import write
 from sandbox.session.inputs import Input, SetKind, SetMass
 from sandbox.session.kinds import kind_of
 from sandbox.session.session import Session
+from sandbox.window.about import paint_about
 from sandbox.window.keys import hint
 from sandbox.window.page import Host
 from sandbox.window.parameters import Parameter, parameters
@@ -229,7 +230,7 @@ class Inspector:
         if rect.width == 0:
             return
         if self.pick is None:
-            self._about(surface)
+            paint_about(surface, rect, unit, self.session.scene)
             return
         lane = self.session.lanes[self.pick.lane]
         label = f" · {lane.label}" if len(self.session.lanes) > 1 and lane.label else ""
@@ -247,26 +248,6 @@ class Inspector:
             end = write(surface, parameter.name, (rect.left, y), 13 * unit, INK, align=(0, 0.5)).right
             if parameter.unit:
                 write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, MUTED, align=(0, 0.5))
-
-    def _about(self, surface: pygame.Surface) -> None:
-        unit, rect, scene = self.host.unit, self.rect, self.session.scene
-        y = float(rect.top + 4 * unit)
-        write(surface, "About this scene", (rect.left, y), 16 * unit, INK, bold=True)
-        y += 27 * unit
-        for line in wrapped(scene.text, 13 * unit, rect.width):
-            if y > rect.bottom - 80 * unit:
-                break
-            write(surface, line, (rect.left, y), 13 * unit, INK)
-            y += 18.5 * unit
-        y += 6 * unit
-        for line in wrapped(scene.source, 12 * unit, rect.width)[:2]:
-            write(surface, line, (rect.left, y), 12 * unit, MUTED)
-            y += 17 * unit
-        tips = "Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses."
-        y = max(y + 12 * unit, rect.bottom - 66 * unit)
-        for line in wrapped(tips, 12.5 * unit, rect.width):
-            write(surface, line, (rect.left, y), 12.5 * unit, MUTED)
-            y += 18 * unit
 
 
 def _grabbed(slider: UIHorizontalSlider) -> bool:

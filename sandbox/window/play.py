@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import partial
 
 import pygame
-from pygame_gui.elements import UIButton
 
 from sandbox.draw.palette import MUTED, WARNING
 from sandbox.draw.text import write
@@ -19,23 +18,15 @@ from sandbox.window.geometry import Geometry, geometry
 from sandbox.window.hands import Hands
 from sandbox.window.inspector import Inspector
 from sandbox.window.keeping import Keeping
-from sandbox.window.keys import hint
 from sandbox.window.page import Host
 from sandbox.window.scenery import Scenery
 from sandbox.window.stage_view import Pick
 from sandbox.window.timeline import Timeline
+from sandbox.window.toolbar import build_toolbar
 from sandbox.window.transport import Transport
 from sandbox.window.view_keys import ViewKeys
 
 USUAL_PLOTS = ("velocities", "forces", "overlaps")
-TOOLS = (
-    ("save_scene", "Save scene", 92.0),
-    ("save_session", "Save session", 102.0),
-    ("export", "Export", 64.0),
-    ("screenshot", "Screenshot", 86.0),
-    ("film", "Film", 52.0),
-    ("help", "Help", 52.0),
-)
 PREPARING = "preparing the physics: a few seconds, once"
 
 
@@ -153,7 +144,7 @@ class Play:
         self.places: Geometry = geometry(self.host.size, unit, len(self.session.lanes), rows, self.side)
         margin = round(12 * unit)
         side = self.places.side.inflate(-2 * margin, -2 * round(7 * unit)) if self.side else self.places.side
-        self._build_top()
+        self.title_room = build_toolbar(self.host, self.places.top, self.actions, self.leave)
         foot = self.places.foot
         line = pygame.Rect(
             foot.left + 2 * margin, foot.top + round(12 * unit), foot.width - 4 * margin, round(22 * unit)
@@ -163,19 +154,6 @@ class Play:
         self.transport.build(below)
         self.inspector.build(self.cards.build(side))
         self.scenery.rebuild()
-
-    def _build_top(self) -> None:
-        unit, manager, top = self.host.unit, self.host.manager, self.places.top
-        high = round(30 * unit)
-        y = top.centery - high // 2
-        place = pygame.Rect(round(12 * unit), y, round(84 * unit), high)
-        UIButton(place, "← Scenes", manager, tool_tip_text="back to the gallery", command=self.leave)
-        x = top.right - round(12 * unit)
-        for name, text, wide in reversed(TOOLS):
-            x -= round((wide + 5) * unit)
-            place = pygame.Rect(x, y, round(wide * unit), high)
-            UIButton(place, text, manager, tool_tip_text=hint(name), command=self.actions[name])
-        self.title_room = x - round(120 * unit)
 
     # ---- every frame
 

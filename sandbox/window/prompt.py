@@ -62,8 +62,9 @@ class Prompt:
     def close(self) -> None:
         """Give up, or be done."""
         self.open = False
-        for widget in (self.entry, self.yes, self.no):
-            widget.kill()
+        self.entry.kill()
+        self.yes.kill()
+        self.no.kill()
 
     def paint(self, surface: pygame.Surface) -> None:
         """The box, below its widgets."""
