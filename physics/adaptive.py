@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ Array = NDArray[np.float64]
 
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
+KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
 _LOADED: set[str] = set()  # methods whose kernels are in memory
 
 
@@ -29,26 +29,26 @@ def run(problem: Problem) -> Record:
     return run_to_end(problem, _pass)
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FIRST_SWITCHES) -> Record:
+def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FIRST_SWITCHES) -> Record:
     """One run of the kernel; again with a larger book of switches where the first was too small."""
     chain, state = problem.chain, problem.state.copy()
     counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
-    switches = np.zeros(book, dtype=np.int64), np.zeros(book)
-    rows = empty_samples(times.size, chain.contacts)
-    scratch = _scratch(chain.contacts)
+    overlap, rate, anchor, force = empty_samples(times.size, chain.contacts)
+    given, moving, trial = _given(chain, state, problem.method), _moving(state), _trial(chain.contacts)
+    book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), counter)
     began = perf_counter()
     status, time = kernel.integrate(
-        state.time, end, stop, MOST_STEPS, closing_speed(state.velocity(chain)), problem.tolerance, *chain.parameters,
-        *_forces(chain, state), chain.anchor, *_moving(state), *scratch[0], *switches, times, *rows, *scratch[1], counter,
+        state.time, end, stop, MOST_STEPS, closing_speed(state.velocity(chain)), problem.tolerance,
+        given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
     )  # fmt: skip
     seconds = perf_counter() - began
     used = int(counter[kernel.SWITCH])
-    if used > book and book < MOST_SWITCHES:
+    if used > size and size < MOST_SWITCHES:
         return _pass(problem, end, times, stop, min(4 * used, MOST_SWITCHES))
     state.time = time
-    kept = min(used, book)
+    kept = min(used, size)
     return Record(
-        times, *rows, switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
+        times, overlap, rate, anchor, force, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
         int(counter[kernel.EVALUATION]), seconds, _warnings(problem, status, time, counter, kept),
     )  # fmt: skip
 
@@ -72,36 +72,51 @@ def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.in
 
 def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float) -> None:
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
-    marks, scratch, counter = state.work.get("adaptive") or state.work.setdefault(
-        "adaptive", (*_scratch(chain.contacts), np.zeros(kernel.COUNTERS, dtype=np.int64))
-    )
-    counter[:] = 0
+    trial, book, samples = state.work.get("adaptive") or state.work.setdefault("adaptive", _live(chain.contacts))
+    book.counter[:] = 0
     end = state.time + duration
     kernel.integrate(
-        state.time, end, False, MOST_STEPS, closing_speed(state.velocity(chain)), tolerance, *chain.parameters,
-        *_forces(chain, state), chain.anchor, *_moving(state), *marks, *_NO_BOOK, NO_TIMES,
-        *empty_samples(0, chain.contacts), *scratch, counter,
+        state.time, end, False, MOST_STEPS, closing_speed(state.velocity(chain)), tolerance,
+        _given(chain, state, method), _moving(state), trial, samples, book,
     )  # fmt: skip
     state.time = end
 
 
-_NO_BOOK = np.zeros(0, dtype=np.int64), np.zeros(0)
+def _given(chain: Chain, state: State, method: str) -> kernel.Given:
+    """What does not move; forces from outside also as accelerations (n+1,) of the overlaps and of the anchor."""
+    law, inverse_mass = chain.parameters
+    push = state.external(chain)
+    if push is None:
+        return kernel.Given(law, inverse_mass, NO_TIMES, NO_TIMES, chain.anchor, KIND[method])
+    acceleration = push * inverse_mass
+    external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
+    return kernel.Given(law, inverse_mass, push, external, chain.anchor, KIND[method])
 
 
-def _forces(chain: Chain, state: State) -> tuple[Array, Array]:
-    """External forces (n+1,), and the accelerations (n+1,) of the overlaps and of the anchor by them; or none."""
-    if state.push is None:
-        return NO_TIMES, NO_TIMES
-    acceleration = state.push * chain.parameters.inverse_mass
-    return state.push, np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
+def _moving(state: State) -> kernel.Moving:
+    marks = np.zeros(state.overlap.size, dtype=np.int8), np.zeros(state.overlap.size, dtype=np.int8)
+    return kernel.Moving(state.overlap, state.rate, state.anchor, state.force, *marks)
 
 
-def _moving(state: State) -> tuple[Array, Array, Array, Array]:
-    return state.overlap, state.rate, state.anchor, state.force
+def _trial(contacts: int) -> kernel.Trial:
+    stages = [np.zeros((3, contacts)) for _ in range(6)]
+    return kernel.Trial(
+        overlap=stages[0],
+        rate=stages[1],
+        force=stages[2],
+        anchor=np.zeros(2),
+        along=stages[3],
+        across=stages[4],
+        z=stages[5],
+        block=np.zeros((contacts, 9)),
+        past=np.zeros((8, contacts)),
+        acceleration=np.zeros((12, contacts)),
+        of_anchor=np.zeros(12),
+        work=np.zeros((16, contacts + 1)),
+    )
 
 
-def _scratch(contacts: int) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Mode and held flags of the contacts; stage, block and work arrays."""
-    marks = np.zeros(contacts, dtype=np.int8), np.zeros(contacts, dtype=np.int8)
-    stages = tuple(np.zeros((3, contacts)) for _ in range(6))
-    return marks, (*stages, np.zeros((contacts, 9)), np.zeros((16, contacts)), np.zeros((16, contacts + 1)))
+def _live(contacts: int) -> tuple[kernel.Trial, kernel.Book, kernel.Samples]:
+    """Scratch memory of `advance`: no book of switches, no samples."""
+    book = kernel.Book(np.zeros(0, dtype=np.int64), NO_TIMES, np.zeros(kernel.COUNTERS, dtype=np.int64))
+    return _trial(contacts), book, kernel.Samples(NO_TIMES, *empty_samples(0, contacts))

@@ -32,6 +32,8 @@ METHODS: tuple[Method, ...] = (
     Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs"),
     Method("conserving", 2, False, True, "physics.fixed_step", "discrete gradient: energy exact at any step"),
     Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law"),
+    Method("dop853", 8, True, True, "physics.adaptive", "explicit, adaptive, for contacts that are not soft"),
+    Method("accurate", 8, True, True, "physics.adaptive", "dop853 where no contact is stiff, radau where one is"),
     Method("pymunk", 1, False, False, "physics.space", "bodies in a pymunk Space; the digits of euler"),
     Method("scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches"),
 )

@@ -1,4 +1,4 @@
-"""The loop around `radau`: step sizes, events, samples, the end of a collision.
+"""The loop around `radau` and `dop853`: step sizes, events, samples, the end of a collision.
 
 Steps grade themselves into the singular times of soft contacts (onset, loss) by factors of up to 8. A sample inside a
 step is one shorter step of the method from the start of that step, so it has the step's own accuracy, forces included.
@@ -7,13 +7,19 @@ step is one shorter step of the method from the start of that step, so it has th
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from physics.kernels.conserving import conserving_step
+from physics.kernels.dop853 import dop853_step, window
 from physics.kernels.jit import jit
 from physics.kernels.march import DONE, FAILED, OUT_OF_STEPS, SEPARATED
 from physics.kernels.modes import CLOSES, NOTHING, OPENS, YIELDS, continued, find_event, miss_of, set_modes
 from physics.kernels.radau import (
     LOADED,
+    MOST_NEWTON,
     OPEN,
     TOUCHING,
     embedded_errors,
@@ -25,288 +31,439 @@ from physics.kernels.radau import (
     stage_rates,
 )
 
-# entries of the counter array: evaluations of all contacts, rejected steps, steps, sample rows, switches, events, rescues
-EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, EVENT, RESCUE = 0, 1, 2, 3, 4, 5, 6
-COUNTERS = 7
+Array = NDArray[np.float64]
 
-GROW, SHRINK, SAFETY = 8.0, 0.1, 0.9
+RADAU, DOP853, ACCURATE = 0, 1, 2  # which step is taken: the last is dop853 where the contacts are not stiff
+
+# entries of the counter array: evaluations of all contacts, rejected steps, steps, sample rows, switches, rescues
+EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, RESCUE = 0, 1, 2, 3, 4, 5
+COUNTERS = 6
+
 TOLERANCE_PART = 0.25  # of the tolerance: to this each step is held
-RATIO = 3.0  # error taken = fine error times this times fine over coarse
-NEWTON_PART = 1e-2  # of the tolerance: to this the stages are solved
-SLOW_PART = 1e-2  # of the tolerance: a contact with preload that arrives at d = 0 slower than this rests there
+RATIO = 3.0  # error taken of radau = fine error times this times fine over coarse
+NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
+SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
+GROW, SHRINK, SAFETY = 8.0, 0.1, 0.9
+STIFF = 1.0  # (step times local frequency)², above which a soft contact is left to radau
 LANDING_TRIES = 12
-MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
 LANDED = 1e-13  # of the step: an event is hit
+MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
+
+
+class Given(NamedTuple):
+    """What does not move: contact laws (n, 3), inverse masses (n+1,), forces from outside (n+1,) and accelerations of
+    the overlaps and the anchor by them (n+1,) or both (0,), the anchor bead, the kind of step."""
+
+    law: Array
+    inverse_mass: Array
+    push: Array
+    external: Array
+    anchor_bead: int
+    kind: int
+
+
+class Moving(NamedTuple):
+    """What moves: overlaps, rates, forces (n,), anchor (2,), modes (n,), flags of modes held at an event (n,)."""
+
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+    mode: NDArray[np.int8]
+    held: NDArray[np.int8]
+
+
+class Trial(NamedTuple):
+    """A step tried: overlaps, rates, forces at its three output nodes (3, n), the anchor at its end (2,), scratch."""
+
+    overlap: Array
+    rate: Array
+    force: Array
+    anchor: Array
+    along: Array  # (3, n)
+    across: Array  # (3, n)
+    z: Array  # (3, n)
+    block: Array  # (n, 9)
+    past: Array  # (8, n) forces and overlaps of the step before
+    acceleration: Array  # (12, n)
+    of_anchor: Array  # (12,)
+    work: Array  # (16, n+1)
+
+
+class Samples(NamedTuple):
+    """Times (T,) at which samples are wanted, and their rows (T, n), the anchor's (T, 2)."""
+
+    time: Array
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+
+
+class Book(NamedTuple):
+    """Contact switches: which (S,), when (S,); counters."""
+
+    contact: NDArray[np.int64]
+    time: Array
+    counter: NDArray[np.int64]
 
 
 @jit
-def onset_step(law, inverse_mass, i, speed, tolerance):
-    """First step after contact i closes at `speed`: its impulse L K (v h)**a h / (1+a) is the tolerance; inf if smooth."""
-    exponent = law[i, 2]
-    if exponent == 1.0 or law[i, 1] == 0.0 or speed <= 0.0:
+def note(contact, time, book):
+    """Write one contact switch into the book."""
+    k = book.counter[SWITCH]
+    if k < book.contact.size:
+        book.contact[k], book.time[k] = contact, time
+    book.counter[SWITCH] = k + 1
+
+
+@jit
+def note_changes(before, time, given, moving, book):
+    """Write the contacts whose mode, `before` (n,), has changed between open and closed."""
+    for i in range(moving.mode.size):
+        if (before[i] != OPEN) != (moving.mode[i] != OPEN):
+            note(i, time, book)
+
+
+@jit
+def onset_step(given, i, speed, wanted):
+    """First step after contact i closes at `speed`: its impulse L K (v h)**a h / (1+a) is the error; inf if smooth."""
+    exponent, stiffness = given.law[i, 2], given.law[i, 1]
+    if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
         return math.inf
-    weight = (inverse_mass[i] + inverse_mass[i + 1]) * law[i, 1] * speed**exponent
-    return ((1.0 + exponent) * tolerance / weight) ** (1.0 / (1.0 + exponent))
+    weight = (given.inverse_mass[i] + given.inverse_mass[i + 1]) * stiffness * speed**exponent
+    return ((1.0 + exponent) * wanted / weight) ** (1.0 / (1.0 + exponent))
 
 
 @jit
-def opening_limit(h, law, inverse_mass, mode, overlap, rate, force, tolerance):
-    """The step that ends just before a soft contact opens, unless what it still pushes is below the tolerance."""
-    for i in range(mode.size):
-        if mode[i] != LOADED or law[i, 2] >= 1.0 or overlap[i] <= 0.0 or rate[i] >= 0.0:
+def first_step(given, moving, scale):
+    """A step to begin with where no onset gives one: a hundredth of the fastest local period or crossing."""
+    fastest = 0.0
+    for i in range(moving.mode.size):
+        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
+        preload, stiffness, exponent = given.law[i, 0], given.law[i, 1], given.law[i, 2]
+        if moving.mode[i] == LOADED and moving.overlap[i] > 0.0:
+            slope = slope_at(preload, stiffness, exponent, moving.overlap[i], moving.force[i])
+            fastest = max(fastest, math.sqrt(weight * slope))
+        if moving.mode[i] != OPEN:
+            push = max(moving.force[i], preload)
+            fastest = max(fastest, weight * push / scale, 1e-3 * math.sqrt(weight * stiffness))
+        if given.external.size:
+            fastest = max(fastest, abs(given.external[i]) / scale)
+    return 0.01 / fastest if fastest > 0.0 else 1.0
+
+
+@jit
+def opening_limit(h, given, moving, wanted):
+    """The step that ends just before a soft contact opens, unless what it still pushes is below the error."""
+    for i in range(moving.mode.size):
+        overlap, rate = moving.overlap[i], moving.rate[i]
+        if moving.mode[i] != LOADED or given.law[i, 2] >= 1.0 or overlap <= 0.0 or rate >= 0.0:
             continue
-        left = -overlap[i] / rate[i]
-        weight = inverse_mass[i] + inverse_mass[i + 1]
-        stiff = left * left * weight * slope_at(law[i, 0], law[i, 1], law[i, 2], overlap[i], force[i])
-        if left < h and stiff < 4.0 and weight * force[i] * left > 0.05 * tolerance:
+        left = -overlap / rate
+        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
+        slope = slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], overlap, moving.force[i])
+        if left < h and left * left * weight * slope < 4.0 and weight * moving.force[i] * left > 0.05 * wanted:
             h = 0.9 * left
     return h
 
 
 @jit
-def book(contact, time, switch_contact, switch_time, counter):
-    """Write one contact switch into the book."""
-    k = counter[SWITCH]
-    if k < switch_contact.size:
-        switch_contact[k], switch_time[k] = contact, time
-    counter[SWITCH] = k + 1
+def explicit_fits(h, given, moving):
+    """True where dop853 takes the step: no soft contact is stiff in it."""
+    if given.kind != ACCURATE:
+        return given.kind == DOP853
+    for i in range(moving.mode.size):
+        if moving.mode[i] == LOADED and given.law[i, 2] < 1.0:
+            if moving.overlap[i] <= 0.0:
+                return False
+            slope = slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], moving.overlap[i], moving.force[i])
+            if h * h * (given.inverse_mass[i] + given.inverse_mass[i + 1]) * slope > STIFF:
+                return False
+    return True
 
 
 @jit
-def try_step(
-    h, law, inverse_mass, external, mode, overlap, rate, force, precision, past_step, past,
-    stage_overlap, stage_rate, stage_force, along, across, block, z, counter,
-):  # fmt: skip
-    """Solve the stages of one step; False where Newton does not converge."""
-    first_guess(h, law, inverse_mass, mode, overlap, rate, force, past_step, past, stage_overlap, stage_force)
-    used = solve_stages(
-        h, law, inverse_mass, external, mode, overlap, rate, precision, stage_overlap, stage_force, along, across, block, z
+def attempt(h, explicit, given, moving, precision, past_step, trial, book):
+    """Try one step; returns its error as a velocity [m/s], negative where Newton does not converge."""
+    if explicit:
+        first, last = window(moving.mode, moving.overlap, moving.rate, moving.force, given.external)
+        book.counter[EVALUATION] += 15
+        return dop853_step(
+            h, given.law, given.inverse_mass, given.external, given.anchor_bead, moving.mode, moving.overlap, moving.rate,
+            moving.anchor, trial.overlap, trial.rate, trial.force, first, last, trial.acceleration, trial.of_anchor,
+            trial.z[0], trial.z[1], trial.z[2], trial.anchor,
+        )  # fmt: skip
+    first_guess(
+        h, given.law, given.inverse_mass, moving.mode, moving.overlap, moving.rate, moving.force, past_step, trial.past,
+        trial.overlap, trial.force,
     )  # fmt: skip
-    counter[EVALUATION] += 3 * (used if used > 0 else 15)
+    used = solve_stages(
+        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, precision,
+        trial.overlap, trial.force, trial.along, trial.across, trial.block, trial.z,
+    )  # fmt: skip
+    book.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
     if used == 0:
-        return False
-    stage_rates(h, inverse_mass, external, overlap, rate, stage_overlap, stage_force, stage_rate)
+        return -1.0
+    stage_rates(h, given.inverse_mass, given.external, moving.overlap, moving.rate, trial.overlap, trial.force, trial.rate)
+    move_anchor(
+        h, given.inverse_mass, given.external, given.anchor_bead, trial.force, moving.anchor, trial.anchor
+    )  # fmt: skip
+    fine, coarse = embedded_errors(
+        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
+        trial.overlap, trial.rate, trial.force, trial.work[0], trial.work[1], trial.work[2],
+    )  # fmt: skip
+    return fine * min(1.0, RATIO * fine / max(coarse, 1e-300))
+
+
+@jit
+def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps):
+    """Find the step that holds the error and ends at the first event in it, if any.
+
+    Returns its length (0: Newton does not settle, or out of steps), error, and the contact and kind of the event.
+    """
+    landing, kind, tries, failures, ceiling = -1, NOTHING, 0, 0, h
+    while book.counter[STEP] + book.counter[REJECTED] < most_steps:
+        error = attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book)
+        if error < 0.0 or not math.isfinite(error):
+            book.counter[REJECTED] += 1
+            failures += 1
+            landing, h = -1, 0.25 * h
+            if failures > MOST_FAILURES or time + h <= time:
+                return 0.0, 0.0, -1, NOTHING
+            continue
+        found, its_kind, part = find_event(
+            given.law, moving.mode, landing, moving.overlap, moving.rate, moving.force, trial.overlap, trial.rate, trial.force
+        )  # fmt: skip
+        if landing >= 0:
+            miss = miss_of(given.law, moving.mode, landing, kind, h, trial.overlap, trial.rate, trial.force)
+            if tries < LANDING_TRIES and found >= 0 and part * h < h + min(miss, 0.0):
+                landing, kind, h = found, its_kind, part * h
+                tries += 1
+                continue
+            if tries < LANDING_TRIES and abs(miss) > LANDED * h and time + miss != time:
+                h = min(max(h + miss, 0.1 * h), ceiling)
+                tries += 1
+                continue
+        elif found >= 0 and tries < LANDING_TRIES:
+            landing, kind, ceiling = found, its_kind, h
+            h = max(part * h, 1e-15 * (abs(time) + h))
+            continue
+        if error <= wanted or time + h <= time:
+            return h, error, landing, kind
+        book.counter[REJECTED] += 1
+        h *= max(SHRINK, SAFETY * (wanted / error) ** (0.125 if explicit else 0.2))
+        landing = -1
+    return 0.0, 0.0, -1, NOTHING
+
+
+@jit
+def sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book):
+    """Samples within the step to come, each a shorter step; the trial of the whole step is lost. False if one fails."""
+    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
+        k = book.counter[SAMPLE]
+        if attempt(samples.time[k] - time, explicit, given, moving, precision, past_step, trial, book) < 0.0:
+            return False
+        for i in range(moving.mode.size):
+            samples.overlap[k, i], samples.rate[k, i] = trial.overlap[2, i], trial.rate[2, i]
+            samples.force[k, i] = max(trial.force[2, i], 0.0)
+        samples.anchor[k, 0], samples.anchor[k, 1] = trial.anchor[0], trial.anchor[1]
+        book.counter[SAMPLE] += 1
     return True
 
 
 @jit
-def resting(law, mode, overlap, rate, force, negligible):
+def sample_flight(time, until, given, moving, samples, book):
+    """Samples from `time` to `until` while nothing pushes; at `time` itself also while something does."""
+    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] <= until:
+        k = book.counter[SAMPLE]
+        beyond = samples.time[k] - time
+        for i in range(moving.mode.size):
+            samples.overlap[k, i] = moving.overlap[i] + beyond * moving.rate[i]
+            samples.rate[k, i], samples.force[k, i] = moving.rate[i], max(moving.force[i], 0.0)
+        samples.anchor[k, 0], samples.anchor[k, 1] = moving.anchor[0] + beyond * moving.anchor[1], moving.anchor[1]
+        book.counter[SAMPLE] += 1
+
+
+@jit
+def resting(given, moving, negligible):
     """True where no contact pushes."""
-    for i in range(mode.size):
-        if mode[i] == LOADED and (overlap[i] > 0.0 or rate[i] > negligible):
+    for i in range(moving.mode.size):
+        if moving.mode[i] == LOADED and (moving.overlap[i] > 0.0 or moving.rate[i] > negligible):
             return False
-        if mode[i] == TOUCHING and force[i] > 1e-11 * law[i, 0]:
+        if moving.mode[i] == TOUCHING and moving.force[i] > 1e-11 * given.law[i, 0]:
             return False
-    return True
+    return given.external.size == 0
 
 
 @jit
-def integrate(
-    start, end, stop, most_steps, scale, tolerance, law, inverse_mass, push, external, anchor_bead,
-    overlap, rate, anchor, force, mode, held, switch_contact, switch_time,
-    sample_time, sample_overlap, sample_rate, sample_anchor, sample_force,
-    stage_overlap, stage_rate, stage_force, along, across, z, block, past, work, counter,
-):  # fmt: skip
+def set_all_modes(given, moving, slow, trial):
+    """`set_modes` of the state as it stands."""
+    set_modes(
+        given.law, given.inverse_mass, given.external, slow, moving.mode, moving.overlap, moving.rate, moving.force,
+        moving.held, trial.work,
+    )  # fmt: skip
+
+
+@jit
+def keep(h, given, moving, trial):
+    """Keep the trial: its end becomes the state, its stages the guess for the next step."""
+    past = trial.past
+    for i in range(moving.mode.size):
+        past[0, i], past[4, i] = moving.force[i], moving.overlap[i]
+        for k in range(3):
+            past[1 + k, i], past[5 + k, i] = trial.force[k, i], trial.overlap[k, i]
+        moving.overlap[i], moving.rate[i], moving.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
+        moving.held[i] = 0
+        if moving.mode[i] == TOUCHING:
+            moving.rate[i] = 0.0
+    moving.anchor[0], moving.anchor[1] = trial.anchor[0], trial.anchor[1]
+
+
+@jit
+def open_passed(time, h, landing, given, moving, slow, book):
+    """Open the contacts that the step has carried past d = 0; returns True where there are any."""
+    any_passed = False
+    for i in range(moving.mode.size):
+        if i == landing or continued(given.law, i) and moving.mode[i] == LOADED:
+            continue
+        if moving.mode[i] == OPEN and moving.overlap[i] > 0.0:  # an event that could not be hit
+            moving.mode[i] = LOADED
+            note(i, time, book)
+        elif moving.mode[i] == LOADED and moving.overlap[i] < 0.0:
+            any_passed = True
+            moving.force[i] = 0.0
+            drive = given.external[i] if given.external.size else 0.0
+            if abs(moving.rate[i]) > slow or flow_into(i, given.inverse_mass, moving.force) > drive:
+                moving.mode[i] = OPEN
+                back = moving.overlap[i] / moving.rate[i] if moving.rate[i] < 0.0 else 0.0
+                note(i, time - min(back, h), book)
+            else:  # pushed from both sides, or not at all, and slower than what counts: it stays
+                moving.overlap[i], moving.rate[i] = 0.0, 0.0
+    return any_passed
+
+
+@jit
+def switch(time, landing, kind, given, moving, slow, trial, book):
+    """Carry out the event of contact `landing`; the forces of all that touch are found anew."""
+    before = trial.z[0]
+    for i in range(moving.mode.size):
+        before[i] = moving.mode[i]
+    before[landing] = OPEN if kind == CLOSES else LOADED
+    if moving.mode[landing] != TOUCHING:
+        moving.overlap[landing] = 0.0
+    elif kind == YIELDS:
+        moving.mode[landing], moving.held[landing] = LOADED, 1
+    elif kind == OPENS:
+        moving.mode[landing], moving.held[landing] = OPEN, 1
+    set_all_modes(given, moving, slow, trial)
+    note_changes(before, time, given, moving, book)
+
+
+@jit
+def rescue(time, h, given, moving, slow, trial, book):
+    """One small step of `conserving`, where Newton does not settle."""
+    before = trial.z[0]
+    for i in range(moving.mode.size):
+        before[i] = moving.mode[i]
+        moving.held[i] = 0
+    book.counter[EVALUATION] += abs(
+        conserving_step(
+            h, given.law, given.inverse_mass, given.push, given.anchor_bead, moving.overlap, moving.rate, moving.anchor,
+            moving.force, trial.work,
+        )  # fmt: skip
+    )
+    book.counter[STEP] += 1
+    book.counter[RESCUE] += 1
+    set_all_modes(given, moving, slow, trial)
+    note_changes(before, time + h, given, moving, book)
+
+
+@jit
+def fly(time, end, given, moving, negligible, samples, book):
+    """Free flight to the first closing or to `end`. Returns the time and the contact that closes (-1: none, ever)."""
+    flight, closing = math.inf, -1
+    for i in range(moving.mode.size):
+        if moving.rate[i] > negligible and -moving.overlap[i] / moving.rate[i] < flight:
+            flight, closing = -moving.overlap[i] / moving.rate[i], i
+    until = min(time + flight, end)
+    if until == math.inf:
+        return time, -1
+    sample_flight(time, until, given, moving, samples, book)
+    for i in range(moving.mode.size):
+        moving.overlap[i] += (until - time) * moving.rate[i]
+        moving.held[i] = 0
+    moving.anchor[0] += (until - time) * moving.anchor[1]
+    return until, closing
+
+
+@jit
+def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, trial, samples, book):
     """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the state is moved in place.
 
-    `scale` is the velocity [m/s] that `tolerance` is relative to; `external` (n+1,) accelerations e_i of the overlaps
-    and of the anchor, or (0,). Returns the status and the time reached.
+    `scale` is the velocity [m/s] that `tolerance` is relative to. Returns the status and the time reached.
     """
-    n = overlap.size
+    n = moving.mode.size
     wanted = TOLERANCE_PART * tolerance * scale
-    precision, slow, negligible = NEWTON_PART * wanted, SLOW_PART * wanted, 1e-15 * scale
-    time = start
+    slow, negligible = SLOW_PART * wanted, 1e-15 * scale
+    time, h_next = start, math.inf
     last_step, last_error, past_step = 0.0, wanted, 0.0
-    set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)
-    h_next = math.inf
     for i in range(n):
-        if mode[i] != OPEN:
-            book(i, time, switch_contact, switch_time, counter)
-            if mode[i] == LOADED and overlap[i] == 0.0:
-                h_next = min(h_next, onset_step(law, inverse_mass, i, max(rate[i], 0.0), wanted))
+        moving.held[i] = 0
+    set_all_modes(given, moving, slow, trial)
+    for i in range(n):
+        if moving.mode[i] != OPEN:
+            note(i, time, book)
+            if moving.mode[i] == LOADED and moving.overlap[i] == 0.0:
+                h_next = min(h_next, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
     while True:
-        while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] <= time:
-            k = counter[SAMPLE]
-            for i in range(n):
-                sample_overlap[k, i], sample_rate[k, i], sample_force[k, i] = overlap[i], rate[i], max(force[i], 0.0)
-            sample_anchor[k, 0], sample_anchor[k, 1] = anchor[0], anchor[1]
-            counter[SAMPLE] += 1
+        sample_flight(time, time, given, moving, samples, book)
         if time >= end:
             return DONE, end
-        if counter[STEP] + counter[REJECTED] >= most_steps:
+        if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
             return OUT_OF_STEPS, time
-        if external.size == 0 and resting(law, mode, overlap, rate, force, negligible):
-            flight, closing = math.inf, -1
-            for i in range(n):
-                if rate[i] > negligible and -overlap[i] / rate[i] < flight:
-                    flight, closing = -overlap[i] / rate[i], i
-            if stop and closing < 0:
+        if resting(given, moving, negligible):
+            time, closing = fly(time, math.inf if stop else end, given, moving, negligible, samples, book)
+            if closing < 0 and stop:
                 return SEPARATED, time
-            until = min(time + flight, end)
-            while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] <= until:
-                k = counter[SAMPLE]
-                beyond = sample_time[k] - time
-                for i in range(n):
-                    sample_overlap[k, i], sample_rate[k, i] = overlap[i] + beyond * rate[i], rate[i]
-                    sample_force[k, i] = 0.0
-                sample_anchor[k, 0], sample_anchor[k, 1] = anchor[0] + beyond * anchor[1], anchor[1]
-                counter[SAMPLE] += 1
-            for i in range(n):
-                overlap[i] += (until - time) * rate[i]
-                held[i] = 0
-            anchor[0] += (until - time) * anchor[1]
-            time = until
-            if closing >= 0 and until < end:
-                overlap[closing] = 0.0
-                book(closing, time, switch_contact, switch_time, counter)
-                set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)
-                h_next = onset_step(law, inverse_mass, closing, rate[closing], wanted)
-                counter[EVENT] += 1
-            if time >= end:
+            if closing < 0 or time >= end:
                 continue
-        h = opening_limit(min(h_next, end - time), law, inverse_mass, mode, overlap, rate, force, wanted)
+            moving.overlap[closing] = 0.0
+            note(closing, time, book)
+            set_all_modes(given, moving, slow, trial)
+            h_next, past_step, last_step = onset_step(given, closing, moving.rate[closing], wanted), 0.0, 0.0
+        h = opening_limit(min(h_next, end - time), given, moving, wanted)
         if not math.isfinite(h):
-            h = first_step(law, inverse_mass, external, mode, overlap, rate, force, scale)
-        landing, kind, tries, error, ceiling = -1, NOTHING, 0, 0.0, h
-        failures = 0
-        while True:
-            if counter[STEP] + counter[REJECTED] >= most_steps:
+            h = first_step(given, moving, scale)
+        explicit = explicit_fits(h, given, moving)
+        h, error, landing, kind = settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps)
+        if h == 0.0:
+            if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
-            if not try_step(
-                h, law, inverse_mass, external, mode, overlap, rate, force, precision, past_step, past,
-                stage_overlap, stage_rate, stage_force, along, across, block, z, counter,
-            ):  # fmt: skip
-                counter[REJECTED] += 1
-                landing, h = -1, 0.25 * h
-                failures += 1
-                if failures > MOST_FAILURES or time + h <= time:
-                    break
-                continue
-            found, its_kind, part = find_event(law, mode, landing, overlap, force, stage_overlap, stage_force, 1.0)
-            if landing >= 0:
-                miss = miss_of(law, mode, landing, kind, h, overlap, force, stage_overlap, stage_rate, stage_force)
-                if found >= 0 and part * h < h + min(miss, 0.0) and tries < LANDING_TRIES:
-                    landing, kind, h = found, its_kind, part * h
-                    tries += 1
-                    continue
-                if abs(miss) > LANDED * h and tries < LANDING_TRIES and time + miss != time:
-                    h = min(max(h + miss, 0.1 * h), ceiling)
-                    tries += 1
-                    continue
-            elif found >= 0 and tries < LANDING_TRIES:
-                landing, kind, ceiling = found, its_kind, h
-                h = max(part * h, 1e-15 * (abs(time) + h))
-                continue
-            fine, coarse = embedded_errors(
-                h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force,
-                work[0], work[1], work[6],
-            )  # fmt: skip
-            error = fine * min(1.0, RATIO * fine / max(coarse, 1e-300))
-            if error > wanted and time + h > time:
-                counter[REJECTED] += 1
-                h *= max(SHRINK, SAFETY * (wanted / error) ** 0.2)
-                landing = -1
-                continue
-            break
-        if failures > MOST_FAILURES or time + h <= time:  # Newton does not settle: one small step of `conserving`
-            h = min(max(h, 1e-15 * abs(time)), end - time)
-            counter[EVALUATION] += abs(
-                conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work)
-            )
-            counter[STEP] += 1
-            counter[RESCUE] += 1
+            h = min(end - time, max(1e-4 * min(h_next, scale), 4e-16 * abs(time), 1e-15))
+            rescue(time, h, given, moving, slow, trial, book)
             time = time + h if h < end - time else end
-            for i in range(n):
-                held[i] = 0
-                z[0, i] = mode[i]
-            set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)
-            for i in range(n):
-                if (z[0, i] != OPEN) != (mode[i] != OPEN):
-                    book(i, time, switch_contact, switch_time, counter)
             h_next, last_step, past_step = 4.0 * h, 0.0, 0.0
             continue
-        grow = min(GROW, SAFETY * (wanted / max(error, 1e-300)) ** 0.2)
+        power = 0.125 if explicit else 0.2
+        grow = min(GROW, SAFETY * (wanted / max(error, 1e-300)) ** power)
         if h < last_step and landing < 0:  # steps that shrink go on shrinking (Gustafsson)
-            grow = min(grow, SAFETY * (h / last_step) * (wanted * last_error / max(error * error, 1e-300)) ** 0.2)
+            grow = min(grow, SAFETY * (h / last_step) * (wanted * last_error / max(error * error, 1e-300)) ** power)
         last_step, last_error = (h, max(error, 1e-3 * wanted)) if landing < 0 else (0.0, wanted)
         h_next = max(h_next, h * grow) if landing >= 0 and math.isfinite(h_next) else h * grow
-        # samples need the stages, so what the step found is kept first
-        for i in range(n):
-            work[2, i], work[3, i], work[4, i] = stage_overlap[2, i], stage_rate[2, i], stage_force[2, i]
-            past[8, i] = force[i]
-            for k in range(3):
-                past[9 + k, i], past[13 + k, i] = stage_force[k, i], stage_overlap[k, i]
-            past[12, i] = overlap[i]
-        move_anchor(h, inverse_mass, external, anchor_bead, stage_force, anchor, work[5])
-        while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] < time + h:
-            k = counter[SAMPLE]
-            beyond = sample_time[k] - time
-            if not try_step(
-                beyond, law, inverse_mass, external, mode, overlap, rate, force, precision, past_step, past,
-                stage_overlap, stage_rate, stage_force, along, across, block, z, counter,
-            ):  # fmt: skip
+        if book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
+            if not sample_inside(
+                time, h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, samples, book
+            ) or attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book) < 0.0:  # fmt: skip
                 return FAILED, time
-            for i in range(n):
-                sample_overlap[k, i], sample_rate[k, i] = stage_overlap[2, i], stage_rate[2, i]
-                sample_force[k, i] = max(stage_force[2, i], 0.0)
-            move_anchor(beyond, inverse_mass, external, anchor_bead, stage_force, anchor, sample_anchor[k])
-            counter[SAMPLE] += 1
+        keep(h, given, moving, trial)
         time = time + h if h < end - time else end
-        counter[STEP] += 1
-        for i in range(n):
-            overlap[i], rate[i], force[i] = work[2, i], work[3, i], work[4, i]
-            held[i] = 0
-            for k in range(8):
-                past[k, i] = past[8 + k, i]
-        for i in range(n):
-            if mode[i] == TOUCHING:
-                rate[i] = 0.0
-            elif mode[i] == OPEN and overlap[i] > 0.0 and i != landing:  # an event that could not be hit
-                mode[i] = LOADED
-                book(i, time, switch_contact, switch_time, counter)
-            elif mode[i] == LOADED and overlap[i] < 0.0 and i != landing and not continued(law, i):
-                last_step, force[i] = 0.0, 0.0
-                if abs(rate[i]) > slow or flow_into(i, inverse_mass, force) > (external[i] if external.size else 0.0):
-                    mode[i] = OPEN
-                    back = overlap[i] / rate[i] if rate[i] < 0.0 else 0.0
-                    book(i, time - min(back, h), switch_contact, switch_time, counter)
-                else:  # pushed from both sides, or not at all, and slower than what counts: it stays
-                    overlap[i], rate[i] = 0.0, 0.0
         past_step = h
-        anchor[0], anchor[1] = work[5, 0], work[5, 1]
+        book.counter[STEP] += 1
+        if open_passed(time, h, landing, given, moving, slow, book):
+            last_step = 0.0
         if landing >= 0:
             past_step = 0.0
-            counter[EVENT] += 1
-            i = landing
-            if mode[i] != TOUCHING:
-                overlap[i] = 0.0
-            if kind == YIELDS:
-                mode[i], held[i] = LOADED, 1
-            elif kind == OPENS and mode[i] == TOUCHING:
-                mode[i], held[i] = OPEN, 1
             if kind == CLOSES:
-                h_next = min(h_next, onset_step(law, inverse_mass, i, rate[i], wanted))
-            for j in range(n):
-                z[0, j] = mode[j]
-            set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, held, work)
-            for j in range(n):
-                before = z[0, j] != OPEN
-                if j == landing:
-                    before = kind != CLOSES
-                if before != (mode[j] != OPEN):
-                    book(j, time, switch_contact, switch_time, counter)
-
-
-@jit
-def first_step(law, inverse_mass, external, mode, overlap, rate, force, scale):
-    """A step to begin with where no onset gives one: a hundredth of the fastest local period or crossing."""
-    fastest = 0.0
-    for i in range(mode.size):
-        weight = inverse_mass[i] + inverse_mass[i + 1]
-        if mode[i] == LOADED and overlap[i] > 0.0:
-            fastest = max(fastest, math.sqrt(weight * slope_at(law[i, 0], law[i, 1], law[i, 2], overlap[i], force[i])))
-        if mode[i] != OPEN:
-            fastest = max(fastest, weight * max(force[i], law[i, 0]) / scale, math.sqrt(weight * law[i, 1]) * 1e-3)
-        if external.size:
-            fastest = max(fastest, abs(external[i]) / scale)
-    return 0.01 / fastest if fastest > 0.0 else 1.0
+                h_next = min(h_next, onset_step(given, landing, moving.rate[landing], wanted))
+            switch(time, landing, kind, given, moving, slow, trial, book)

@@ -6,7 +6,7 @@ import math
 
 from physics.kernels.conserving import mean_forces
 from physics.kernels.jit import jit
-from physics.kernels.radau import LOADED, NODES, OPEN, TOUCHING, flow_into, signed_force
+from physics.kernels.radau import LOADED, NODES, OPEN, TOUCHING, cubic, flow_into, signed_force
 
 NOTHING, CLOSES, OPENS, YIELDS = 0, 1, 2, 3  # kinds of event: yields = a touching contact reaches its preload
 FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches
@@ -69,18 +69,6 @@ def set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, hel
 
 
 @jit
-def cubic_at(x, a, y0, y1, y2, y3):
-    """Value at x of the cubic through (0, y0) and the three collocation nodes, by Newton's divided differences in `a`."""
-    c1, c2 = NODES[0], NODES[1]
-    f01 = (y1 - y0) / c1
-    f12 = (y2 - y1) / (c2 - c1)
-    f23 = (y3 - y2) / (1.0 - c2)
-    f012 = (f12 - f01) / c2
-    f123 = (f23 - f12) / (1.0 - c1)
-    return y0 + x * (f01 + (x - c1) * (f012 + (x - c2) * (f123 - f012)))
-
-
-@jit
 def first_crossing(y0, y1, y2, y3, upwards, most):
     """The first x in (0, most) at which the cubic turns positive (`upwards`) or negative; 2 where it does not."""
     sign = 1.0 if upwards else -1.0
@@ -88,12 +76,10 @@ def first_crossing(y0, y1, y2, y3, upwards, most):
     parts = 8
     for p in range(1, parts + 1):
         right = most * p / parts
-        if sign * cubic_at(right, 0.0, y0, y1, y2, y3) > 0.0:
-            if left == 0.0 and sign * y0 >= 0.0:
-                left = 0.0
+        if sign * cubic(right, y0, y1, y2, y3) > 0.0:
             for _ in range(60):
                 middle = 0.5 * (left + right)
-                if sign * cubic_at(middle, 0.0, y0, y1, y2, y3) > 0.0:
+                if sign * cubic(middle, y0, y1, y2, y3) > 0.0:
                     right = middle
                 else:
                     left = middle
@@ -103,14 +89,16 @@ def first_crossing(y0, y1, y2, y3, upwards, most):
 
 
 @jit
-def find_event(law, mode, skip, overlap, force, stage_overlap, stage_force, most):
+def find_event(law, mode, skip, overlap, rate, force, stage_overlap, stage_rate, stage_force):
     """The earliest change of mode within the step: (contact, kind, part of the step); contact -1 where there is none."""
-    contact, kind, part = -1, NOTHING, most
+    contact, kind, part = -1, NOTHING, 1.0
     for i in range(mode.size):
         if i == skip:
             continue
         d, f = stage_overlap, stage_force
         if mode[i] == OPEN:
+            if max(d[0, i], d[1, i], d[2, i]) <= 0.0 and not rate[i] > 0.0 > stage_rate[2, i]:
+                continue  # no crossing, nor one and back
             x = first_crossing(overlap[i], d[0, i], d[1, i], d[2, i], True, part)
             if x < part:
                 contact, kind, part = i, CLOSES, x
@@ -135,7 +123,7 @@ def find_event(law, mode, skip, overlap, force, stage_overlap, stage_force, most
 
 
 @jit
-def miss_of(law, mode, i, kind, h, overlap, force, stage_overlap, stage_rate, stage_force):
+def miss_of(law, mode, i, kind, h, stage_overlap, stage_rate, stage_force):
     """By how much time the end of the step misses the event of contact i: one Newton step on its overlap or its force."""
     if mode[i] != TOUCHING:
         speed = stage_rate[2, i]

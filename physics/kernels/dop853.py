@@ -1,0 +1,178 @@
+"""One step of DOP853, the explicit method of order 8 of Dormand and Prince, for the overlaps: for contacts that are not stiff.
+
+    d_s = d0 + c_s h w0 + h² sum_k (A²)_sk a_k,   a_k = e - L f(d_k),   s = 1..12
+
+Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal system.
+Only a window of contacts takes part; beyond it nothing pushes, and overlaps go on at their rates.
+"""
+
+from __future__ import annotations
+
+import math
+
+from physics.kernels.dop853_tableau import (
+    FIFTH,
+    FIFTH_SQUARE,
+    NODES,
+    SQUARE,
+    STAGES,
+    THIRD,
+    THIRD_SQUARE,
+    WEIGHTS,
+    WEIGHTS_SQUARE,
+)
+from physics.kernels.jit import jit
+from physics.kernels.radau import LOADED, OPEN, TOUCHING, flow_into, signed_force, slope_at
+from physics.kernels.radau import NODES as OUTPUT_NODES
+
+NEGLIGIBLE = 1e-22  # of the largest force: contacts that push less wait beyond the window
+MARGIN = 4  # contacts around those that push; a front runs one or two a step
+
+
+@jit
+def window(mode, overlap, rate, force, external):
+    """The range [first, last) of contacts that take part in a step: those that push, or are about to, and a margin."""
+    n = mode.size
+    if external.size:
+        return 0, n
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, force[i])
+    first, last = n, 0
+    for i in range(n):
+        if mode[i] != OPEN and (force[i] > NEGLIGIBLE * largest or rate[i] > 0.0 and largest == 0.0):
+            first, last = min(first, i), i + 1
+    for i in range(n):
+        if mode[i] != OPEN and overlap[i] == 0.0 and rate[i] > NEGLIGIBLE:
+            first, last = min(first, i), max(last, i + 1)
+    return max(first - MARGIN, 0), min(last + MARGIN, n)
+
+
+@jit
+def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, acceleration, upper):
+    """Forces (n,) and overlap accelerations (n,) in the window, from the overlaps of one stage."""
+    touching = False
+    for i in range(first, last):
+        force[i] = 0.0
+        if mode[i] == LOADED:
+            force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+        touching |= mode[i] == TOUCHING
+    if touching:
+        for i in range(first, last):
+            upper[i] = 0.0
+            if mode[i] == TOUCHING:
+                pivot = inverse_mass[i] + inverse_mass[i + 1]
+                load = external[i] if external.size else 0.0
+                if i > 0:
+                    load += inverse_mass[i] * force[i - 1]
+                    if mode[i - 1] == TOUCHING:
+                        pivot -= inverse_mass[i] * upper[i - 1]
+                if i < mode.size - 1:
+                    if mode[i + 1] == TOUCHING:
+                        upper[i] = inverse_mass[i + 1] / pivot
+                    else:
+                        load += inverse_mass[i + 1] * force[i + 1]
+                force[i] = load / pivot
+        for i in range(last - 2, first - 1, -1):
+            if mode[i] == TOUCHING and mode[i + 1] == TOUCHING:
+                force[i] += upper[i] * force[i + 1]
+    for i in range(first, last):
+        acceleration[i] = (external[i] if external.size else 0.0) - flow_into(i, inverse_mass, force)
+        if mode[i] == TOUCHING:
+            acceleration[i] = 0.0
+
+
+@jit
+def anchor_acceleration(inverse_mass, external, anchor_bead, force):
+    """Acceleration of the anchor bead by the contact forces (n,) and from outside."""
+    net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
+    if anchor_bead < force.size:
+        net -= force[anchor_bead]
+    return net * inverse_mass[anchor_bead] + (external[force.size] if external.size else 0.0)
+
+
+@jit
+def dop853_step(
+    h, law, inverse_mass, external, anchor_bead, mode, overlap, rate, anchor,
+    stage_overlap, stage_rate, stage_force, first, last, acceleration, of_anchor, trial, force, upper, end_anchor,
+):  # fmt: skip
+    """One step: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`, into `stage_*`.
+
+    `acceleration` (12, n), `of_anchor` (12,), `trial`, `force`, `upper` (n,) scratch; `end_anchor` (2,). Returns the error as a
+    velocity [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
+    """
+    n = overlap.size
+    square = h * h
+    for i in range(n):
+        force[i] = 0.0
+    for s in range(STAGES):
+        for i in range(first, last):
+            total = 0.0
+            for k in range(s):
+                total += SQUARE[s, k] * acceleration[k, i]
+            trial[i] = overlap[i] + NODES[s] * h * rate[i] + square * total
+        accelerate(first, last, law, inverse_mass, external, mode, trial, force, acceleration[s], upper)
+        of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
+    worst = 0.0
+    for i in range(n):
+        stage_overlap[2, i], stage_rate[2, i] = overlap[i] + h * rate[i], rate[i]
+        if first <= i < last:
+            by_overlap, by_rate = 0.0, 0.0
+            fifth, third, fifth_overlap, third_overlap = 0.0, 0.0, 0.0, 0.0
+            for k in range(STAGES):
+                a = acceleration[k, i]
+                by_rate += WEIGHTS[k] * a
+                by_overlap += WEIGHTS_SQUARE[k] * a
+                fifth += FIFTH[k] * a
+                third += THIRD[k] * a
+                fifth_overlap += FIFTH_SQUARE[k] * a
+                third_overlap += THIRD_SQUARE[k] * a
+            stage_overlap[2, i] += square * by_overlap
+            stage_rate[2, i] += h * by_rate
+            of_rate = h * combined(fifth, third)
+            worst = max(worst, of_rate)
+            if mode[i] == LOADED and stage_overlap[2, i] > 0.0:
+                slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap[i], force[i]) if overlap[i] > 0.0 else 0.0
+                stiff = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * slope)
+                worst = max(worst, stiff * square * combined(fifth_overlap, third_overlap))
+        if mode[i] == TOUCHING:
+            stage_overlap[2, i], stage_rate[2, i] = 0.0, 0.0
+    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
+    for k in range(STAGES):
+        end_anchor[0] += square * WEIGHTS_SQUARE[k] * of_anchor[k]
+        end_anchor[1] += h * WEIGHTS[k] * of_anchor[k]
+    accelerate(first, last, law, inverse_mass, external, mode, stage_overlap[2], force, trial, upper)
+    for i in range(n):
+        stage_force[2, i] = force[i]
+    for k in range(2):
+        for i in range(n):
+            if first <= i < last:
+                stage_overlap[k, i] = hermite(
+                    OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i],
+                    stage_overlap[2, i], stage_rate[2, i], trial[i],
+                )  # fmt: skip
+            else:
+                stage_overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
+    for k in range(2):
+        accelerate(first, last, law, inverse_mass, external, mode, stage_overlap[k], stage_force[k], trial, upper)
+        for i in range(n):
+            if not first <= i < last:
+                stage_force[k, i] = 0.0
+    return worst
+
+
+@jit
+def combined(fifth, third):
+    """The error of order 8 from those of orders 5 and 3, as in the authors' code."""
+    scale = fifth * fifth + 0.01 * third * third
+    return fifth * fifth / math.sqrt(scale) if scale > 0.0 else 0.0
+
+
+@jit
+def hermite(x, h, d0, w0, a0, d1, w1, a1):
+    """The quintic with overlaps, rates and accelerations of both ends, at the part x of the step."""
+    jump = d1 - d0 - h * w0 - 0.5 * h * h * a0
+    turn = h * (w1 - w0 - h * a0)
+    bend = h * h * (a1 - a0)
+    c3, c4, c5 = 10.0 * jump - 4.0 * turn + 0.5 * bend, -15.0 * jump + 7.0 * turn - bend, 6.0 * jump - 3.0 * turn + 0.5 * bend
+    return d0 + x * (h * w0 + x * (0.5 * h * h * a0 + x * (c3 + x * (c4 + x * c5))))
