@@ -81,8 +81,8 @@ def test_2c_a_thousandth_but_for_the_last_part(tables):
     assert np.abs(table["f12"]).max() < 1e-3
     early = table["t"] < 0.97 * table["t"][-1]
     assert np.abs(table["f01"][early]).max() < 1e-3
-    assert (table["f01"] < 1e-12).all()  # the model's striker pushes longer
-    assert (np.diff(table["f01"]) < 1e-9).all()
+    assert (table["f01"] < 1e-8).all()  # the model's striker pushes longer
+    assert (np.diff(table["f01"]) < 1e-8).all()
     assert (np.diff(np.sign(table["f12"])) != 0).sum() == 1  # from - to +
     assert table["f12"][0] < 0.0 < table["f12"][-1]
 

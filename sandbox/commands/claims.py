@@ -44,6 +44,9 @@ def _print_table(found: list[Claim]) -> None:
     colours = {Verdict.HOLDS: "green", Verdict.LIMIT: "yellow", Verdict.FAILS: "red"}
     made = table("claim", "place", "what we measure", "how", "verdict")
     made.show_lines = True
+    for column, share in zip(made.columns, (5, 2, 10, 4, 2), strict=True):
+        column.ratio, column.overflow = share, "fold"
+    made.expand = True
     for claim in found:
         made.add_row(
             claim.statement, claim.place, claim.measured, claim.how, Text(claim.verdict, colours[claim.verdict])

@@ -14,7 +14,7 @@ from physics.modes import ModeCoupling, mode_coupling
 Array = NDArray[np.float64]
 Table = dict[str, Array]  # column name: values; what a figure draws and what its csv file holds
 
-METHOD = "radau"
+METHOD = "accurate"
 FIXED_STEP = "conserving"  # where a step is given: a motion that goes on and on, whose energy must not leak
 TOLERANCE = 1e-8
 SAMPLES = 1001
