@@ -47,8 +47,8 @@ class Figure:
 
 FIGURES: tuple[Figure, ...] = (
     Figure("1b", "Fig. 1b", "positions in a one-on-four collision", "collision", "positions", "draw_positions"),
-    Figure("1c", "Fig. 1c", "its velocities, alpha = 1/10", "collision", "figure_1c", "draw_velocities"),
-    Figure("1d", "Fig. 1d", "the same, alpha = 1/14", "collision", "figure_1d", "draw_velocities"),
+    Figure("1c", "Fig. 1c", "its velocities, alpha = 1/10", "collision", "figure_1c", "draw_1c"),
+    Figure("1d", "Fig. 1d", "the same, alpha = 1/14", "collision", "figure_1d", "draw_1d"),
     Figure("2a", "Fig. 2a", "the two modes of the mode-coupling model", "coupling", "modes", "draw_modes"),
     Figure("2b", "Fig. 2b", "forces, mode coupling against full", "coupling", "forces", "draw_forces"),
     Figure("2c", "Fig. 2c", "their relative discrepancies", "coupling", "discrepancies", "draw_discrepancies"),

@@ -47,8 +47,17 @@ def draw_positions(table: Table) -> Figure:
     return figure
 
 
-def draw_velocities(table: Table) -> Figure:
-    """Figs. 1c and 1d."""
+def draw_1c(table: Table) -> Figure:
+    """Fig. 1c."""
+    return _draw_velocities(table, r"$n=4,\ \alpha=1/10$")
+
+
+def draw_1d(table: Table) -> Figure:
+    """Fig. 1d."""
+    return _draw_velocities(table, r"$n=4,\ \alpha=1/14$")
+
+
+def _draw_velocities(table: Table, text: str) -> Figure:
     figure, axes = style.page(height=2.5)
     style.zero(axes)
     for i in range(N, -1, -1):
@@ -56,8 +65,9 @@ def draw_velocities(table: Table) -> Figure:
         axes.plot(table["t"], table[f"v{i}"], color=colour, linewidth=1.4 if i < 2 else 0.9)
     last = table["t"][-1]
     style.beside(axes, last, table["v0"][-1], "$v_0$", style.BLUE)
-    style.beside(axes, last, table["v1"][-1], "$v_1$", style.ORANGE)
-    style.beside(axes, last, table["v4"][-1], "$v_{2,3,4}$", "black")
+    style.beside(axes, last, table["v1"][-1] - 0.03, "$v_1$", style.ORANGE)
+    style.beside(axes, last, table["v4"][-1] + 0.03, "$v_{2,3,4}$", "black")
+    style.label(axes, text, 0.6)
     axes.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, VELOCITIES_UNTIL), ylim=(-0.75, 1.05))
     return figure
 

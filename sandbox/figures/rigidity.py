@@ -97,6 +97,6 @@ def draw_losses(table: Table) -> Figure:
         )
     right.axhline(1.0, color=style.GREY, linewidth=0.6, linestyle="--")
     right.set(xlabel="$i/n$", ylabel=r"$v_i\,/\,\frac{2}{n+1}$", xlim=(0.0, 1.04))
-    right.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0))
+    right.legend(loc="lower right")
     style.title(right, r"(b)  $\alpha=1/10$")
     return figure

@@ -59,6 +59,8 @@ def draw_scan(table: Table) -> Figure:
         right.loglog(some["alpha"], some["response time"], "s", color=colour, markersize=3, markerfacecolor="none")
         right.loglog(fine, [limit_of_response(n, a) for a in fine], color=colour, linewidth=0.8)
     axes.set(xlabel=r"$1/\alpha$", ylabel=r"$\max\,\psi$", ylim=(1e-45, 3.0))
+    axes.plot([], [], color=style.GREY, linewidth=0.8, label=r"$((n-1)/n)^{1/\alpha}$")
+    axes.plot([], [], color=style.GREY, linewidth=0.7, linestyle=":", label=r"$e^{-1/(n\alpha)}$")
     axes.legend(loc="lower left")
     right.plot([], [], "o", color=style.GREY, markersize=3, label="contact of the striker")
     right.plot(

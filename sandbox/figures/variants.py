@@ -50,13 +50,7 @@ def exchange() -> Table:
 
 def _draw_forces(axes: Axes, table: Table, contacts: int, struck: int) -> None:
     for i in range(contacts):
-        colour = (
-            style.BLUE
-            if i == struck
-            else style.ORDER[1 + abs(i - struck)]
-            if i > struck
-            else style.ORDER[5 + i - struck + 1]
-        )
+        colour = style.ORDER[(i - struck) % len(style.ORDER)]
         axes.plot(
             table["t"], table[f"f{i}{i + 1} model"], color=colour, linestyle=(0, (4, 2)), linewidth=2.0, alpha=0.5
         )

@@ -23,6 +23,7 @@ SPRING, SPRING_PRESTRESS = hooke(400.0), 20.0
 SOFT, SOFT_PRESTRESS = power_law(1.0, ALPHA), 0.75
 STEP, SAMPLES = 1e-4, 1000
 UNTIL = {"soft": 3.0, "springs": 3.0, "prestressed": 24.0}
+SPEED = {"soft": 1.0, "springs": 1.0, "prestressed": 0.1}  # of the striker; a tap that opens no contact
 PULSE_BEADS, PULSE_UNTIL = 30, 40.0
 
 
@@ -32,14 +33,14 @@ def prestressed(inner: Contact, force: float) -> Chain:
     return Chain([1.0] * (N + 1), (STRIKE, *(inner,) * (N - 1)), drive=drive)
 
 
-def run(inner: Contact, force: float, until: float) -> Table:
-    """t, velocities, and the inner forces less the prestress, from rest under the prestress."""
+def run(inner: Contact, force: float, until: float, speed: float) -> Table:
+    """t, velocities over the striker's, and the inner forces less the prestress, from rest under the prestress."""
     chain = prestressed(inner, force) if force else one_on(N, (STRIKE, *(inner,) * (N - 1)))
-    state = State.at_start(chain, start(chain))
+    state = State.at_start(chain, speed * np.array(start(chain)))
     state.overlap[1:] = inner.overlap(force)
     rows = []
     for _ in range(SAMPLES):
-        rows.append((state.time, *state.velocity(chain), *(_forces(chain, state)[1:] - force)))
+        rows.append((state.time, *(state.velocity(chain) / speed), *(_forces(chain, state)[1:] - force)))
         advance(chain, state, until / SAMPLES, "conserving", STEP)
     names = ("t", *(f"v{i}" for i in range(N + 1)), *(f"f{i}{i + 1}" for i in range(1, N)))
     return dict(zip(names, np.array(rows).T, strict=True))
@@ -55,7 +56,7 @@ def roads() -> Table:
     for name, inner, force in (
         ("soft", SOFT, 0.0), ("springs", SPRING, SPRING_PRESTRESS), ("prestressed", SOFT, SOFT_PRESTRESS),
     ):  # fmt: skip
-        table = run(inner, force, UNTIL[name])
+        table = run(inner, force, UNTIL[name], SPEED[name])
         found |= {f"{key} {name}": column for key, column in table.items()}
     return found
 
@@ -69,7 +70,7 @@ def pulse() -> Table:
 
 def draw_roads(table: Table) -> Figure:
     """Velocities of the targets above, what passes through the middle contact below."""
-    figure, grid = style.page(style.PAGE, 3.8, 2, 3, sharex="col", sharey="row")
+    figure, grid = style.page(style.PAGE, 3.8, 2, 3, sharex="col")
     kinds = (
         ("soft", "(a) evanescent, $\\alpha=1/10$"),
         ("springs", "(b) stiff springs"),
@@ -89,9 +90,11 @@ def draw_roads(table: Table) -> Figure:
         style.zero(column[1])
         column[1].set(xlabel="$t$", xlim=(0.0, UNTIL[kind]))
         style.title(column[0], title)
-    grid[0, 0].set(ylabel="velocity", ylim=(-0.02, 0.82))
-    grid[1, 0].set(ylabel="force less prestress")
-    grid[0, 0].legend(loc="lower right", ncols=2, columnspacing=1.0)
+    for axes in grid[0, :2]:
+        axes.set_ylim(-0.02, 0.66)
+    grid[0, 0].set_ylabel("velocity / striker's")
+    grid[1, 0].set_ylabel("force less prestress")
+    grid[0, 1].legend(loc="lower right", ncols=2, columnspacing=1.0)
     grid[1, 0].legend(loc="upper right", ncols=1)
     return figure
 
