@@ -23,7 +23,7 @@ def simulate(
     chain: Chain,
     velocity: ArrayLike,
     duration: float | None = None,
-    method: str = "verlet",
+    method: str = "accurate",
     step: float | None = None,
     samples: int | ArrayLike = 201,
     tolerance: float = 1e-8,

@@ -45,7 +45,8 @@ NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
 SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
 GROW, SHRINK, SAFETY = 8.0, 0.1, 0.9
 STIFF = 1.0  # (step times local frequency)², above which a soft contact is left to radau
-LANDING_TRIES = 12
+LANDING_TRIES = 20
+EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one
 LANDED = 1e-13  # of the step: an event is hit
 MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
 
@@ -246,8 +247,11 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
                 tries += 1
                 continue
         elif found >= 0 and tries < LANDING_TRIES:
-            landing, kind, ceiling = found, its_kind, h
-            h = max(part * h, 1e-15 * (abs(time) + h))
+            ceiling, tries = h, tries + 1
+            if part < EARLY:  # seen through the cubic of a long step: look again from nearer
+                h *= EARLY
+            else:
+                landing, kind, h = found, its_kind, part * h
             continue
         if error <= wanted or time + h <= time:
             return h, error, landing, kind
@@ -306,13 +310,15 @@ def set_all_modes(given, moving, slow, trial):
 
 
 @jit
-def keep(h, given, moving, trial):
-    """Keep the trial: its end becomes the state, its stages the guess for the next step."""
+def keep(explicit, moving, trial):
+    """Keep the trial: its end becomes the state, its stages the guess for the next step of radau."""
     past = trial.past
+    if not explicit:
+        for i in range(moving.mode.size):
+            past[0, i], past[4, i] = moving.force[i], moving.overlap[i]
+            for k in range(3):
+                past[1 + k, i], past[5 + k, i] = trial.force[k, i], trial.overlap[k, i]
     for i in range(moving.mode.size):
-        past[0, i], past[4, i] = moving.force[i], moving.overlap[i]
-        for k in range(3):
-            past[1 + k, i], past[5 + k, i] = trial.force[k, i], trial.overlap[k, i]
         moving.overlap[i], moving.rate[i], moving.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
         moving.held[i] = 0
         if moving.mode[i] == TOUCHING:
@@ -456,9 +462,9 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
                 time, h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, samples, book
             ) or attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book) < 0.0:  # fmt: skip
                 return FAILED, time
-        keep(h, given, moving, trial)
+        keep(explicit, moving, trial)
         time = time + h if h < end - time else end
-        past_step = h
+        past_step = 0.0 if explicit else h
         book.counter[STEP] += 1
         if open_passed(time, h, landing, given, moving, slow, book):
             last_step = 0.0

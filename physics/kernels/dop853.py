@@ -22,7 +22,8 @@ from physics.kernels.dop853_tableau import (
     WEIGHTS_SQUARE,
 )
 from physics.kernels.jit import jit
-from physics.kernels.radau import LOADED, OPEN, TOUCHING, flow_into, signed_force, slope_at
+from physics.kernels.law import power
+from physics.kernels.radau import LOADED, OPEN, TOUCHING, signed_force, slope_at
 from physics.kernels.radau import NODES as OUTPUT_NODES
 
 NEGLIGIBLE = 1e-22  # of the largest force: contacts that push less wait beyond the window
@@ -31,7 +32,7 @@ MARGIN = 4  # contacts around those that push; a front runs one or two a step
 
 @jit
 def window(mode, overlap, rate, force, external):
-    """The range [first, last) of contacts that take part in a step: those that push, or are about to, and a margin."""
+    """The range [first, last), first < last, of contacts that take part in a step: those that push, or are about to, and a margin."""
     n = mode.size
     if external.size:
         return 0, n
@@ -45,6 +46,8 @@ def window(mode, overlap, rate, force, external):
     for i in range(n):
         if mode[i] != OPEN and overlap[i] == 0.0 and rate[i] > NEGLIGIBLE:
             first, last = min(first, i), max(last, i + 1)
+    if first >= last:
+        return 0, n
     return max(first - MARGIN, 0), min(last + MARGIN, n)
 
 
@@ -54,7 +57,9 @@ def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, a
     touching = False
     for i in range(first, last):
         force[i] = 0.0
-        if mode[i] == LOADED:
+        if mode[i] == LOADED and overlap[i] > 0.0:
+            force[i] = law[i, 0] + law[i, 1] * power(overlap[i], law[i, 2])
+        elif mode[i] == LOADED:
             force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
         touching |= mode[i] == TOUCHING
     if touching:
@@ -76,10 +81,18 @@ def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, a
         for i in range(last - 2, first - 1, -1):
             if mode[i] == TOUCHING and mode[i + 1] == TOUCHING:
                 force[i] += upper[i] * force[i + 1]
-    for i in range(first, last):
-        acceleration[i] = (external[i] if external.size else 0.0) - flow_into(i, inverse_mass, force)
-        if mode[i] == TOUCHING:
-            acceleration[i] = 0.0
+    left = ((force[first - 1] if first > 0 else 0.0) - force[first]) * inverse_mass[first]
+    for i in range(first, last):  # by the accelerations of the two beads, w' = a_i - a_(i+1)
+        right = (force[i] - (force[i + 1] if i + 1 < force.size else 0.0)) * inverse_mass[i + 1]
+        acceleration[i] = left - right
+        left = right
+    if external.size:
+        for i in range(first, last):
+            acceleration[i] += external[i]
+    if touching:
+        for i in range(first, last):
+            if mode[i] == TOUCHING:
+                acceleration[i] = 0.0
 
 
 @jit
@@ -103,62 +116,71 @@ def dop853_step(
     """
     n = overlap.size
     square = h * h
+    touching, rough = False, False
     for i in range(n):
         force[i] = 0.0
+        touching |= mode[i] == TOUCHING
     for s in range(STAGES):
         for i in range(first, last):
-            total = 0.0
-            for k in range(s):
-                total += SQUARE[s, k] * acceleration[k, i]
-            trial[i] = overlap[i] + NODES[s] * h * rate[i] + square * total
+            trial[i] = overlap[i] + NODES[s] * h * rate[i]
+        for k in range(s):
+            add_scaled(square * SQUARE[s, k], acceleration[k], first, last, trial)
         accelerate(first, last, law, inverse_mass, external, mode, trial, force, acceleration[s], upper)
         of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
-    worst = 0.0
+    end_overlap, end_rate, fifth, third = stage_overlap[2], stage_rate[2], stage_overlap[0], stage_overlap[1]
+    fifth_overlap, third_overlap = stage_rate[0], stage_rate[1]
     for i in range(n):
-        stage_overlap[2, i], stage_rate[2, i] = overlap[i] + h * rate[i], rate[i]
-        if first <= i < last:
-            by_overlap, by_rate = 0.0, 0.0
-            fifth, third, fifth_overlap, third_overlap = 0.0, 0.0, 0.0, 0.0
-            for k in range(STAGES):
-                a = acceleration[k, i]
-                by_rate += WEIGHTS[k] * a
-                by_overlap += WEIGHTS_SQUARE[k] * a
-                fifth += FIFTH[k] * a
-                third += THIRD[k] * a
-                fifth_overlap += FIFTH_SQUARE[k] * a
-                third_overlap += THIRD_SQUARE[k] * a
-            stage_overlap[2, i] += square * by_overlap
-            stage_rate[2, i] += h * by_rate
-            of_rate = h * combined(fifth, third)
-            worst = max(worst, of_rate)
-            if mode[i] == LOADED and stage_overlap[2, i] > 0.0:
-                slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap[i], force[i]) if overlap[i] > 0.0 else 0.0
-                stiff = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * slope)
-                worst = max(worst, stiff * square * combined(fifth_overlap, third_overlap))
+        end_overlap[i], end_rate[i] = overlap[i] + h * rate[i], rate[i]
+        fifth[i], third[i], fifth_overlap[i], third_overlap[i] = 0.0, 0.0, 0.0, 0.0
+    for k in range(STAGES):
+        add_scaled(square * WEIGHTS_SQUARE[k], acceleration[k], first, last, end_overlap)
+        add_scaled(h * WEIGHTS[k], acceleration[k], first, last, end_rate)
+        add_scaled(h * FIFTH[k], acceleration[k], first, last, fifth)
+        add_scaled(h * THIRD[k], acceleration[k], first, last, third)
+        add_scaled(square * FIFTH_SQUARE[k], acceleration[k], first, last, fifth_overlap)
+        add_scaled(square * THIRD_SQUARE[k], acceleration[k], first, last, third_overlap)
+    for i in range(first, last):
         if mode[i] == TOUCHING:
-            stage_overlap[2, i], stage_rate[2, i] = 0.0, 0.0
+            end_overlap[i], end_rate[i] = 0.0, 0.0
+        rough |= mode[i] == LOADED and law[i, 2] != 1.0 and (overlap[i] <= 0.0 < force[i] or end_overlap[i] < 0.0 < overlap[i])
+    worst = 0.0
+    for i in range(first, last):
+        worst = max(worst, abs(fifth[i]) if rough else combined(fifth[i], third[i]))
+        if mode[i] == LOADED and overlap[i] > 0.0:
+            slope = slope_at(
+                law[i, 0], law[i, 1], law[i, 2], overlap[i], signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            )  # fmt: skip
+            stiff = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * slope)
+            of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
+            worst = max(worst, stiff * of_overlap)
     end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
     for k in range(STAGES):
         end_anchor[0] += square * WEIGHTS_SQUARE[k] * of_anchor[k]
         end_anchor[1] += h * WEIGHTS[k] * of_anchor[k]
-    accelerate(first, last, law, inverse_mass, external, mode, stage_overlap[2], force, trial, upper)
+    accelerate(first, last, law, inverse_mass, external, mode, end_overlap, force, trial, upper)
     for i in range(n):
         stage_force[2, i] = force[i]
     for k in range(2):
         for i in range(n):
-            if first <= i < last:
-                stage_overlap[k, i] = hermite(
-                    OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i],
-                    stage_overlap[2, i], stage_rate[2, i], trial[i],
-                )  # fmt: skip
-            else:
-                stage_overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
-    for k in range(2):
-        accelerate(first, last, law, inverse_mass, external, mode, stage_overlap[k], stage_force[k], trial, upper)
-        for i in range(n):
-            if not first <= i < last:
+            stage_overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
+        for i in range(first, last):
+            stage_overlap[k, i] = hermite(
+                OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], trial[i]
+            )  # fmt: skip
+    if touching:
+        for k in range(2):
+            for i in range(n):
                 stage_force[k, i] = 0.0
+            accelerate(first, last, law, inverse_mass, external, mode, stage_overlap[k], stage_force[k], trial, upper)
     return worst
+
+
+@jit
+def add_scaled(factor, source, first, last, target):
+    """``target += factor * source`` in the window."""
+    if factor != 0.0:
+        for i in range(first, last):
+            target[i] += factor * source[i]
 
 
 @jit
