@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test check play bench clean help
+.PHONY: demo test check play screenshots bench clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make test   run the whole test suite"
@@ -36,6 +36,9 @@ bench: .venv/.installed
 
 play: .venv/.installed
 	$(BIN)/softcradle
+
+screenshots: .venv/.installed
+	SDL_VIDEODRIVER=dummy $(BIN)/python -m sandbox.window.screenshots docs/window
 
 clean:
 	rm -rf .venv out dist

@@ -35,9 +35,8 @@ def memory() -> float:
 class Fuzz:
     """A driver whose hands are moved by chance."""
 
-    def __init__(self, seed: int) -> None:
-        self.chance, self.driver = random.Random(seed), Driver("one-on-four")
-        self.folder = Path(tempfile.mkdtemp())
+    def __init__(self, seed: int, folder: Path) -> None:
+        self.chance, self.driver, self.folder = random.Random(seed), Driver("one-on-four"), folder
         (self.folder / "bad.toml").write_text("title = 3")
 
     def act(self) -> None:
@@ -114,19 +113,26 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=60.0, help="of simulated input")
     parser.add_argument("--seed", type=int, default=0)
     args = parser.parse_args()
-    fuzz, warm, total = Fuzz(args.seed), 0.0, args.minutes * 60.0 / FRAME
-    told = 0
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)  # random hands press the buttons that write files, too
+        growth = run(Fuzz(args.seed, Path(folder)), round(args.minutes * 60.0 / FRAME))
+        os.chdir("/")
+    print(f"growth after warm-up {growth:.1f} MB")
+    return 1 if growth > GROWTH else 0
+
+
+def run(fuzz: Fuzz, total: int) -> float:
+    """`total` frames; returns the growth of memory after the first tenth [MB]."""
+    warm, told = 0.0, 0
     while fuzz.driver.app.frames < total:
         fuzz.act()
         share = fuzz.driver.app.frames / total
-        if not warm and share > 0.1:
-            warm = memory()
+        warm = warm or (memory() if share > 0.1 else 0.0)
         if int(share * 10) > told:
             told = int(share * 10)
             print(f"{10 * told} %: {memory():.0f} MB", flush=True)
-    growth = memory() - warm
-    print(f"{fuzz.driver.app.frames} frames, growth after warm-up {growth:.1f} MB")
-    return 1 if growth > GROWTH else 0
+    fuzz.driver.close()
+    return memory() - warm
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int
     main = Rect(0, top.bottom, width - side_width, foot.top - top.bottom)
     main = main.inflate(-2 * round(MARGIN * unit), -round(MARGIN * unit))
     rows = sum(1 for count in plots if count)
-    share = {0: 0.0, 1: 0.44, 2: 0.56, 3: 0.6}.get(rows, 0.62)
+    share = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6}.get(rows, 0.62)
     beads = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
     stages, loupes, shares = _beads(beads, unit, lanes, rows < 2)
     below = Rect(main.left, beads.bottom + round(8 * unit), main.width, main.bottom - beads.bottom - round(8 * unit))

@@ -72,7 +72,7 @@ BINDINGS: tuple[Binding, ...] = (
     Binding("add_bead", _keys(pygame.K_a), "Beads", "add a bead right of the selected"),
     Binding("remove_bead", _keys(pygame.K_DELETE, pygame.K_BACKSPACE), "Beads", "remove the selected bead"),
     Binding("lock", _keys(pygame.K_l), "Beads", "lock or unlock the selected contact"),
-    Binding("law", _keys(pygame.K_g), "Beads", "selected contact: power law or draft gear"),
+    Binding("law", _keys(pygame.K_g), "Beads", "contact: power law or draft gear"),
     Binding("law_all", _keys((pygame.K_g, SHIFT)), "Beads", "all contacts: power law or draft gear"),
     Binding("undo", _keys((pygame.K_z, CTRL)), "Beads", "forget all edits"),
     Binding("velocities", _keys(pygame.K_1), "Plots", "velocities"),

@@ -13,7 +13,7 @@ from sandbox.session.inputs import Input, SetMethod
 from sandbox.session.replay import Replay
 from sandbox.session.session import Session
 from sandbox.window.board import Board
-from sandbox.window.cards import Cards
+from sandbox.window.cards import AUTO, Cards
 from sandbox.window.geometry import Geometry, geometry
 from sandbox.window.hands import Hands
 from sandbox.window.inspector import Inspector
@@ -27,7 +27,7 @@ from sandbox.window.transport import Transport
 from sandbox.window.view_keys import ViewKeys
 
 USUAL_PLOTS = ("velocities", "forces", "overlaps")
-PREPARING = "preparing the physics: a few seconds, once"
+PREPARING = "preparing the physics: some seconds, once"
 
 
 class Play:
@@ -127,6 +127,10 @@ class Play:
         """Hand an input to the session; what it refuses is said on screen."""
         if self.waiting:
             self.host.messages.say(PREPARING)
+            return False
+        if isinstance(item, SetMethod) and item.method != AUTO and not self.host.warmer.has(item.method):
+            self.host.messages.say(f"method {item.method} is still being prepared: try again in some seconds")
+            self.host.rebuild()  # the menu goes back to the method there is
             return False
         try:
             self.session.apply(item)

@@ -89,7 +89,7 @@ def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
     tall = SIZE[1] / len(tracks)
     for k, track in enumerate(tracks):
         rect = pygame.Rect(0, round(k * tall), SIZE[0], round(tall))
-        stage = Stage(rect, 1.5, scene, k, scales)
+        stage = Stage(rect, 1.5 if len(tracks) == 1 else 0.9, scene, k, scales)
         surface.fill(FAINT, (0, round(stage.ground), SIZE[0], 3))
         stage.paint(surface, track, row, stage.left())
     return surface
