@@ -120,7 +120,8 @@ def waves_need_prestress() -> Claim:
         "prestressed",
         "Secs. I and V",
         f"while the striker pushes, the force in the middle of the cluster turns {turns['soft']} time without "
-        f"prestress, {turns['springs']} times with stiff springs (targets then move within {rigid:.3f} of 0.4 on average); "
+        f"prestress, {turns['springs']} times with stiff springs (targets then move within {rigid:.3f} of 0.4 on "
+        f"average); "
         f"under a prestress of {waves.SOFT_PRESTRESS} the soft chain rings when tapped: {turns['prestressed']} turns",
         f"one on 4; springs of 400, held together by a steady force of {waves.SPRING_PRESTRESS:.0f}",
         judged(turns["soft"] == 1 and turns["springs"] > 5 and turns["prestressed"] > 5 and rigid < 0.02),
