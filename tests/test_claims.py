@@ -7,6 +7,7 @@ import math
 
 import pytest
 
+from physics import one_on, power_law, simulate
 from sandbox.claims import MODULES, Claim, Verdict, claims, judged
 from sandbox.cli import main
 
@@ -148,3 +149,10 @@ def test_modules_hold_all_claims(found):
     from importlib import import_module
 
     assert sum(len(import_module(f"sandbox.claims.{module}").CLAIMS) for module in MODULES) == len(found)
+
+
+def test_the_reference_too_has_the_inner_contact_open_first():
+    """What makes the sign change at (1/10, 3) real, by a method that shares no code with the one behind the table."""
+    found = simulate(one_on(3, power_law(1.0, 1 / 10)), [1, 0, 0, 0], method="scipy", samples=2)
+    striker, inner = (intervals[0][1] for intervals in found.contact_intervals[:2])
+    assert inner / striker == pytest.approx(0.9814, abs=1e-4)
