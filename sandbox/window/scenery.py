@@ -9,6 +9,7 @@ import pygame
 from sandbox.draw.palette import FAINT, INK, PAPER
 from sandbox.draw.scales import Scales, scales_of
 from sandbox.draw.text import shortened, write
+from sandbox.errors import UserError
 from sandbox.window.camera import Camera
 from sandbox.window.live_scales import LiveScales, estimated, moment
 from sandbox.window.stage_view import ShownScene, StageView
@@ -45,7 +46,7 @@ class Scenery:
         if self.page.host.warmer.ready.is_set():
             try:
                 return scales_of(scene, motion(scene))
-            except (ValueError, RuntimeError, ArithmeticError):
+            except (UserError, ValueError, RuntimeError, ArithmeticError):
                 pass  # a scene whose run ahead fails can still be played
         return estimated(scene, self.session)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import warnings
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,6 +19,7 @@ from scenes import Scene
 
 SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
 ROWS = 240  # of the motion that the moment is chosen from
+QUICK = "conserving"  # the method of a look ahead: a picture needs no more digits
 _SOURCES = Path(__file__).parents[2]
 
 
@@ -73,7 +75,9 @@ def motion(scene: Scene) -> list[Track]:
     from sandbox.render import simulated
 
     rate = ROWS / (scene.duration or 1.0)
-    return simulated(scene, max(rate, 60.0 * scene.view.slow))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # whoever plays the scene has a badge for that
+        return simulated(scene, max(rate, 60.0 * scene.view.slow), method=scene.method or QUICK)
 
 
 def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
