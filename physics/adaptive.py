@@ -47,8 +47,9 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
         return _pass(problem, end, times, stop, min(4 * used, MOST_SWITCHES))
     state.time = time
     kept = min(used, size)
+    rows = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
     return Record(
-        times, overlap, rate, anchor, force, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
+        times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows], book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
         int(counter[kernel.EVALUATION]), seconds, _warnings(problem, status, time, counter, kept),
     )  # fmt: skip
 

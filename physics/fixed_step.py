@@ -55,8 +55,9 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
         return _pass(problem, end, times, stop, min(4 * used, MOST_SWITCHES))
     state.time = time
     kept = min(used, book)
+    filled = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
     return Record(
-        times, *rows, switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
+        times[:filled], *(row[:filled] for row in rows), switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
         int(counter[kernel.EVALUATION]), seconds, _warnings(problem, status, time, counter, kept),
     )  # fmt: skip
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from physics.kernels.conserving import conserving_step
 from physics.kernels.dop853 import dop853_step, window
 from physics.kernels.jit import jit
-from physics.kernels.march import DONE, FAILED, OUT_OF_STEPS, SEPARATED
+from physics.kernels.march import DONE, OUT_OF_STEPS, SEPARATED
 from physics.kernels.modes import CLOSES, NOTHING, OPENS, YIELDS, continued, find_event, miss_of, set_modes
 from physics.kernels.radau import (
     LOADED,
@@ -43,6 +43,7 @@ TOLERANCE_PART = 0.25  # of the tolerance: to this each step is held
 RATIO = 3.0  # error taken of radau = fine error times this times fine over coarse
 NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
 SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
+STILL_PART = 1e-3  # of a step's tolerance: a gap that closes slower than this counts as not closing
 GROW, SHRINK, SAFETY = 8.0, 0.1, 0.9
 STIFF = 1.0  # (step times local frequency)², above which a soft contact is left to radau
 LANDING_TRIES = 20
@@ -263,17 +264,22 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
 
 @jit
 def sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book):
-    """Samples within the step to come, each a shorter step; the trial of the whole step is lost. False if one fails."""
+    """Samples within the step to come, each a shorter step; the trial of the whole step is lost.
+
+    Where Newton does not settle on a sample, it is looked for a little earlier and drifts the rest.
+    """
     while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
         k = book.counter[SAMPLE]
-        if attempt(samples.time[k] - time, explicit, given, moving, precision, past_step, trial, book) < 0.0:
-            return False
+        wished = samples.time[k] - time
+        length = wished
+        while attempt(length, explicit, given, moving, precision, past_step, trial, book) < 0.0 and time + length > time:
+            length *= 0.9
         for i in range(moving.mode.size):
-            samples.overlap[k, i], samples.rate[k, i] = trial.overlap[2, i], trial.rate[2, i]
-            samples.force[k, i] = max(trial.force[2, i], 0.0)
-        samples.anchor[k, 0], samples.anchor[k, 1] = trial.anchor[0], trial.anchor[1]
+            samples.overlap[k, i] = trial.overlap[2, i] + (wished - length) * trial.rate[2, i]
+            samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
+        samples.anchor[k, 0] = trial.anchor[0] + (wished - length) * trial.anchor[1]
+        samples.anchor[k, 1] = trial.anchor[1]
         book.counter[SAMPLE] += 1
-    return True
 
 
 @jit
@@ -291,10 +297,13 @@ def sample_flight(time, until, given, moving, samples, book):
 
 @jit
 def resting(given, moving, negligible):
-    """True where no contact pushes."""
+    """True where no contact pushes, or only with what gives less than `negligible` [m/s]."""
     for i in range(moving.mode.size):
-        if moving.mode[i] == LOADED and (moving.overlap[i] > 0.0 or moving.rate[i] > negligible):
-            return False
+        if moving.mode[i] == LOADED:
+            weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
+            left = weight * max(moving.force[i], 0.0) * max(moving.overlap[i], 0.0)
+            if left > negligible * negligible or moving.rate[i] > negligible:
+                return False
         if moving.mode[i] == TOUCHING and moving.force[i] > 1e-11 * given.law[i, 0]:
             return False
     return given.external.size == 0
@@ -391,7 +400,7 @@ def fly(time, end, given, moving, negligible, samples, book):
     flight, closing = math.inf, -1
     for i in range(moving.mode.size):
         if moving.rate[i] > negligible and -moving.overlap[i] / moving.rate[i] < flight:
-            flight, closing = -moving.overlap[i] / moving.rate[i], i
+            flight, closing = max(-moving.overlap[i] / moving.rate[i], 0.0), i
     until = min(time + flight, end)
     if until == math.inf:
         return time, -1
@@ -411,7 +420,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
     """
     n = moving.mode.size
     wanted = TOLERANCE_PART * tolerance * scale
-    slow, negligible = SLOW_PART * wanted, 1e-15 * scale
+    slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, 1e-15 * scale)
     time, h_next = start, math.inf
     last_step, last_error, past_step = 0.0, wanted, 0.0
     for i in range(n):
@@ -431,6 +440,10 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         if resting(given, moving, negligible):
             time, closing = fly(time, math.inf if stop else end, given, moving, negligible, samples, book)
             if closing < 0 and stop:
+                for i in range(n):
+                    if moving.mode[i] == LOADED:
+                        moving.mode[i], moving.force[i] = OPEN, 0.0
+                        note(i, time, book)
                 return SEPARATED, time
             if closing < 0 or time >= end:
                 continue
@@ -458,10 +471,9 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         last_step, last_error = (h, max(error, 1e-3 * wanted)) if landing < 0 else (0.0, wanted)
         h_next = max(h_next, h * grow) if landing >= 0 and math.isfinite(h_next) else h * grow
         if book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
-            if not sample_inside(
-                time, h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, samples, book
-            ) or attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book) < 0.0:  # fmt: skip
-                return FAILED, time
+            precision = NEWTON_PART * wanted
+            sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book)
+            attempt(h, explicit, given, moving, precision, past_step, trial, book)
         keep(explicit, moving, trial)
         time = time + h if h < end - time else end
         past_step = 0.0 if explicit else h

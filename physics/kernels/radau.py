@@ -40,6 +40,7 @@ _COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES
 COARSE = (TABLEAU[2] - _COARSE) @ INVERSE  # its error, of one order less than the embedded one
 
 MOST_NEWTON = 15
+DIVERGED = 1e30  # [m] an overlap so large tells that Newton has lost its way
 FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps no force counts, yet the next begins from it
 FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
@@ -285,6 +286,8 @@ def solve_stages(
                     stage_overlap[k, i] += by_overlap
                 else:
                     stage_force[k, i] += by_force
+                if not abs(stage_overlap[k, i]) < DIVERGED:
+                    return 0
                 size = max(size, h * weight * abs(by_force), math.sqrt(weight * abs(by_overlap * by_force)))
                 changed, largest = max(changed, abs(by_force)), max(largest, abs(stage_force[k, i]))
         if changed <= FORCE_PRECISION * largest and (
