@@ -64,7 +64,7 @@ def test_pushed_against_a_wall_bounces_on_its_contact():
 
 
 def test_speed_scale_of_a_driven_chain_at_rest_has_its_units():
-    """Linear bead on a wall: the speed is ``F / sqrt(k m)`` within a factor; 1e6 times the force, 1e6 times the speed."""
+    """Linear bead on a wall: the speed is ``F / sqrt(k m)`` within a factor, and grows with the force."""
     chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])
     strong = Chain([2.0, math.inf], hooke(50.0), drive=[3e6, 0.0])
     assert speed_scale(chain, [0.0, 0.0]) == pytest.approx(3.0 / math.sqrt(100.0), rel=2.0)
