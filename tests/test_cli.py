@@ -42,8 +42,12 @@ def test_every_command_has_help(command, capsys):
     assert f"usage: softcradle {command}" in capsys.readouterr().out
 
 
-def test_nothing_asked_is_help(capsys):
-    assert "usage: softcradle" in output(capsys)
+def test_nothing_asked_opens_the_window(monkeypatch):
+    opened = []
+    monkeypatch.setattr("sandbox.commands.play.main", lambda args: opened.append(args.scene) or 0)
+    assert main([]) == 0
+    assert main(["play", "one-on-four"]) == 0
+    assert opened == [None, "one-on-four"]
 
 
 def test_version(capsys):

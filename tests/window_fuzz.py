@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pygame
 
+import scenes
 from sandbox.window.keys import BINDINGS
 from sandbox.window.play import Play
 from tests.windows import FRAME, Driver
@@ -43,7 +44,7 @@ class Fuzz:
         """One random thing, and a few frames."""
         chance, driver = self.chance, self.driver
         if not isinstance(driver.app.page, Play):
-            driver.app.open(chance.choice(driver.app.page.names))
+            driver.app.open(chance.choice((*scenes.names(), "hanging-cradle")))
         kind = chance.choices(
             ("key", "click", "drag", "wheel", "play", "type", "resize", "drop"), (4, 4, 4, 1, 3, 1, 0.05, 0.1)
         )[0]
