@@ -40,9 +40,9 @@ def amplitude(n: int, alpha: float) -> float:
 
 def period(n: int, alpha: float) -> float:
     """Period of the model."""
-    from scipy.special import beta
-
-    return math.sqrt(2.0 * amplitude(n, alpha) / FORCE) * float(beta(0.5 / alpha, 0.5)) / alpha
+    x = 0.5 / alpha
+    beta = math.sqrt(math.pi) * math.exp(math.lgamma(x) - math.lgamma(x + 0.5))  # B(x, 1/2)
+    return math.sqrt(2.0 * amplitude(n, alpha) / FORCE) * beta / alpha
 
 
 def history() -> Table:
