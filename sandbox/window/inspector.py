@@ -13,7 +13,7 @@ from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
 from sandbox.draw.ink import put_marker
 from sandbox.draw.numbers import MINUS, index
 from sandbox.draw.palette import INK, MUTED, bead_colours
-from sandbox.draw.text import write
+from sandbox.draw.text import shortened, write
 from sandbox.session.inputs import Input, SetKind, SetMass
 from sandbox.session.kinds import kind_of
 from sandbox.session.session import Session
@@ -23,7 +23,7 @@ from sandbox.window.page import Host
 from sandbox.window.parameters import Parameter, parameters
 from sandbox.window.stage_view import Pick
 
-ROW, ENTRY = 47.0, 92.0  # design pixels
+ROW, ENTRY = 45.0, 92.0  # design pixels
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
 KIND_NAMES = {"power": "power law", "gear": "draft gear", "hard": "hard"}
 
@@ -76,7 +76,7 @@ class Inspector:
         if self.pick is None or self.rect.width == 0:
             return
         unit = self.host.unit
-        y = self.rect.top + 34 * unit
+        y = self.rect.top + 31 * unit
         y = self._kinds(y) if self.pick.kind == "contact" else y
         for parameter in parameters(self.session, self.pick):
             if y + ROW * unit > self.rect.bottom - 34 * unit:
@@ -91,7 +91,7 @@ class Inspector:
         place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
         entry = UITextEntryLine(place, manager, initial_text=_text(parameter.value))
         wide = self.rect.width
-        bar = pygame.Rect(left, round(y + 27 * unit), wide, round(14 * unit))
+        bar = pygame.Rect(left, round(y + 27 * unit), wide, round(13 * unit))
         slider = UIHorizontalSlider(bar, parameter.share(), (0.0, 1.0), manager)
         return Control(parameter, slider, entry, parameter.value)
 
@@ -106,7 +106,7 @@ class Inspector:
             button = self._button(place, name, partial(self._turn, kind), "#chip", "law of this contact")
             if kind == now:
                 button.select()
-        return y + 34 * unit
+        return y + 31 * unit
 
     def _turn(self, kind: str) -> None:
         if self.pick is not None:
@@ -242,6 +242,7 @@ class Inspector:
             colour = bead_colours(lane.chain.contacts + 1)[self.pick.index + 1]
         shape = self.pick.index
         put_marker(surface, shape, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
+        title = shortened(title, 16 * unit, rect.width - 22 * unit, bold=True)
         write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, INK, bold=True)
         for control in self.controls.values():
             parameter, y = control.parameter, control.entry.rect.centery
