@@ -183,7 +183,7 @@ def mode_coupling(
     chain: Chain,
     velocity: ArrayLike,
     duration: float | None = None,
-    method: str = "radau",
+    method: str = "accurate",
     step: float | None = None,
     samples: int | ArrayLike = 201,
     tolerance: float = 1e-8,
