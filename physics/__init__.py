@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from physics.soft_chain import SoftChain as SoftChain
     from physics.state import State as State
     from physics.trajectory import Trajectory as Trajectory
+    from physics.trust import stable_step as stable_step
 
 _HOME = {
     "Contact": "contact",
@@ -38,11 +39,12 @@ _HOME = {
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",
+    "stable_step": "trust",
     "SoftContact": "constraints",
     "SoftChain": "soft_chain",
 }
 
-__all__ = list(_HOME)  # noqa: PLE0605 - the table above is the one list of public names
+__all__ = list(_HOME)
 
 
 def __getattr__(name: str) -> Any:

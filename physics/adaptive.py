@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from physics.chain import Chain
 from physics.kernels import adaptive as kernel
+from physics.kernels.march import OUT_OF_STEPS
 from physics.run import NO_TIMES, Problem, Record, empty_samples, run_to_end
 from physics.state import State
 from physics.time_scale import closing_speed
@@ -48,15 +49,17 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     state.time = time
     kept = min(used, size)
     rows = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
+    samples = times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows]
+    warnings = _warnings(problem, status, time, counter, kept)
     return Record(
-        times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows], book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), seconds, _warnings(problem, status, time, counter, kept),
+        *samples, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
+        int(counter[kernel.EVALUATION]), warnings, seconds,
     )  # fmt: skip
 
 
 def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
     found = []
-    if status == kernel.OUT_OF_STEPS:
+    if status == OUT_OF_STEPS:
         found.append(
             f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: the contacts rattle on; take method "
             "'conserving', or a looser tolerance"

@@ -26,6 +26,7 @@ PARTS = {
 MOST_STEPS = 100_000_000  # a run that needs more has a step that does not fit its motion
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 
+_march: Any = kernel.march  # its arguments are unpacked from tuples, which type checkers cannot count
 _LOADED: set[str] = set()  # methods whose kernels are in memory
 
 
@@ -44,7 +45,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
     switches = np.zeros(book, dtype=np.int64), np.zeros(book)
     rows = empty_samples(times.size, chain.contacts)
     began = perf_counter()
-    status, time = kernel.march(
+    status, time = _march(
         *PARTS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, *chain.parameters, _push(chain, state),
         chain.anchor, *_moving(state), *_spare(chain.contacts), *_marks(problem.method, chain.contacts),
         *switches, times, *rows, counter,
@@ -56,9 +57,11 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
     state.time = time
     kept = min(used, book)
     filled = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
+    overlap, rate, anchor, force = (row[:filled] for row in rows)
+    warnings = _warnings(problem, status, time, counter, kept)
     return Record(
-        times[:filled], *(row[:filled] for row in rows), switches[0][:kept], switches[1][:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), seconds, _warnings(problem, status, time, counter, kept),
+        times[:filled], overlap, rate, anchor, force, switches[0][:kept], switches[1][:kept], state,
+        int(counter[kernel.STEP]), int(counter[kernel.EVALUATION]), warnings, seconds,
     )  # fmt: skip
 
 
@@ -82,7 +85,7 @@ def _moving(state: State) -> tuple[Array, Array, Array, Array]:
     return state.overlap, state.rate, state.anchor, state.force
 
 
-def _spare(contacts: int) -> tuple[Array, Array, Array, Array]:
+def _spare(contacts: int) -> Any:
     return np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts)
 
 
@@ -96,11 +99,12 @@ def advance(chain: Chain, state: State, duration: float, method: str, step: floa
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
     if state.work.get("fixed_step", ("",))[0] != method:
         state.work["fixed_step"] = (method, *_scratch(method, chain.contacts))
+    spare: Any
     _, spare, marks, switches, rows, counter = state.work["fixed_step"]
     counter[:] = 0
     marks[0][:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
-    kernel.march(
+    _march(
         *PARTS[method], step, state.time, end, False, MOST_STEPS, *chain.parameters, _push(chain, state), chain.anchor,
         *_moving(state), *spare, *marks, *switches, NO_TIMES, *rows, counter,
     )  # fmt: skip

@@ -51,8 +51,8 @@ class Record:
         switch_contact, switch_time: every change of a contact between open and closed (all start open).
         end: State at the end of the run.
         steps, evaluations: cost.
-        seconds: wall time of the solver, loading of kernels left out.
         warnings: sentences on what may be wrong.
+        seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
     """
 
     time: Array
@@ -65,8 +65,8 @@ class Record:
     end: State
     steps: int
     evaluations: int
-    seconds: float = 0.0
     warnings: tuple[str, ...] = ()
+    seconds: float = 0.0
 
 
 def empty_samples(count: int, contacts: int) -> tuple[Array, Array, Array, Array]:

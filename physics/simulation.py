@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from importlib import import_module
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,7 @@ from physics.run import Problem, Record
 from physics.state import State
 from physics.time_scale import default_step
 from physics.trajectory import Interval, Trajectory
+from physics.trust import explicit_warnings
 
 Array = NDArray[np.float64]
 
@@ -50,7 +52,11 @@ def simulate(
     """
     problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
     runner = import_module(find_method(method).module)
+    began = perf_counter()
     record: Record = runner.run(problem)
+    record.seconds = record.seconds or perf_counter() - began
+    if not find_method(method).set_valued:
+        record.warnings += explicit_warnings(problem, record)
     for sentence in record.warnings:
         warnings.warn(sentence, RuntimeWarning, stacklevel=2)
     return _trajectory(problem, record)
@@ -75,7 +81,7 @@ def advance(
     import_module(chosen.module).advance(chain, state, duration, method, fineness)
 
 
-def _require(condition: bool, sentence: str) -> None:
+def _require(condition: bool | np.bool_, sentence: str) -> None:
     if not condition:
         raise ValueError(sentence)
 
@@ -124,7 +130,7 @@ def _samples(samples: int | ArrayLike, duration: float | None) -> int | Array:
         return int(samples)
     times = np.array(samples, dtype=np.float64)
     _require(times.ndim == 1 and times.size > 0, "sample times must be a list of at least one time")
-    _require(bool((np.diff(times) >= 0.0).all()) and times[0] >= 0.0, "sample times must be >= 0 and ascending")
+    _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
     _require(math.isfinite(times[-1]), "sample times must be finite")
     _require(duration is None or times[-1] <= duration, f"sample times must lie within the duration {duration}")
     return times

@@ -207,7 +207,9 @@ def attempt(h, explicit, given, moving, precision, past_step, trial, book):
     book.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
     if used == 0:
         return -1.0
-    stage_rates(h, given.inverse_mass, given.external, moving.overlap, moving.rate, trial.overlap, trial.force, trial.rate)
+    stage_rates(
+        h, given.inverse_mass, given.external, moving.overlap, moving.rate, trial.overlap, trial.force, trial.rate
+    )
     move_anchor(
         h, given.inverse_mass, given.external, given.anchor_bead, trial.force, moving.anchor, trial.anchor
     )  # fmt: skip
@@ -272,7 +274,9 @@ def sample_inside(time, h, explicit, given, moving, precision, past_step, trial,
         k = book.counter[SAMPLE]
         wished = samples.time[k] - time
         length = wished
-        while attempt(length, explicit, given, moving, precision, past_step, trial, book) < 0.0 and time + length > time:
+        while (
+            attempt(length, explicit, given, moving, precision, past_step, trial, book) < 0.0 and time + length > time
+        ):
             length *= 0.9
         for i in range(moving.mode.size):
             samples.overlap[k, i] = trial.overlap[2, i] + (wished - length) * trial.rate[2, i]
@@ -340,7 +344,7 @@ def open_passed(time, h, landing, given, moving, slow, book):
     """Open the contacts that the step has carried past d = 0; returns True where there are any."""
     any_passed = False
     for i in range(moving.mode.size):
-        if i == landing or continued(given.law, i) and moving.mode[i] == LOADED:
+        if i == landing or (continued(given.law, i) and moving.mode[i] == LOADED):
             continue
         if moving.mode[i] == OPEN and moving.overlap[i] > 0.0:  # an event that could not be hit
             moving.mode[i] = LOADED
@@ -382,12 +386,11 @@ def rescue(time, h, given, moving, slow, trial, book):
     for i in range(moving.mode.size):
         before[i] = moving.mode[i]
         moving.held[i] = 0
-    book.counter[EVALUATION] += abs(
-        conserving_step(
-            h, given.law, given.inverse_mass, given.push, given.anchor_bead, moving.overlap, moving.rate, moving.anchor,
-            moving.force, trial.work,
-        )  # fmt: skip
-    )
+    used = conserving_step(
+        h, given.law, given.inverse_mass, given.push, given.anchor_bead, moving.overlap, moving.rate, moving.anchor,
+        moving.force, trial.work,
+    )  # fmt: skip
+    book.counter[EVALUATION] += abs(used)
     book.counter[STEP] += 1
     book.counter[RESCUE] += 1
     set_all_modes(given, moving, slow, trial)

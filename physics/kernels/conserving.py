@@ -148,7 +148,7 @@ def mean_forces(h, law, diagonal, coupling, target, start, overlap, force, work)
     damping = 1.0
     warm, below = MOST_WARM, MOST_WARM + MOST_NEWTON + n
     for iteration in range(below + MOST_NEWTON + n):
-        if iteration == warm or iteration == below:
+        if iteration in (warm, below):
             highest = 0.0
             if iteration == below:
                 for i in range(n):

@@ -32,7 +32,7 @@ MARGIN = 4  # contacts around those that push; a front runs one or two a step
 
 @jit
 def window(mode, overlap, rate, force, external):
-    """The range [first, last), first < last, of contacts that take part in a step: those that push, or are about to, and a margin."""
+    """The range [first, last), first < last, of contacts in a step: those that push or are about to, and a margin."""
     n = mode.size
     if external.size:
         return 0, n
@@ -41,7 +41,7 @@ def window(mode, overlap, rate, force, external):
         largest = max(largest, force[i])
     first, last = n, 0
     for i in range(n):
-        if mode[i] != OPEN and (force[i] > NEGLIGIBLE * largest or rate[i] > 0.0 and largest == 0.0):
+        if mode[i] != OPEN and (force[i] > NEGLIGIBLE * largest or (rate[i] > 0.0 and largest == 0.0)):
             first, last = min(first, i), i + 1
     for i in range(n):
         if mode[i] != OPEN and overlap[i] == 0.0 and rate[i] > NEGLIGIBLE:
@@ -142,7 +142,11 @@ def dop853_step(
     for i in range(first, last):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = 0.0, 0.0
-        rough |= mode[i] == LOADED and law[i, 2] != 1.0 and (overlap[i] <= 0.0 < force[i] or end_overlap[i] < 0.0 < overlap[i])
+        rough |= (
+            mode[i] == LOADED
+            and law[i, 2] != 1.0
+            and (overlap[i] <= 0.0 < force[i] or end_overlap[i] < 0.0 < overlap[i])
+        )
     worst = 0.0
     for i in range(first, last):
         worst = max(worst, abs(fifth[i]) if rough else combined(fifth[i], third[i]))
@@ -196,5 +200,9 @@ def hermite(x, h, d0, w0, a0, d1, w1, a1):
     jump = d1 - d0 - h * w0 - 0.5 * h * h * a0
     turn = h * (w1 - w0 - h * a0)
     bend = h * h * (a1 - a0)
-    c3, c4, c5 = 10.0 * jump - 4.0 * turn + 0.5 * bend, -15.0 * jump + 7.0 * turn - bend, 6.0 * jump - 3.0 * turn + 0.5 * bend
+    c3, c4, c5 = (
+        10.0 * jump - 4.0 * turn + 0.5 * bend,
+        -15.0 * jump + 7.0 * turn - bend,
+        6.0 * jump - 3.0 * turn + 0.5 * bend,
+    )
     return d0 + x * (h * w0 + x * (0.5 * h * h * a0 + x * (c3 + x * (c4 + x * c5))))

@@ -35,7 +35,7 @@ def push_address():
         numba.config.CACHE_DIR = folder
 
 
-_kept = []  # compiled code lives as long as the object that made it
+_kept: list[object] = []  # compiled code lives as long as the object that made it
 
 
 def _keep(compiled):

@@ -83,7 +83,9 @@ def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap,
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
         soft = 1.0 + weight * exponent * (force - preload) / overlap
-        if soft < 2.0 and preload > 0.0:  # far to the right of the solution: go to the bound that d + weight f = const sets on it
+        if (
+            soft < 2.0 and preload > 0.0
+        ):  # far to the right of the solution: go to the bound that d + weight f = const sets on it
             rest = overlap + weight * (force - preload) + soft * by_overlap
             if rest > 0.0:
                 reach = power(rest / (weight * stiffness), 1.0 / exponent)
@@ -320,7 +322,9 @@ def stage_rates(h, inverse_mass, external, overlap, rate, stage_overlap, stage_f
                 stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
             else:
                 stage_rate[k, i] = rate[i] - h * (
-                    TABLEAU[k, 0] * (flow[0] - drive) + TABLEAU[k, 1] * (flow[1] - drive) + TABLEAU[k, 2] * (flow[2] - drive)
+                    TABLEAU[k, 0] * (flow[0] - drive)
+                    + TABLEAU[k, 1] * (flow[1] - drive)
+                    + TABLEAU[k, 2] * (flow[2] - drive)
                 )
 
 
@@ -398,5 +402,8 @@ def embedded_errors(
         give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
         if give > 0.0:
             weight = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * give)
-            worst_fine, worst_coarse = max(worst_fine, weight * abs(fine[i])), max(worst_coarse, weight * abs(coarse[i]))
+            worst_fine, worst_coarse = (
+                max(worst_fine, weight * abs(fine[i])),
+                max(worst_coarse, weight * abs(coarse[i])),
+            )
     return worst_fine, worst_coarse
