@@ -75,7 +75,7 @@ def test_rates_are_the_slopes_of_the_overlaps():
 )
 def test_two_targets_need_no_reduction(chain):
     velocity = [1.0, 0.0, 0.0]
-    full, model = simulate(chain, velocity, method="radau"), mode_coupling(chain, velocity)
+    full, model = simulate(chain, velocity, method="radau"), mode_coupling(chain, velocity, method="radau")
     np.testing.assert_array_equal(model.trajectory.overlap, full.overlap)
     np.testing.assert_array_equal(model.trajectory.final_velocity, full.final_velocity)
 
