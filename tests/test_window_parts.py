@@ -14,6 +14,7 @@ from sandbox.window import thumbnails
 from sandbox.window.geometry import geometry
 from sandbox.window.hanging import HangingPage
 from sandbox.window.keys import BINDINGS, CTRL, SHIFT, action_of
+from sandbox.window.parameters import number
 from sandbox.window.play import Play
 from sandbox.window.records import stretches
 from sandbox.window.sheet import Sheet
@@ -197,3 +198,16 @@ def test_hanging_page_is_played_by_hand():
     driver.key(pygame.K_ESCAPE)
     assert not isinstance(driver.app.page, (HangingPage, Play))
     driver.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("0,5", 0.5), ("1/14", 1 / 14), ("\N{MINUS SIGN}2e-3", -2e-3), (" 7 ", 7.0)]
+)
+def test_numbers_are_read_as_people_type_them(text, value):
+    assert number(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "x", "1/0", "1/", "--1"])
+def test_what_is_no_number_is_refused(text):
+    with pytest.raises(ValueError):  # noqa: PT011 - whatever it says, the inspector names the field and the text
+        number(text)

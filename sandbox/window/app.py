@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import gc
-import os
 from collections.abc import Callable, Iterable
-from pathlib import Path
 
 import pygame
 
 from sandbox.errors import UserError
 from sandbox.window import theme
+from sandbox.window.display import open_display
 from sandbox.window.gallery import Gallery
 from sandbox.window.hanging import NAME as HANGING
 from sandbox.window.hanging import HangingPage
@@ -235,20 +234,3 @@ class App:
         if surface.get_size() != self.size:
             self.size = surface.get_size()
             self.rebuild()
-
-
-def open_display(size: tuple[int, int]) -> pygame.Surface:
-    """A resizable window; of pygame only the display and the font are started, which is quick."""
-    from sandbox.resources import resource
-
-    os.environ.setdefault("SDL_VIDEO_CENTERED", "1")
-    os.environ.setdefault("SDL_MOUSE_FOCUS_CLICKTHROUGH", "1")
-    pygame.display.init()
-    pygame.font.init()
-    icon = resource("icon.png")
-    if Path(icon).is_file():
-        pygame.display.set_icon(pygame.image.load(str(icon)))
-    pygame.display.set_caption("softcradle")
-    surface = pygame.display.set_mode(size, pygame.RESIZABLE)
-    pygame.key.set_repeat(350, 45)
-    return surface

@@ -11,16 +11,16 @@ import pygame_gui
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
 
 from sandbox.draw.ink import put_marker
-from sandbox.draw.numbers import MINUS, index
+from sandbox.draw.numbers import index
 from sandbox.draw.palette import INK, MUTED, bead_colours
 from sandbox.draw.text import shortened, write
-from sandbox.session.inputs import Input, SetKind, SetMass
+from sandbox.session.inputs import Input, SetContact, SetKind, SetMass
 from sandbox.session.kinds import kind_of
 from sandbox.session.session import Session
 from sandbox.window.about import paint_about
 from sandbox.window.keys import hint
 from sandbox.window.page import Host
-from sandbox.window.parameters import Parameter, parameters
+from sandbox.window.parameters import Parameter, number, parameters
 from sandbox.window.stage_view import Pick
 
 ROW, ENTRY = 45.0, 92.0  # design pixels
@@ -150,8 +150,6 @@ class Inspector:
             self.apply(SetMass(self.pick.lane, self.pick.index, usual[0] if mass == float("inf") else float("inf")))
 
     def _all_alike(self) -> None:
-        from sandbox.session.inputs import SetContact
-
         if self.pick is not None:
             law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
             self.apply(SetContact(self.pick.lane, None, law))
@@ -171,12 +169,9 @@ class Inspector:
         return False
 
     def _typed(self, control: Control, text: str) -> None:
-        from sandbox.options import positive
-
-        cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
         try:
-            value = float(cleaned) if "/" not in cleaned else positive(cleaned)
-        except Exception:
+            value = number(text)
+        except ValueError:
             self.host.messages.say(f"{control.parameter.name}: {text!r} is not a number", trouble=True)
             control.entry.set_text(_text(control.parameter.value))
             return

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from physics import Contact
+from sandbox.draw.numbers import MINUS
 from sandbox.session.inputs import Input, SetContact, SetGap, SetMass, SetVelocity
 from sandbox.session.lanes import LiveLane
 from sandbox.session.session import Session
@@ -51,10 +52,8 @@ class Parameter:
 
     def at(self, share: float) -> float:
         """The number at that place of the slider, to four digits: no slider is finer."""
-        if self.logarithmic:
-            value = self.low * (self.high / self.low) ** share
-        else:
-            value = self.low + share * (self.high - self.low)
+        low, high = self.low, self.high
+        value = low * (high / low) ** share if self.logarithmic else low + share * (high - low)
         span = self.high - self.low
         return 0.0 if not self.logarithmic and abs(value) < 1e-3 * span else float(f"{value:.4g}")
 
@@ -151,3 +150,12 @@ def _force(session: Session, pick: Pick) -> float:
     law = lane.chain.contact[pick.index]
     depth = contact_scales(lane.chain, [0.0] * lane.chain.contacts + [lane.setup.speed])[0][pick.index]
     return 2.0 * float(law.force(float(depth)))
+
+
+def number(text: str) -> float:
+    """A typed number: 0.1, 1e-3, 1/14, with a comma or a true minus sign if need be. ValueError where it is none."""
+    cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
+    numerator, slash, denominator = cleaned.partition("/")
+    if slash and float(denominator) == 0.0:
+        raise ValueError(f"{text!r} divides by zero")
+    return float(numerator) / float(denominator) if slash else float(cleaned)

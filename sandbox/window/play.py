@@ -48,7 +48,7 @@ class Play:
             **ViewKeys(self).actions,
             **self.hands.actions,
             **self.keeping.actions,
-            "undo": self.reopen,
+            "undo": lambda: host.show(Play(host, Session(session.scene), leave)),  # as it was opened
             "help": host.toggle_help,
             "leave": self.escape,
         }
@@ -100,15 +100,6 @@ class Play:
         self.scenery.reset_camera()
         if playing:
             self.session.play()
-
-    def reopen(self) -> None:
-        """Forget all edits: the scene as it was opened."""
-        self.host.show(Play(self.host, Session(self.session.scene), self.leave))
-
-    def next_method(self) -> None:
-        """The next method, in all lanes."""
-        if self.apply(SetMethod(None, self.cards.next_method())):
-            self.host.rebuild()
 
     def escape(self) -> None:
         """Deselect; with nothing selected, back to the gallery."""

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
+from sandbox.session.inputs import SetMethod
 from sandbox.window.plot_kinds import KINDS
 
 if TYPE_CHECKING:
@@ -24,9 +25,14 @@ class ViewKeys:
             "fit": self.toggle_follow,
             "zoom_in": partial(self.zoom, 1),
             "zoom_out": partial(self.zoom, -1),
-            "method": page.next_method,
+            "method": self.next_method,
             "inspector": self.toggle_side,
         }
+
+    def next_method(self) -> None:
+        """The next method, in all lanes."""
+        if self.page.apply(SetMethod(None, self.page.cards.next_method())):
+            self.page.host.rebuild()
 
     def toggle_plot(self, kind: str) -> None:
         """Show or hide one kind of plot."""
