@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from physics.chain import Chain
 from physics.constraints import SoftContact
-from physics.run import Problem, Record, empty_samples
+from physics.run import Problem, Record, empty_samples, run_to_end
 from physics.state import State
 from physics.time_scale import contact_scales, speed_scale
 
@@ -123,15 +123,13 @@ def _power_of_two(least: float) -> float:
 
 
 def run(problem: Problem) -> Record:
-    """Run the Space; without a duration in two passes, the first of which finds the end."""
-    if problem.duration is None:
-        end = _Run(problem, NO_TIMES).until(math.inf, stop=True).state.time
-    else:
-        end = problem.state.time + problem.duration
-    times = problem.sample_times(end)
-    if problem.duration is None and times.size:
-        end = max(end, float(times[-1]))
-    return _Run(problem, times).until(end, stop=False).record()
+    """Run the Space."""
+    return run_to_end(problem, _pass)
+
+
+def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
+    """One run to `end`, or with `stop` until no contact can close again."""
+    return _Run(problem, times).until(end, stop=stop).record()
 
 
 class _Run:
