@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -86,12 +87,10 @@ class Inspector:
         self._buttons(y + 4 * unit)
 
     def _control(self, parameter: Parameter, y: float) -> Control:
-        unit, manager, left = self.host.unit, self.host.manager, self.rect.left
-        right = self.rect.right
+        unit, manager, left, right = self.host.unit, self.host.manager, self.rect.left, self.rect.right
         place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
         entry = UITextEntryLine(place, manager, initial_text=_text(parameter.value))
-        wide = self.rect.width
-        bar = pygame.Rect(left, round(y + 27 * unit), wide, round(13 * unit))
+        bar = pygame.Rect(left, round(y + 27 * unit), right - left, round(13 * unit))
         slider = UIHorizontalSlider(bar, parameter.share(), (0.0, 1.0), manager)
         return Control(parameter, slider, entry, parameter.value)
 
@@ -99,8 +98,7 @@ class Inspector:
         """Power law, draft gear, hard: one of three."""
         assert self.pick is not None
         unit, wide = self.host.unit, self.rect.width / 3
-        lane = self.session.lanes[self.pick.lane]
-        now = kind_of(lane.chain.contact[self.pick.index])
+        now = kind_of(self.session.lanes[self.pick.lane].chain.contact[self.pick.index])
         for k, (kind, name) in enumerate(KIND_NAMES.items()):
             place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
             button = self._button(place, name, partial(self._turn, kind), "#chip", "law of this contact")
@@ -109,8 +107,8 @@ class Inspector:
         return y + 31 * unit
 
     def _turn(self, kind: str) -> None:
-        if self.pick is not None:
-            self.apply(SetKind(self.pick.lane, self.pick.index, kind))
+        assert self.pick is not None
+        self.apply(SetKind(self.pick.lane, self.pick.index, kind))
 
     def _buttons(self, y: float) -> None:
         assert self.pick is not None
@@ -131,7 +129,7 @@ class Inspector:
             else:
                 self._button(place, text, self.actions[action], None, hint(action))
         if self.pick.kind == "bead":
-            wall = self.session.lanes[self.pick.lane].chain.mass[self.pick.index] == float("inf")
+            wall = math.isinf(self.session.lanes[self.pick.lane].chain.mass[self.pick.index])
             place = pygame.Rect(self.rect.left, round(y + 33 * unit), round(half - 4 * unit), round(28 * unit))
             text = "free it" if wall else "make it a wall"
             self._button(place, text, self._wall, None, "a wall has no mass to move: it keeps its velocity")
@@ -145,9 +143,9 @@ class Inspector:
 
     def _wall(self) -> None:
         if self.pick is not None:
-            mass = self.session.lanes[self.pick.lane].chain.mass[self.pick.index]
-            usual = [m for m in self.session.lanes[self.pick.lane].chain.mass if m != float("inf")]
-            self.apply(SetMass(self.pick.lane, self.pick.index, usual[0] if mass == float("inf") else float("inf")))
+            masses = self.session.lanes[self.pick.lane].chain.mass
+            free = min(masses) if math.isinf(masses[self.pick.index]) else math.inf
+            self.apply(SetMass(self.pick.lane, self.pick.index, free))
 
     def _all_alike(self) -> None:
         if self.pick is not None:
@@ -229,13 +227,11 @@ class Inspector:
             return
         lane = self.session.lanes[self.pick.lane]
         label = f" · {lane.label}" if len(self.session.lanes) > 1 and lane.label else ""
+        colours, shape = bead_colours(lane.chain.contacts + 1), self.pick.index
         if self.pick.kind == "bead":
-            title = f"Bead {self.pick.index}{label}"
-            colour = bead_colours(lane.chain.contacts + 1)[self.pick.index]
+            title, colour = f"Bead {shape}{label}", colours[shape]
         else:
-            title = f"Contact {index(self.pick.index, self.pick.index + 1)}{label}"
-            colour = bead_colours(lane.chain.contacts + 1)[self.pick.index + 1]
-        shape = self.pick.index
+            title, colour = f"Contact {index(shape, shape + 1)}{label}", colours[shape + 1]
         put_marker(surface, shape, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
         title = shortened(title, 16 * unit, rect.width - 22 * unit, bold=True)
         write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, INK, bold=True)
