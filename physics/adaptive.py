@@ -36,7 +36,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
     overlap, rate, anchor, force = empty_samples(times.size, chain.contacts)
     given, moving, trial = _given(chain, state, problem.method), _moving(state), _trial(chain.contacts)
-    book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), counter)
+    book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
     began = perf_counter()
     status, time = kernel.integrate(
         state.time, end, stop, MOST_STEPS, closing_speed(state.velocity(chain)), problem.tolerance,
@@ -78,6 +78,7 @@ def advance(chain: Chain, state: State, duration: float, method: str, tolerance:
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
     trial, book, samples = state.work.get("adaptive") or state.work.setdefault("adaptive", _live(chain.contacts))
     book.counter[:] = 0
+    book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
     kernel.integrate(
         state.time, end, False, MOST_STEPS, closing_speed(state.velocity(chain)), tolerance,
@@ -122,5 +123,10 @@ def _trial(contacts: int) -> kernel.Trial:
 
 def _live(contacts: int) -> tuple[kernel.Trial, kernel.Book, kernel.Samples]:
     """Scratch memory of `advance`: no book of switches, no samples."""
-    book = kernel.Book(np.zeros(0, dtype=np.int64), NO_TIMES, np.zeros(kernel.COUNTERS, dtype=np.int64))
+    book = kernel.Book(
+        np.zeros(0, dtype=np.int64),
+        NO_TIMES,
+        np.zeros(contacts, dtype=np.int8),
+        np.zeros(kernel.COUNTERS, dtype=np.int64),
+    )
     return _trial(contacts), book, kernel.Samples(NO_TIMES, *empty_samples(0, contacts))

@@ -61,7 +61,7 @@ class SoftContact(pymunk.DampedSpring):
         "_native",
     ]
 
-    def __init__(  # noqa: PLR0917 - pymunk's order, and its pickling passes them by position
+    def __init__(
         self,
         a: pymunk.Body,
         b: pymunk.Body,

@@ -103,28 +103,37 @@ class Samples(NamedTuple):
 
 
 class Book(NamedTuple):
-    """Contact switches: which (S,), when (S,); counters."""
+    """Contact switches: which (S,), when (S,); flags of the contacts that push (n,); counters."""
 
     contact: NDArray[np.int64]
     time: Array
+    closed: NDArray[np.int8]
     counter: NDArray[np.int64]
 
 
 @jit
-def note(contact, time, book):
-    """Write one contact switch into the book."""
-    k = book.counter[SWITCH]
-    if k < book.contact.size:
-        book.contact[k], book.time[k] = contact, time
-    book.counter[SWITCH] = k + 1
+def pushes(i, moving):
+    """True where contact i is closed: it pushes."""
+    return moving.mode[i] != OPEN and (moving.overlap[i] > 0.0 or moving.force[i] > 0.0)
 
 
 @jit
-def note_changes(before, time, given, moving, book):
-    """Write the contacts whose mode, `before` (n,), has changed between open and closed."""
+def note_switches(before, time, moving, book):
+    """Write into the book the contacts that have begun or ceased to push in the step from `before` to `time`.
+
+    One that has begun does so at the start: steps end where contacts close. One that has opened did so when its overlap
+    was last 0.
+    """
     for i in range(moving.mode.size):
-        if (before[i] != OPEN) != (moving.mode[i] != OPEN):
-            note(i, time, book)
+        now = pushes(i, moving)
+        if now != (book.closed[i] != 0):
+            book.closed[i] = 1 if now else 0
+            k = book.counter[SWITCH]
+            if k < book.contact.size:
+                book.contact[k], book.time[k] = i, before if now else time
+                if not now and moving.overlap[i] < 0.0 and moving.rate[i] < 0.0:
+                    book.time[k] = max(before, time - moving.overlap[i] / moving.rate[i])
+            book.counter[SWITCH] = k + 1
 
 
 @jit
@@ -197,8 +206,8 @@ def attempt(h, explicit, given, moving, precision, past_step, trial, book):
             trial.z[0], trial.z[1], trial.z[2], trial.anchor,
         )  # fmt: skip
     first_guess(
-        h, given.law, given.inverse_mass, moving.mode, moving.overlap, moving.rate, moving.force, past_step, trial.past,
-        trial.overlap, trial.force,
+        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
+        past_step, trial.past, trial.overlap, trial.force,
     )  # fmt: skip
     used = solve_stages(
         h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, precision,
@@ -340,7 +349,7 @@ def keep(explicit, moving, trial):
 
 
 @jit
-def open_passed(time, h, landing, given, moving, slow, book):
+def open_passed(landing, given, moving, slow):
     """Open the contacts that the step has carried past d = 0; returns True where there are any."""
     any_passed = False
     for i in range(moving.mode.size):
@@ -348,27 +357,20 @@ def open_passed(time, h, landing, given, moving, slow, book):
             continue
         if moving.mode[i] == OPEN and moving.overlap[i] > 0.0:  # an event that could not be hit
             moving.mode[i] = LOADED
-            note(i, time, book)
         elif moving.mode[i] == LOADED and moving.overlap[i] < 0.0:
             any_passed = True
             moving.force[i] = 0.0
             drive = given.external[i] if given.external.size else 0.0
             if abs(moving.rate[i]) > slow or flow_into(i, given.inverse_mass, moving.force) > drive:
                 moving.mode[i] = OPEN
-                back = moving.overlap[i] / moving.rate[i] if moving.rate[i] < 0.0 else 0.0
-                note(i, time - min(back, h), book)
             else:  # pushed from both sides, or not at all, and slower than what counts: it stays
                 moving.overlap[i], moving.rate[i] = 0.0, 0.0
     return any_passed
 
 
 @jit
-def switch(time, landing, kind, given, moving, slow, trial, book):
+def switch(landing, kind, given, moving, slow, trial):
     """Carry out the event of contact `landing`; the forces of all that touch are found anew."""
-    before = trial.z[0]
-    for i in range(moving.mode.size):
-        before[i] = moving.mode[i]
-    before[landing] = OPEN if kind == CLOSES else LOADED
     if moving.mode[landing] != TOUCHING:
         moving.overlap[landing] = 0.0
     elif kind == YIELDS:
@@ -376,15 +378,12 @@ def switch(time, landing, kind, given, moving, slow, trial, book):
     elif kind == OPENS:
         moving.mode[landing], moving.held[landing] = OPEN, 1
     set_all_modes(given, moving, slow, trial)
-    note_changes(before, time, given, moving, book)
 
 
 @jit
-def rescue(time, h, given, moving, slow, trial, book):
+def rescue(h, given, moving, slow, trial, book):
     """One small step of `conserving`, where Newton does not settle."""
-    before = trial.z[0]
     for i in range(moving.mode.size):
-        before[i] = moving.mode[i]
         moving.held[i] = 0
     used = conserving_step(
         h, given.law, given.inverse_mass, given.push, given.anchor_bead, moving.overlap, moving.rate, moving.anchor,
@@ -394,7 +393,6 @@ def rescue(time, h, given, moving, slow, trial, book):
     book.counter[STEP] += 1
     book.counter[RESCUE] += 1
     set_all_modes(given, moving, slow, trial)
-    note_changes(before, time + h, given, moving, book)
 
 
 @jit
@@ -430,10 +428,9 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         moving.held[i] = 0
     set_all_modes(given, moving, slow, trial)
     for i in range(n):
-        if moving.mode[i] != OPEN:
-            note(i, time, book)
-            if moving.mode[i] == LOADED and moving.overlap[i] == 0.0:
-                h_next = min(h_next, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
+        if moving.mode[i] == LOADED and moving.overlap[i] == 0.0:
+            h_next = min(h_next, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
+    note_switches(time, time, moving, book)
     while True:
         sample_flight(time, time, given, moving, samples, book)
         if time >= end:
@@ -446,12 +443,11 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
                 for i in range(n):
                     if moving.mode[i] == LOADED:
                         moving.mode[i], moving.force[i] = OPEN, 0.0
-                        note(i, time, book)
+                note_switches(time, time, moving, book)
                 return SEPARATED, time
             if closing < 0 or time >= end:
                 continue
             moving.overlap[closing] = 0.0
-            note(closing, time, book)
             set_all_modes(given, moving, slow, trial)
             h_next, past_step, last_step = onset_step(given, closing, moving.rate[closing], wanted), 0.0, 0.0
         h = opening_limit(min(h_next, end - time), given, moving, wanted)
@@ -463,8 +459,9 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
             if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
             h = min(end - time, max(1e-4 * min(h_next, scale), 4e-16 * abs(time), 1e-15))
-            rescue(time, h, given, moving, slow, trial, book)
-            time = time + h if h < end - time else end
+            rescue(h, given, moving, slow, trial, book)
+            before, time = time, time + h if h < end - time else end
+            note_switches(before, time, moving, book)
             h_next, last_step, past_step = 4.0 * h, 0.0, 0.0
             continue
         power = 0.125 if explicit else 0.2
@@ -478,13 +475,15 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
             sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book)
             attempt(h, explicit, given, moving, precision, past_step, trial, book)
         keep(explicit, moving, trial)
-        time = time + h if h < end - time else end
+        before, time = time, time + h if h < end - time else end
         past_step = 0.0 if explicit else h
         book.counter[STEP] += 1
-        if open_passed(time, h, landing, given, moving, slow, book):
+        if open_passed(landing, given, moving, slow):
             last_step = 0.0
+        note_switches(before, time, moving, book)
         if landing >= 0:
             past_step = 0.0
             if kind == CLOSES:
                 h_next = min(h_next, onset_step(given, landing, moving.rate[landing], wanted))
-            switch(time, landing, kind, given, moving, slow, trial, book)
+            switch(landing, kind, given, moving, slow, trial)
+            note_switches(time, time, moving, book)

@@ -125,7 +125,9 @@ def cubic(x, y0, y1, y2, y3):
 
 
 @jit
-def first_guess(h, law, inverse_mass, mode, overlap, rate, force, past_step, past, stage_overlap, stage_force):
+def first_guess(
+    h, law, inverse_mass, external, mode, overlap, rate, force, past_step, past, stage_overlap, stage_force
+):  # fmt: skip
     """Stages to begin Newton from: the cubics of the step before, where there was one of like size, go on.
 
     `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts keep their force,
@@ -163,6 +165,9 @@ def first_guess(h, law, inverse_mass, mode, overlap, rate, force, past_step, pas
         for k in range(3):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
                 set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
+                if external.size and external[i] > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                    push = external[i] / (inverse_mass[i] + inverse_mass[i + 1])
+                    set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
 
 
 @jit
