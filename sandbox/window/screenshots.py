@@ -53,7 +53,7 @@ def shoot(folder: Path) -> None:
     app.toggle_help()
     app.open("hanging-cradle")
     app.act("play_pause")
-    frames(app, 330)
+    frames(app, 72)
     keep(app, folder, "hanging-cradle")
     app.close()
 
