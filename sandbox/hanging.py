@@ -1,4 +1,4 @@
-"""The hanging cradle: balls on strings in an ordinary pymunk world, once with soft contacts, once as pymunk's rigid ones.
+"""The hanging cradle: balls on strings in an ordinary pymunk world, with soft contacts and with pymunk's rigid ones.
 
 Both hang from PinJoints and feel gravity; they differ in what happens between the balls alone.
 """
@@ -23,8 +23,8 @@ MEMORY = 6000  # samples of the energies
 SAMPLE = 1.0 / 60.0  # s
 
 LAWS: dict[str, Contact] = {
-    "power law, alpha 1/10": power_law(60.0, 0.1),
     "power law, alpha 1/14": power_law(60.0, 1.0 / 14.0),
+    "power law, alpha 1/10": power_law(60.0, 0.1),
     "draft gear": draft_gear(1500.0, 0.04),
     "steel balls (Hertz)": hertz(1e6),
 }
