@@ -10,6 +10,7 @@ help:
 	@echo "make check  linter, formatter and type checker"
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
 	@echo "make play   open the sandbox window"
+	@echo "make screenshots   pictures of the window, for this README"
 
 .venv/.installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "softcradle needs Python 3.11 or newer; set PYTHON=..."; exit 2; }
@@ -21,7 +22,8 @@ help:
 demo: .venv/.installed
 	@mkdir -p out
 	$(BIN)/softcradle render one-on-four -o out/one-on-four.mp4
-	$(BIN)/softcradle run one-on-four -o out/one-on-four.csv | tee out/one-on-four.txt
+	$(BIN)/softcradle run one-on-four -o out/one-on-four.csv > out/one-on-four.txt
+	@cat out/one-on-four.txt
 
 test: .venv/.installed
 	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist loadfile

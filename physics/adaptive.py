@@ -12,7 +12,7 @@ from physics.kernels import adaptive as kernel
 from physics.kernels.march import OUT_OF_STEPS
 from physics.run import NO_TIMES, Problem, Record, empty_samples, run_to_end
 from physics.state import State
-from physics.time_scale import closing_speed
+from physics.time_scale import speed_scale
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
     began = perf_counter()
     status, time = kernel.integrate(
-        state.time, end, stop, MOST_STEPS, closing_speed(state.velocity(chain)), problem.tolerance,
+        state.time, end, stop, MOST_STEPS, speed_scale(chain, state.velocity(chain)), problem.tolerance,
         given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
     )  # fmt: skip
     seconds = perf_counter() - began
@@ -81,7 +81,7 @@ def advance(chain: Chain, state: State, duration: float, method: str, tolerance:
     book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
     kernel.integrate(
-        state.time, end, False, MOST_STEPS, closing_speed(state.velocity(chain)), tolerance,
+        state.time, end, False, MOST_STEPS, speed_scale(chain, state.velocity(chain)), tolerance,
         _given(chain, state, method), _moving(state), trial, samples, book,
     )  # fmt: skip
     state.time = end

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
 from physics.run import Problem, Record
-from physics.time_scale import closing_speed, contact_scales
+from physics.time_scale import contact_scales, speed_scale
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     preload, stiffness, exponent = chain.parameters.law.T
     inverse_mass = chain.parameters.inverse_mass
     weight = inverse_mass[:-1] + inverse_mass[1:]
-    speed = closing_speed(velocity)
+    speed = speed_scale(chain, velocity)
     small = error * speed
     depth = contact_scales(chain, velocity)[0]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
