@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.chain import Chain
-from physics.kernels import adaptive as kernel
+from physics.kernels import trial as kernel
+from physics.kernels.adaptive import integrate
 from physics.kernels.march import OUT_OF_STEPS
 from physics.run import NO_TIMES, Problem, Record, empty_samples, run_to_end
 from physics.state import State
@@ -38,7 +39,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     given, moving, trial = _given(chain, state, problem.method), _moving(state), _trial(chain.contacts)
     book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
     began = perf_counter()
-    status, time = kernel.integrate(
+    status, time = integrate(
         state.time, end, stop, MOST_STEPS, speed_scale(chain, state.velocity(chain)), problem.tolerance,
         given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
     )  # fmt: skip
@@ -80,7 +81,7 @@ def advance(chain: Chain, state: State, duration: float, method: str, tolerance:
     book.counter[:] = 0
     book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
-    kernel.integrate(
+    integrate(
         state.time, end, False, MOST_STEPS, speed_scale(chain, state.velocity(chain)), tolerance,
         _given(chain, state, method), _moving(state), trial, samples, book,
     )  # fmt: skip

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+from physics.kernels.curve import LOADED, OPEN, TOUCHING, signed_force, slope_at
+from physics.kernels.curve import NODES as OUTPUT_NODES
 from physics.kernels.dop853_tableau import (
     FIFTH,
     FIFTH_SQUARE,
@@ -23,8 +25,6 @@ from physics.kernels.dop853_tableau import (
 )
 from physics.kernels.jit import jit
 from physics.kernels.law import power
-from physics.kernels.radau import LOADED, OPEN, TOUCHING, signed_force, slope_at
-from physics.kernels.radau import NODES as OUTPUT_NODES
 
 NEGLIGIBLE = 1e-22  # of the largest force: contacts that push less wait beyond the window
 MARGIN = 4  # contacts around those that push; a front runs one or two a step

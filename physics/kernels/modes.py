@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from physics.kernels.conserving import mean_forces
+from physics.kernels.curve import LOADED, NODES, OPEN, TOUCHING, cubic, flow_into, signed_force
 from physics.kernels.jit import jit
-from physics.kernels.radau import LOADED, NODES, OPEN, TOUCHING, cubic, flow_into, signed_force
 
 NOTHING, CLOSES, OPENS, YIELDS = 0, 1, 2, 3  # kinds of event: yields = a touching contact reaches its preload
 FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches

@@ -4,124 +4,21 @@
 
 In the variables (d, f) on the curve of the law a step costs one block-tridiagonal solve an iteration, with 3x3 blocks
 and diagonal couplings. A touching contact is the vertical part of the curve: its d stays 0 and its f is a multiplier.
-
-Each contact is in one mode for a whole step, so that the step sees smooth motion; the caller ends steps where modes do:
-
-    OPEN      f = 0, whatever d does            LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
-    TOUCHING  d = 0, f any number                         else 0 there
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
+from physics.kernels.curve import LOADED, NODES, OPEN, TOUCHING, cubic, flow_into, move_along, signed_force, slope_at
 from physics.kernels.jit import jit
 from physics.kernels.law import power
-
-OPEN, TOUCHING, LOADED = 0, 1, 2
-
-_ROOT6 = math.sqrt(6.0)
-NODES = np.array([(4.0 - _ROOT6) / 10.0, (4.0 + _ROOT6) / 10.0, 1.0])
-TABLEAU = np.array(
-    [
-        [(88.0 - 7.0 * _ROOT6) / 360.0, (296.0 - 169.0 * _ROOT6) / 1800.0, (-2.0 + 3.0 * _ROOT6) / 225.0],
-        [(296.0 + 169.0 * _ROOT6) / 1800.0, (88.0 + 7.0 * _ROOT6) / 360.0, (-2.0 - 3.0 * _ROOT6) / 225.0],
-        [(16.0 - _ROOT6) / 36.0, (16.0 + _ROOT6) / 36.0, 1.0 / 9.0],
-    ]
-)
-INVERSE = np.linalg.inv(TABLEAU)  # stage rates from stage overlaps
-SQUARE_INVERSE = INVERSE @ INVERSE
-_SMALL = 1.0 / np.linalg.eigvals(INVERSE).real.max()  # reciprocal of the one real eigenvalue, gamma_0
-GAMMA = float(_SMALL)
-EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * _ROOT6, -13.0 + 7.0 * _ROOT6, -1.0])  # Hairer & Wanner, IV.8
-_COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
-COARSE = (TABLEAU[2] - _COARSE) @ INVERSE  # its error, of one order less than the embedded one
+from physics.kernels.radau_tableau import SQUARE_INVERSE
 
 MOST_NEWTON = 15
 DIVERGED = 1e30  # [m] an overlap so large tells that Newton has lost its way
 FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps no force counts, yet the next begins from it
 FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
-SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
-
-
-@jit
-def signed_force(preload, stiffness, exponent, overlap):
-    """``F + K d**a``, continued oddly to d < 0 where the law has a preload or a = 1, else 0 there."""
-    if overlap > 0.0:
-        return preload + stiffness * power(overlap, exponent)
-    if preload == 0.0 and exponent != 1.0:
-        return 0.0
-    if overlap == 0.0:
-        return preload
-    return preload - stiffness * power(-overlap, exponent)
-
-
-@jit
-def slope_at(preload, stiffness, exponent, overlap, force):
-    """df/dd on the curve; inf where it is vertical, 0 where the contact is open."""
-    if exponent == 1.0:
-        return stiffness
-    if abs(overlap) < SMALLEST:
-        return math.inf if exponent < 1.0 else 0.0
-    if overlap < 0.0 and preload == 0.0:
-        return 0.0
-    return exponent * (force - preload) / overlap
-
-
-@jit
-def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap, by_force):
-    """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
-
-    Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
-    """
-    if exponent < 1.0 and by_overlap > 0.0 and overlap > 0.0:
-        excess = force + by_force - preload
-        reach = power(excess / stiffness, 1.0 / exponent)
-        if reach < 0.1 * weight * excess:
-            return reach, preload + excess
-    if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
-        soft = 1.0 + weight * exponent * (force - preload) / overlap
-        if (
-            soft < 2.0 and preload > 0.0
-        ):  # far to the right of the solution: go to the bound that d + weight f = const sets on it
-            rest = overlap + weight * (force - preload) + soft * by_overlap
-            if rest > 0.0:
-                reach = power(rest / (weight * stiffness), 1.0 / exponent)
-                if reach < overlap:
-                    return reach, preload + rest / weight
-    towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
-    if exponent < 1.0 and (overlap == 0.0 or towards_zero):
-        excess = force + by_force - preload
-        if excess > 0.0 or (preload > 0.0 and excess < 0.0):
-            reach = (abs(excess) / stiffness) ** (1.0 / exponent)
-            return (reach if excess > 0.0 else -reach), preload + excess
-        if preload == 0.0 and excess <= 0.0:
-            return min(overlap + by_overlap, -SMALLEST), 0.0
-        return 0.0, preload
-    moved = overlap + by_overlap
-    return moved, signed_force(preload, stiffness, exponent, moved)
-
-
-@jit
-def flow_into(i, inverse_mass, force):
-    """(L f)_i, the rate at which the contact forces (n,) pull overlap i apart."""
-    flow = (inverse_mass[i] + inverse_mass[i + 1]) * force[i]
-    if i > 0:
-        flow -= inverse_mass[i] * force[i - 1]
-    if i < force.size - 1:
-        flow -= inverse_mass[i + 1] * force[i + 1]
-    return flow
-
-
-@jit
-def cubic(x, y0, y1, y2, y3):
-    """Value at x of the cubic through (0, y0) and the stages (c_k, y_k), by divided differences."""
-    c1, c2 = NODES[0], NODES[1]
-    first, second, third = (y1 - y0) / c1, (y2 - y1) / (c2 - c1), (y3 - y2) / (1.0 - c2)
-    left, right = (second - first) / c2, (third - second) / (1.0 - c1)
-    return y0 + x * (first + (x - c1) * (left + (x - c2) * (right - left)))
 
 
 @jit
@@ -303,112 +200,3 @@ def solve_stages(
             return iteration + 1
         before = size
     return 0
-
-
-@jit
-def stage_rates(h, inverse_mass, external, overlap, rate, stage_overlap, stage_force, stage_rate):
-    """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
-
-    It is where the overlaps are smaller than what the forces move in a step: deep inside a cluster.
-    """
-    for i in range(overlap.size):
-        flow = (
-            flow_into(i, inverse_mass, stage_force[0]),
-            flow_into(i, inverse_mass, stage_force[1]),
-            flow_into(i, inverse_mass, stage_force[2]),
-        )
-        drive = external[i] if external.size else 0.0
-        moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
-        largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
-        pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
-        fine = largest < pushed * max(stage_force[0, i], stage_force[1, i], stage_force[2, i])
-        for k in range(3):
-            if fine:
-                stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
-            else:
-                stage_rate[k, i] = rate[i] - h * (
-                    TABLEAU[k, 0] * (flow[0] - drive)
-                    + TABLEAU[k, 1] * (flow[1] - drive)
-                    + TABLEAU[k, 2] * (flow[2] - drive)
-                )
-
-
-@jit
-def move_anchor(h, inverse_mass, external, anchor_bead, stage_force, anchor, end_anchor):
-    """Position and velocity of the anchor bead at the end of the step."""
-    n = stage_force.shape[1]
-    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
-    for j in range(3):
-        net = stage_force[j, anchor_bead - 1] if anchor_bead > 0 else 0.0
-        net -= stage_force[j, anchor_bead] if anchor_bead < n else 0.0
-        acceleration = net * inverse_mass[anchor_bead]
-        if external.size:
-            acceleration += external[n]
-        square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
-        end_anchor[0] += h * h * square * acceleration
-        end_anchor[1] += h * TABLEAU[2, j] * acceleration
-
-
-@jit
-def compliance(law, mode, i, overlap, force):
-    """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
-    if mode[i] == OPEN:
-        return -1.0
-    if mode[i] == TOUCHING:
-        return 0.0
-    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
-    return 1.0 / slope if slope > 0.0 else -1.0
-
-
-@jit
-def embedded_errors(
-    h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, fine, coarse, upper
-):  # fmt: skip
-    """Errors of the step as velocities [m/s] by two embedded quadratures, of orders h**4 and h**3; (n,) scratch arrays.
-
-    Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
-    (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
-    overlap, which counts by its energy, sqrt(L C) phi.
-    """
-    n = overlap.size
-    reach = h * GAMMA
-    fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
-    for i in range(n):
-        drive = external[i] if external.size else 0.0
-        fine_w, fine_d = reach * (drive - flow_into(i, inverse_mass, force)), reach * rate[i]
-        coarse_w, coarse_d = 0.0, 0.0
-        for k in range(3):
-            by_rate, by_overlap = stage_rate[k, i] - rate[i], stage_overlap[k, i] - overlap[i]
-            fine_w += EMBEDDED[k] * by_rate
-            fine_d += EMBEDDED[k] * by_overlap
-            coarse_w += COARSE[k] * by_rate
-            coarse_d += COARSE[k] * by_overlap
-        fine_rate[i], coarse_rate[i] = fine_w, coarse_w
-        give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
-        upper[i], fine[i], coarse[i] = 0.0, 0.0, 0.0
-        if give >= 0.0:
-            lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
-            pivot = reach * reach * (inverse_mass[i] + inverse_mass[i + 1]) + give
-            fine[i], coarse[i] = fine_d + reach * fine_w, coarse_d + reach * coarse_w
-            if i > 0:
-                pivot -= lower * upper[i - 1]
-                fine[i] -= lower * fine[i - 1]
-                coarse[i] -= lower * coarse[i - 1]
-            fine[i] /= pivot
-            coarse[i] /= pivot
-            upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
-    for i in range(n - 2, -1, -1):
-        fine[i] -= upper[i] * fine[i + 1]
-        coarse[i] -= upper[i] * coarse[i + 1]
-    worst_fine, worst_coarse = 0.0, 0.0
-    for i in range(n):
-        worst_fine = max(worst_fine, abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine)))
-        worst_coarse = max(worst_coarse, abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse)))
-        give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
-        if give > 0.0:
-            weight = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * give)
-            worst_fine, worst_coarse = (
-                max(worst_fine, weight * abs(fine[i])),
-                max(worst_coarse, weight * abs(coarse[i])),
-            )
-    return worst_fine, worst_coarse

@@ -1,0 +1,236 @@
+"""One step tried, and the search for one that holds the error and ends at an event; samples inside it."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.kernels.curve import LOADED, slope_at
+from physics.kernels.dop853 import dop853_step, window
+from physics.kernels.jit import jit
+from physics.kernels.modes import NOTHING, find_event, miss_of
+from physics.kernels.radau import MOST_NEWTON, first_guess, solve_stages
+from physics.kernels.radau_finish import embedded_errors, move_anchor, stage_rates
+
+Array = NDArray[np.float64]
+
+RADAU, DOP853, ACCURATE = 0, 1, 2  # which step is taken: the last is dop853 where the contacts are not stiff
+
+# entries of the counter array: evaluations of all contacts, rejected steps, steps, sample rows, switches, rescues
+EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, RESCUE = 0, 1, 2, 3, 4, 5
+COUNTERS = 6
+
+RATIO = 3.0  # error taken of radau = fine error times this times fine over coarse
+NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
+SHRINK, SAFETY = 0.1, 0.9
+STIFF = 1.0  # (step times local frequency)², above which a soft contact is left to radau
+LANDING_TRIES = 20
+EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one
+LANDED = 1e-13  # of the step: an event is hit
+MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
+
+
+class Given(NamedTuple):
+    """What does not move: contact laws (n, 3), inverse masses (n+1,), forces from outside (n+1,) and accelerations of
+    the overlaps and the anchor by them (n+1,) or both (0,), the anchor bead, the kind of step."""
+
+    law: Array
+    inverse_mass: Array
+    push: Array
+    external: Array
+    anchor_bead: int
+    kind: int
+
+
+class Moving(NamedTuple):
+    """What moves: overlaps, rates, forces (n,), anchor (2,), modes (n,), flags of modes held at an event (n,)."""
+
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+    mode: NDArray[np.int8]
+    held: NDArray[np.int8]
+
+
+class Trial(NamedTuple):
+    """A step tried: overlaps, rates, forces at its three output nodes (3, n), the anchor at its end (2,), scratch."""
+
+    overlap: Array
+    rate: Array
+    force: Array
+    anchor: Array
+    along: Array  # (3, n)
+    across: Array  # (3, n)
+    z: Array  # (3, n)
+    block: Array  # (n, 9)
+    past: Array  # (8, n) forces and overlaps of the step before
+    acceleration: Array  # (12, n)
+    of_anchor: Array  # (12,)
+    work: Array  # (16, n+1)
+
+
+class Samples(NamedTuple):
+    """Times (T,) at which samples are wanted, and their rows (T, n), the anchor's (T, 2)."""
+
+    time: Array
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+
+
+class Book(NamedTuple):
+    """Contact switches: which (S,), when (S,); flags of the contacts that push (n,); counters."""
+
+    contact: NDArray[np.int64]
+    time: Array
+    closed: NDArray[np.int8]
+    counter: NDArray[np.int64]
+
+
+@jit
+def opening_limit(h, given, moving, wanted):
+    """The step that ends just before a soft contact opens, unless what it still pushes is below the error."""
+    for i in range(moving.mode.size):
+        overlap, rate = moving.overlap[i], moving.rate[i]
+        if moving.mode[i] != LOADED or given.law[i, 2] >= 1.0 or overlap <= 0.0 or rate >= 0.0:
+            continue
+        left = -overlap / rate
+        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
+        slope = slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], overlap, moving.force[i])
+        if left < h and left * left * weight * slope < 4.0 and weight * moving.force[i] * left > 0.05 * wanted:
+            h = 0.9 * left
+    return h
+
+
+@jit
+def explicit_fits(h, given, moving):
+    """True where dop853 takes the step: no soft contact is stiff in it."""
+    if given.kind != ACCURATE:
+        return given.kind == DOP853
+    for i in range(moving.mode.size):
+        if moving.mode[i] == LOADED and given.law[i, 2] < 1.0:
+            if moving.overlap[i] <= 0.0:
+                return False
+            slope = slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], moving.overlap[i], moving.force[i])
+            if h * h * (given.inverse_mass[i] + given.inverse_mass[i + 1]) * slope > STIFF:
+                return False
+    return True
+
+
+@jit
+def attempt(h, explicit, given, moving, precision, past_step, trial, book):
+    """Try one step; returns its error as a velocity [m/s], negative where Newton does not converge."""
+    if explicit:
+        first, last = window(moving.mode, moving.overlap, moving.rate, moving.force, given.external)
+        book.counter[EVALUATION] += 15
+        return dop853_step(
+            h, given.law, given.inverse_mass, given.external, given.anchor_bead, moving.mode, moving.overlap, moving.rate,
+            moving.anchor, trial.overlap, trial.rate, trial.force, first, last, trial.acceleration, trial.of_anchor,
+            trial.z[0], trial.z[1], trial.z[2], trial.anchor,
+        )  # fmt: skip
+    first_guess(
+        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
+        past_step, trial.past, trial.overlap, trial.force,
+    )  # fmt: skip
+    used = solve_stages(
+        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, precision,
+        trial.overlap, trial.force, trial.along, trial.across, trial.block, trial.z,
+    )  # fmt: skip
+    book.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
+    if used == 0:
+        return -1.0
+    stage_rates(
+        h, given.inverse_mass, given.external, moving.overlap, moving.rate, trial.overlap, trial.force, trial.rate
+    )
+    move_anchor(
+        h, given.inverse_mass, given.external, given.anchor_bead, trial.force, moving.anchor, trial.anchor
+    )  # fmt: skip
+    fine, coarse = embedded_errors(
+        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
+        trial.overlap, trial.rate, trial.force, trial.work[0], trial.work[1], trial.work[2],
+    )  # fmt: skip
+    return fine * min(1.0, RATIO * fine / max(coarse, 1e-300))
+
+
+@jit
+def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps):
+    """Find the step that holds the error and ends at the first event in it, if any.
+
+    Returns its length (0: Newton does not settle, or out of steps), error, and the contact and kind of the event.
+    """
+    landing, kind, tries, failures, ceiling = -1, NOTHING, 0, 0, h
+    while book.counter[STEP] + book.counter[REJECTED] < most_steps:
+        error = attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book)
+        if error < 0.0 or not math.isfinite(error):
+            book.counter[REJECTED] += 1
+            failures += 1
+            landing, h = -1, 0.25 * h
+            if failures > MOST_FAILURES or time + h <= time:
+                return 0.0, 0.0, -1, NOTHING
+            continue
+        found, its_kind, part = find_event(
+            given.law, moving.mode, landing, moving.overlap, moving.rate, moving.force, trial.overlap, trial.rate, trial.force
+        )  # fmt: skip
+        if landing >= 0:
+            miss = miss_of(given.law, moving.mode, landing, kind, h, trial.overlap, trial.rate, trial.force)
+            if tries < LANDING_TRIES and found >= 0 and part * h < h + min(miss, 0.0):
+                landing, kind, h = found, its_kind, part * h
+                tries += 1
+                continue
+            if tries < LANDING_TRIES and abs(miss) > LANDED * h and time + miss != time:
+                h = min(max(h + miss, 0.1 * h), ceiling)
+                tries += 1
+                continue
+        elif found >= 0 and tries < LANDING_TRIES:
+            ceiling, tries = h, tries + 1
+            if part < EARLY:  # seen through the cubic of a long step: look again from nearer
+                h *= EARLY
+            else:
+                landing, kind, h = found, its_kind, part * h
+            continue
+        if error <= wanted or time + h <= time:
+            return h, error, landing, kind
+        book.counter[REJECTED] += 1
+        h *= max(SHRINK, SAFETY * (wanted / error) ** (0.125 if explicit else 0.2))
+        landing = -1
+    return 0.0, 0.0, -1, NOTHING
+
+
+@jit
+def sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book):
+    """Samples within the step to come, each a shorter step; the trial of the whole step is lost.
+
+    Where Newton does not settle on a sample, it is looked for a little earlier and drifts the rest.
+    """
+    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
+        k = book.counter[SAMPLE]
+        wished = samples.time[k] - time
+        length = wished
+        while (
+            attempt(length, explicit, given, moving, precision, past_step, trial, book) < 0.0 and time + length > time
+        ):
+            length *= 0.9
+        for i in range(moving.mode.size):
+            samples.overlap[k, i] = trial.overlap[2, i] + (wished - length) * trial.rate[2, i]
+            samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
+        samples.anchor[k, 0] = trial.anchor[0] + (wished - length) * trial.anchor[1]
+        samples.anchor[k, 1] = trial.anchor[1]
+        book.counter[SAMPLE] += 1
+
+
+@jit
+def sample_flight(time, until, given, moving, samples, book):
+    """Samples from `time` to `until` while nothing pushes; at `time` itself also while something does."""
+    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] <= until:
+        k = book.counter[SAMPLE]
+        beyond = samples.time[k] - time
+        for i in range(moving.mode.size):
+            samples.overlap[k, i] = moving.overlap[i] + beyond * moving.rate[i]
+            samples.rate[k, i], samples.force[k, i] = moving.rate[i], max(moving.force[i], 0.0)
+        samples.anchor[k, 0], samples.anchor[k, 1] = moving.anchor[0] + beyond * moving.anchor[1], moving.anchor[1]
+        book.counter[SAMPLE] += 1
