@@ -118,7 +118,8 @@ def _trial(contacts: int) -> kernel.Trial:
         past=np.zeros((8, contacts)),
         acceleration=np.zeros((12, contacts)),
         of_anchor=np.zeros(12),
-        work=np.zeros((16, contacts + 1)),
+        opening=np.zeros(contacts),
+        work=np.zeros((15, contacts + 1)),
     )
 
 

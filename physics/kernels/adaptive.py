@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.conserving import conserving_step
 from physics.kernels.curve import LOADED, OPEN, TOUCHING, flow_into, slope_at
 from physics.kernels.jit import jit
 from physics.kernels.march import DONE, OUT_OF_STEPS, SEPARATED
 from physics.kernels.modes import CLOSES, OPENS, YIELDS, continued, set_modes
+from physics.kernels.openings import find_openings, note_switches
+from physics.kernels.rescue import rescue
 from physics.kernels.trial import (
-    EVALUATION,
     NEWTON_PART,
     REJECTED,
-    RESCUE,
     SAFETY,
     SAMPLE,
     STEP,
-    SWITCH,
     attempt,
     explicit_fits,
     opening_limit,
@@ -33,32 +31,8 @@ from physics.kernels.trial import (
 TOLERANCE_PART = 0.25  # of the tolerance: to this each step is held
 SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
 STILL_PART = 1e-3  # of a step's tolerance: a gap that closes slower than this counts as not closing
+RESCUE_PART = 0.25  # of a step at which Newton fails: so long the step of `conserving` in its place may be
 GROW = 8.0  # times the step before, at the most
-
-
-@jit
-def pushes(i, moving):
-    """True where contact i is closed: it pushes."""
-    return moving.mode[i] != OPEN and (moving.overlap[i] > 0.0 or moving.force[i] > 0.0)
-
-
-@jit
-def note_switches(before, time, moving, book):
-    """Write into the book the contacts that have begun or ceased to push in the step from `before` to `time`.
-
-    One that has begun does so at the start: steps end where contacts close. One that has opened did so when its overlap
-    was last 0.
-    """
-    for i in range(moving.mode.size):
-        now = pushes(i, moving)
-        if now != (book.closed[i] != 0):
-            book.closed[i] = 1 if now else 0
-            k = book.counter[SWITCH]
-            if k < book.contact.size:
-                book.contact[k], book.time[k] = i, before if now else time
-                if not now and moving.overlap[i] < 0.0 and moving.rate[i] < 0.0:
-                    book.time[k] = max(before, time - moving.overlap[i] / moving.rate[i])
-            book.counter[SWITCH] = k + 1
 
 
 @jit
@@ -162,21 +136,6 @@ def switch(landing, kind, given, moving, slow, trial):
 
 
 @jit
-def rescue(h, given, moving, slow, trial, book):
-    """One small step of `conserving`, where Newton does not settle."""
-    for i in range(moving.mode.size):
-        moving.held[i] = 0
-    used = conserving_step(
-        h, given.law, given.inverse_mass, given.push, given.anchor_bead, moving.overlap, moving.rate, moving.anchor,
-        moving.force, trial.work,
-    )  # fmt: skip
-    book.counter[EVALUATION] += abs(used)
-    book.counter[STEP] += 1
-    book.counter[RESCUE] += 1
-    set_all_modes(given, moving, slow, trial)
-
-
-@jit
 def fly(time, end, given, moving, negligible, samples, book):
     """Free flight to the first closing or to `end`. Returns the time and the contact that closes (-1: none, ever)."""
     flight, closing = math.inf, -1
@@ -211,7 +170,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
     for i in range(n):
         if moving.mode[i] == LOADED and moving.overlap[i] == 0.0:
             h_next = min(h_next, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
-    note_switches(time, time, moving, book)
+    note_switches(time, time, moving, trial.opening, book)
     while True:
         sample_flight(time, time, given, moving, samples, book)
         if time >= end:
@@ -219,12 +178,12 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
             return OUT_OF_STEPS, time
         if resting(given, moving, negligible):
+            for i in range(n):
+                if moving.mode[i] == LOADED:
+                    moving.mode[i], moving.force[i] = OPEN, 0.0
+            note_switches(time, time, moving, trial.opening, book)
             time, closing = fly(time, math.inf if stop else end, given, moving, negligible, samples, book)
             if closing < 0 and stop:
-                for i in range(n):
-                    if moving.mode[i] == LOADED:
-                        moving.mode[i], moving.force[i] = OPEN, 0.0
-                note_switches(time, time, moving, book)
                 return SEPARATED, time
             if closing < 0 or time >= end:
                 continue
@@ -235,14 +194,15 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         if not math.isfinite(h):
             h = first_step(given, moving, scale)
         explicit = explicit_fits(h, given, moving)
+        tried = h
         h, error, landing, kind = settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps)
         if h == 0.0:
             if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
-            h = min(end - time, max(1e-4 * min(h_next, scale), 4e-16 * abs(time), 1e-15))
-            rescue(h, given, moving, slow, trial, book)
-            before, time = time, time + h if h < end - time else end
-            note_switches(before, time, moving, book)
+            h = rescue(RESCUE_PART * tried, given, moving, wanted, trial, book)
+            set_all_modes(given, moving, slow, trial)
+            before, time = time, time + h
+            note_switches(before, time, moving, trial.opening, book)
             h_next, last_step, past_step = 4.0 * h, 0.0, 0.0
             continue
         power = 0.125 if explicit else 0.2
@@ -251,9 +211,12 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
             grow = min(grow, SAFETY * (h / last_step) * (wanted * last_error / max(error * error, 1e-300)) ** power)
         last_step, last_error = (h, max(error, 1e-3 * wanted)) if landing < 0 else (0.0, wanted)
         h_next = max(h_next, h * grow) if landing >= 0 and math.isfinite(h_next) else h * grow
+        precision = NEWTON_PART * wanted
+        lost = find_openings(h, explicit, given, moving, wanted, past_step, trial, book)
         if book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
-            precision = NEWTON_PART * wanted
             sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book)
+            lost = True
+        if lost:
             attempt(h, explicit, given, moving, precision, past_step, trial, book)
         keep(explicit, moving, trial)
         before, time = time, time + h if h < end - time else end
@@ -261,10 +224,10 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         book.counter[STEP] += 1
         if open_passed(landing, given, moving, slow):
             last_step = 0.0
-        note_switches(before, time, moving, book)
+        note_switches(before, time, moving, trial.opening, book)
         if landing >= 0:
             past_step = 0.0
             if kind == CLOSES:
                 h_next = min(h_next, onset_step(given, landing, moving.rate[landing], wanted))
             switch(landing, kind, given, moving, slow, trial)
-            note_switches(time, time, moving, book)
+            note_switches(time, time, moving, trial.opening, book)

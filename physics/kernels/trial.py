@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.kernels.curve import LOADED, slope_at
+from physics.kernels.curve import LOADED, TOUCHING, slope_at
 from physics.kernels.dop853 import dop853_step, window
 from physics.kernels.jit import jit
-from physics.kernels.modes import NOTHING, find_event, miss_of
+from physics.kernels.modes import NOTHING, OPENS, find_event, miss_of
 from physics.kernels.radau import MOST_NEWTON, first_guess, solve_stages
 from physics.kernels.radau_finish import embedded_errors, move_anchor, stage_rates
 
@@ -70,7 +70,8 @@ class Trial(NamedTuple):
     past: Array  # (8, n) forces and overlaps of the step before
     acceleration: Array  # (12, n)
     of_anchor: Array  # (12,)
-    work: Array  # (16, n+1)
+    opening: Array  # (n,) when within the step a contact opens, -1 where it does not
+    work: Array  # (15, n+1)
 
 
 class Samples(NamedTuple):
@@ -158,6 +159,15 @@ def attempt(h, explicit, given, moving, precision, past_step, trial, book):
 
 
 @jit
+def turned_back(landing, kind, moving, trial):
+    """True where the contact moves the other way at what looked, from further off, like its event."""
+    if moving.mode[landing] == TOUCHING:
+        return False
+    speed = trial.rate[2, landing]
+    return speed > 0.0 if kind == OPENS else speed < 0.0
+
+
+@jit
 def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps):
     """Find the step that holds the error and ends at the first event in it, if any.
 
@@ -173,6 +183,8 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
             if failures > MOST_FAILURES or time + h <= time:
                 return 0.0, 0.0, -1, NOTHING
             continue
+        if landing >= 0 and turned_back(landing, kind, moving, trial):
+            landing, tries = -1, tries + 1
         found, its_kind, part = find_event(
             given.law, moving.mode, landing, moving.overlap, moving.rate, moving.force, trial.overlap, trial.rate, trial.force
         )  # fmt: skip
