@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from time import perf_counter
 
 import numpy as np
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
+ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
 KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
 _LOADED: set[str] = set()  # methods whose kernels are in memory
 
@@ -40,7 +42,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
     began = perf_counter()
     status, time = integrate(
-        state.time, end, stop, MOST_STEPS, speed_scale(chain, state.velocity(chain)), problem.tolerance,
+        state.time, end, stop, MOST_STEPS, _scale(chain, state), problem.tolerance,
         given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
     )  # fmt: skip
     seconds = perf_counter() - began
@@ -51,10 +53,10 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     kept = min(used, size)
     rows = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
     samples = times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows]
-    warnings = _warnings(problem, status, time, counter, kept)
+    sentences = _warnings(problem, status, time, counter, kept)
     return Record(
         *samples, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), warnings, seconds,
+        int(counter[kernel.EVALUATION]), sentences, seconds,
     )  # fmt: skip
 
 
@@ -81,11 +83,29 @@ def advance(chain: Chain, state: State, duration: float, method: str, tolerance:
     book.counter[:] = 0
     book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
-    integrate(
-        state.time, end, False, MOST_STEPS, speed_scale(chain, state.velocity(chain)), tolerance,
+    status, reached = integrate(
+        state.time, end, False, MOST_STEPS, _scale(chain, state), tolerance,
         _given(chain, state, method), _moving(state), trial, samples, book,
     )  # fmt: skip
+    if status == OUT_OF_STEPS:
+        warnings.warn(
+            f"{method} gave up after {MOST_STEPS} steps, {end - reached:.3g} s too early: take method 'conserving'",
+            RuntimeWarning, stacklevel=3,
+        )  # fmt: skip
     state.time = end
+
+
+def _scale(chain: Chain, state: State) -> float:
+    """The velocity [m/s] that a tolerance is relative to: the closing speed, or what the contacts have stored of it."""
+    law, inverse_mass = chain.parameters
+    preload, stiffness, exponent = law.T
+    depth = np.maximum(state.overlap, 0.0)
+    energy = preload * depth + stiffness * depth ** (1.0 + exponent) / (1.0 + exponent)
+    stored = float(np.sqrt(2.0 * energy * (inverse_mass[:-1] + inverse_mass[1:])).max())
+    velocity = state.velocity(chain)
+    if np.ptp(velocity) > ROUND_OFF * np.abs(velocity).max() or not stored:
+        return max(speed_scale(chain, velocity), stored)
+    return stored
 
 
 def _given(chain: Chain, state: State, method: str) -> kernel.Given:
