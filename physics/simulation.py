@@ -87,13 +87,13 @@ def _require(condition: bool | np.bool_, sentence: str) -> None:
 
 
 def _step(chain: Chain, velocity: ArrayLike, method: Method, step: float | None) -> float:
-    if method.adaptive:
-        _require(step is None, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step")
-        return 0.0
-    if step is None:
-        return default_step(chain, velocity)
-    _require(math.isfinite(step) and step > 0.0, f"step must be a finite time > 0, not {step!r}")
-    return float(step)
+    if step is not None:
+        _require(math.isfinite(step) and step > 0.0, f"step must be a finite time > 0, not {step!r}")
+        _require(
+            not method.adaptive, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step"
+        )
+        return float(step)
+    return 0.0 if method.adaptive else default_step(chain, velocity)
 
 
 def _problem(

@@ -50,7 +50,8 @@ def test_advance_drives_and_adds_the_push(method):
     advance(PUSHED, alone, 0.5, method=method.name, **step)
     advance(half, split, 0.5, method=method.name, **step)
     assert alone.velocity(PUSHED)[0] > 0.1
-    np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9)
+    # an adaptive method may choose other steps, and then agrees to its tolerance
+    np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9, atol=1e-8 * method.adaptive)
 
 
 def test_pushed_against_a_wall_bounces_on_its_contact():

@@ -10,6 +10,7 @@ from physics.chain import Chain
 from physics.methods import find_method
 from physics.time_scale import STEPS_A_CONTACT, contact_scales
 
+ERROR = 1e-3  # of the closing speed: what a scene's final velocities may be off at the window, a pixel of a plot
 CONSERVING_STEPS = 64  # to the shortest contact: see `choose_method`
 COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": 0.3, "pymunk": 2.0}  # us a contact and step
 FRAME_COST = 1500.0  # us: two frames a picture, and the rest of a 60th of a second for drawing
@@ -20,8 +21,8 @@ def choose_method(chain: Chain, speed: float) -> tuple[str, float]:
     """The cheapest method that holds the scene's error, and its step [s].
 
     It is `conserving`, whose energy and momentum are exact at any step, with 64 steps to the shortest contact between
-    beads that close at `speed` [m/s]: final velocities of every scene of the catalogue are then right within 6e-4 of
-    it, half a pixel of a plot, for 0.3 microseconds a contact and step.
+    beads that close at `speed` [m/s]: final velocities of every scene of the catalogue are then right within ERROR of
+    it, for 0.3 microseconds a contact and step.
     """
     return "conserving", suitable_step("conserving", chain, speed)
 
