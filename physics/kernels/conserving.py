@@ -14,118 +14,15 @@ import math
 
 from physics.kernels.jit import jit
 from physics.kernels.law import power
+from physics.kernels.resolvent import EPSILON, SMALLEST, resolvent
 
-EPSILON = 2.220446049250313e-16
-NEGLIGIBLE = 1e-40  # of the largest: a term too small to be felt by any bead
-SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
+NEGLIGIBLE = 1e-16  # of the largest: rows below need not be solved to their own round-off, no bead would feel it
 ROUND_OFF = 8.0 * EPSILON  # of a residual, relative to its terms
-MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is closed
 MOST_WARM = 14  # iterations of the chain from the forces of the step before, then
 MOST_NEWTON = 40  # (and n more: a row may close or open one contact an iteration) from none, then from the largest
 SOLVER_ROWS = 6  # rows (n,) of scratch memory of `mean_forces`
 WORK_ROWS = SOLVER_ROWS + 3  # and of a step
-
-
-@jit
-def mean_force(preload, stiffness, exponent, start, start_power, overlap):
-    """Mean force g = (E(d1)-E(d0))/(d1-d0) and slope dg/dd1 for d1 > 0, without cancellation where d1 is near d0.
-
-    `start_power` is d0**a where d0 > 0. Near d0: (r**p - 1)/(p (r - 1)) = expm1(p log1p(x)) / (p x), r = 1 + x, p = 1 + a.
-    """
-    p = 1.0 + exponent
-    if start > 0.0:
-        x = (overlap - start) / start
-        if -0.5 < x < 1.0:
-            scale = stiffness * start_power
-            if abs(x) < 1e-7:
-                return preload + scale * (1.0 + 0.5 * exponent * x), 0.5 * scale * exponent / start
-            logarithm = math.log1p(x)
-            mean = math.expm1(p * logarithm) / (p * x)
-            slope = (math.exp(exponent * logarithm) - mean) / x if abs(x) > 1e-4 else 0.5 * exponent
-            return preload + scale * mean, scale * slope / start
-        end_power = power(overlap, exponent)
-        mean = stiffness * (overlap * end_power - start * start_power) / (p * (overlap - start))
-        return preload + mean, (stiffness * end_power - mean) / (overlap - start)
-    end_power = power(overlap, exponent)
-    mean = (preload + stiffness * end_power / p) * (overlap / (overlap - start))
-    return mean, (preload + stiffness * end_power - mean) / (overlap - start)
-
-
-@jit
-def quadratic_root(a, b, c):
-    """The root x > 0 of a x² + b x + c = 0 for a > 0, c <= 0, without cancellation."""
-    root = math.sqrt(b * b - 4.0 * a * c)
-    return -2.0 * c / (b + root) if b > 0.0 else (root - b) / (2.0 * a)
-
-
-@jit
-def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess):
-    """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
-
-    Returns d1, g, dg/dd1.
-    """
-    low, high = 0.0, s
-    overlap = guess if 0.0 < guess < s else 0.5 * s
-    precision = 4.0 * EPSILON * max(1.0, 1.0 / exponent)
-    force, slope = 0.0, 0.0
-    for _ in range(MOST_SCALAR):
-        force, slope = mean_force(preload, stiffness, exponent, start, start_power, overlap)
-        excess = overlap + weight * force - s
-        if excess > 0.0:
-            high = overlap
-        else:
-            low = overlap
-        move = -excess / (1.0 + weight * slope)
-        if abs(move) <= 1e-9 * overlap:  # Newton squares this: the moved point is exact to round-off
-            return overlap + move, force + slope * move, slope
-        following = overlap + move if move > 0.0 else overlap * math.exp(max(move / overlap, -200.0))
-        if not low <= following <= high:
-            following = math.sqrt(low * high) if low > 0.0 and high > 4.0 * low else 0.5 * (low + high)
-        if abs(following - overlap) <= precision * overlap:
-            break
-        overlap = following
-        if overlap < SMALLEST:  # too small for a number, not for a force: it touches
-            return 0.0, s / weight, math.inf
-    return overlap, force, slope
-
-
-@jit
-def resolvent_slope(slope, weight):
-    """dg/ds = 1 / (1/slope + weight), from slope = dg/dd1 in [0, inf]."""
-    return 1.0 / (1.0 / slope + weight) if slope > 0.0 else 0.0
-
-
-@jit
-def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess):
-    """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
-    if start > 0.0:
-        energy = (preload + stiffness * start_power / (1.0 + exponent)) * start
-        if s * start <= weight * energy:  # the contact opens within the step: g = E(d0) / (d0 - d1)
-            if weight * energy < SMALLEST:
-                return min(s, 0.0), 0.0, 0.0
-            apart = quadratic_root(1.0, s - start, -weight * energy)
-            return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
-    elif s < 0.0:
-        return s, 0.0, 0.0
-    elif start == 0.0 and s <= weight * preload:
-        return 0.0, s / weight, 1.0 / weight
-    elif s == 0.0:  # at the kink: the slope on the side of contact, so that one Newton step reaches a whole cluster
-        return 0.0, 0.0, 1.0 / weight if start == 0.0 and exponent < 1.0 else 0.0
-    if exponent == 1.0:
-        half = 0.5 * stiffness
-        if start >= 0.0:
-            overlap = max((s - weight * (preload + half * start)) / (1.0 + weight * half), 0.0)
-        else:
-            overlap = quadratic_root(1.0 + weight * half, weight * preload - start - s, s * start)
-        force, slope = mean_force(preload, stiffness, exponent, start, start_power, overlap)
-        return overlap, force, resolvent_slope(slope, weight)
-    if s < SMALLEST:
-        return 0.0, 0.0, 0.0
-    if not 0.0 < guess < s:
-        reach = (s / weight - preload) * (1.0 + exponent) / stiffness
-        guess = min(s, reach ** (1.0 / exponent)) if reach > 0.0 else 0.5 * s
-    overlap, force, slope = solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess)
-    return overlap, force, resolvent_slope(slope, weight)
+SMALLEST_PART = 2.0**-10  # of a step: where Newton does not settle, shorter steps, which conserve no less, down to this
 
 
 @jit
@@ -156,7 +53,7 @@ def mean_forces(h, law, diagonal, coupling, target, start, overlap, force, work)
             for i in range(n):
                 s[i] = target[i] + half * highest * (coupling[i] + coupling[i + 1])
             best = math.inf
-        total, worst, largest = 0.0, 0.0, 0.0
+        total, terms, worst, largest = 0.0, 0.0, 0.0, 0.0
         for i in range(n):
             largest = max(largest, abs(s[i]))
             weight = half * diagonal[i]
@@ -170,11 +67,12 @@ def mean_forces(h, law, diagonal, coupling, target, start, overlap, force, work)
             residual[i] = s[i] - target[i] - pushed
             total += abs(residual[i])
             scale = abs(s[i]) + abs(target[i]) + abs(pushed) + NEGLIGIBLE * largest
+            terms += scale
             if abs(residual[i]) > worst * scale:
                 worst = abs(residual[i]) / scale
         if worst <= ROUND_OFF or (total >= best and worst <= 100.0 * ROUND_OFF):
             return iteration + 1
-        if total > best and damping > 1e-3:  # Newton jumped over a kink: half the way back
+        if total > max(best, ROUND_OFF * terms) and damping > 1e-3:  # Newton jumped over a kink: half the way back
             damping *= 0.5
             for i in range(n):
                 s[i] -= damping * shift[i]
@@ -196,8 +94,9 @@ def mean_forces(h, law, diagonal, coupling, target, start, overlap, force, work)
 
 
 @jit
-def conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work):
-    """One step in place; `work` (WORK_ROWS, n). Returns the iterations used, negative where they did not converge.
+def single_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work, forced):
+    """One step in place; `work` (WORK_ROWS, n). Returns the iterations used, negative where they did not converge: then
+    the state stays as it was, unless `forced`.
 
     The new rate is w0 - h L g, or 2 (d1 - d0)/h - w0 where the overlap is so small that the latter is the finer number.
     """
@@ -212,6 +111,10 @@ def conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anch
         end[i] = overlap[i] if overlap[i] > 0.0 else target[i]
         diagonal[i] = inverse_mass[i] + inverse_mass[i + 1]
     used = mean_forces(h, law, diagonal, inverse_mass, target, overlap, end, force, work)
+    if used < 0 and not forced:
+        for i in range(n):
+            force[i] = 0.0
+        return used
     left = -force[0] * inverse_mass[0]
     if push.size:
         left += push[0] * inverse_mass[0]
@@ -235,6 +138,28 @@ def conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anch
         overlap[i] = end[i]
         left = right
     return used
+
+
+@jit
+def conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work):
+    """One step in place, in shorter ones where it does not converge; `work` (WORK_ROWS, n).
+
+    Returns the iterations used, negative where even the shortest did not converge.
+    """
+    used = single_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work, False)
+    if used >= 0:
+        return used
+    total, left, part, failed = -used, h, 0.5 * h, False
+    while left > 0.0:
+        last = part <= SMALLEST_PART * h
+        used = single_step(part, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work, last)
+        total += abs(used)
+        if used < 0 and not last:
+            part *= 0.5
+            continue
+        failed |= used < 0
+        left -= part
+    return -total if failed else total
 
 
 @jit
