@@ -18,22 +18,17 @@ OPENING_PART, OPENING_TRIES = 0.1, 4  # of a step's tolerance times its length: 
 
 
 @jit
-def pushes(i, moving):
-    """True where contact i is closed: it pushes."""
-    return moving.mode[i] != OPEN and (moving.overlap[i] > 0.0 or moving.force[i] > 0.0)
-
-
-@jit
 def note_switches(before, time, moving, opening, book):
     """Write into the book the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
     after the start, or at the end where that is negative.
     """
-    for i in range(moving.mode.size):
-        now = pushes(i, moving)
-        if now != (book.closed[i] != 0):
-            book.closed[i] = 1 if now else 0
+    mode, overlap, force, closed = moving.mode, moving.overlap, moving.force, book.closed
+    for i in range(mode.size):
+        now = mode[i] != OPEN and (overlap[i] > 0.0 or force[i] > 0.0)  # closed means pushing
+        if now != (closed[i] != 0):
+            closed[i] = 1 if now else 0
             k = book.counter[SWITCH]
             if k < book.contact.size:
                 book.contact[k], book.time[k] = i, before if now else time
@@ -48,10 +43,11 @@ def find_openings(h, explicit, given, moving, wanted, past_step, trial, book):
     the stages tell that it may be off, by shorter steps of the method. Returns True where such were taken: the trial of
     the whole step is then lost."""
     doubtful, allowed = False, OPENING_PART * wanted * h
-    for i in range(moving.mode.size):
-        trial.opening[i] = -1.0
-        if moving.mode[i] == LOADED and moving.overlap[i] > 0.0 > trial.overlap[2, i] and not continued(given.law, i):
-            trial.opening[i], by_stages = opening_of_quintic(i, h, given, moving, trial)
+    mode, overlap, end, opening, law = moving.mode, moving.overlap, trial.overlap, trial.opening, given.law
+    for i in range(mode.size):
+        opening[i] = -1.0
+        if mode[i] == LOADED and overlap[i] > 0.0 > end[2, i] and not continued(law, i):
+            opening[i], by_stages = opening_of_quintic(i, h, given, moving, trial)
             doubtful |= abs(by_stages) > QUINTIC_GAIN * allowed
     if doubtful:
         for i in range(moving.mode.size):
