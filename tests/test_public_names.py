@@ -26,6 +26,7 @@ PUBLIC = [
     "one_on",
     "power_law",
     "simulate",
+    "stable_step",
     "step_force",
 ]
 
