@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.conserving import EPSILON, SOLVER_ROWS, mean_forces
+from physics.kernels.conserving import SOLVER_ROWS, mean_forces
 from physics.kernels.jit import jit
+from physics.kernels.resolvent import EPSILON
 
 PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
 RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities
