@@ -80,12 +80,26 @@ def test_adaptive_methods_agree_with_it(method, case):
     duration = duration or 1.1 * simulate(chain, velocity, None, "scipy", samples=2).time[-1]
     exact = simulate(chain, velocity, duration, "scipy", samples=33, tolerance=1e-10)
     found = simulate(chain, velocity, exact.time[-1], method.name, samples=exact.time, tolerance=1e-7)
-    assert np.abs(found.velocity - exact.velocity).max() < 1e-6 * np.ptp(velocity)
-    assert np.abs(found.overlap - exact.overlap).max() < 1e-6
-    for ours, theirs in zip(found.contact_intervals, exact.contact_intervals, strict=True):
-        assert [time for pair in ours for time in pair] == pytest.approx(
-            [time for pair in theirs for time in pair], abs=1e-6
-        )
+    assert np.abs(found.final_velocity - exact.final_velocity).max() < 1e-6 * np.ptp(velocity)
+    # within a second or third collision a sample also has the error of when it began: displacement over closing speed
+    assert np.abs(found.velocity - exact.velocity).max() < 3e-6 * np.ptp(velocity)
+    assert np.abs(found.overlap - exact.overlap).max() < 1e-5
+    assert_switches_at_zero_overlap(found, exact, 1e-6 * np.ptp(velocity))
+
+
+def assert_switches_at_zero_overlap(found, exact, speed):
+    """As many switches as there are, each when the exact overlap is 0 to what `speed` [m/s] moves in the time so far.
+
+    Not by time: beads that part slowly, or push each other through others that do, touch at no sharp time.
+    """
+    assert [len(pairs) for pairs in found.contact_intervals] == [len(pairs) for pairs in exact.contact_intervals]
+    switches = sorted((t, i) for i, pairs in enumerate(found.contact_intervals) for pair in pairs for t in pair)
+    switches = [(t, i) for t, i in switches if t < math.inf]
+    path = simulate(
+        exact.chain, exact.velocity[0], exact.time[-1], "scipy", samples=[t for t, _ in switches], tolerance=1e-10
+    )
+    for row, (time, contact) in enumerate(switches):
+        assert abs(path.overlap[row, contact]) <= speed * time
 
 
 def test_touching_contacts_carry_a_multiplier():
