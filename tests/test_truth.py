@@ -41,7 +41,7 @@ def impedance(truth, bound):
 
     The slope is that at the overlap, or at its error where that is larger.
     """
-    preload, stiffness, exponent = truth.chain.parameters.law.T
+    _, stiffness, exponent = truth.chain.parameters.law.T
     inverse_mass = truth.chain.parameters.inverse_mass
     overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
     slope = exponent * stiffness * overlap ** (exponent - 1.0)
