@@ -68,7 +68,7 @@ def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap,
                 if reach < overlap:
                     return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
-    if exponent < 1.0 and (overlap == 0.0 or towards_zero):
+    if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
         excess = force + by_force - preload
         if excess > 0.0 or (preload > 0.0 and excess < 0.0):
             reach = (abs(excess) / stiffness) ** (1.0 / exponent)
