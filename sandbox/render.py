@@ -24,6 +24,7 @@ from sandbox.errors import UserError
 from sandbox.film import open_film
 from scenes import Scene
 
+FILM_METHOD = "conserving"  # energy to round-off, and a kernel that is compiled in a few seconds
 LEAD = 0.25  # free flight before the start, as a share of the motion, where the scene begins in touch
 AFTER = 0.35  # free flight after the end, the same way, where the scene does not say
 READING = 0.22  # seconds of film a word of the scene's text
@@ -75,7 +76,8 @@ def render_scene(
         size: (width, height) [pixels].
         fps: frames a second; None: 60 for mp4 and folders, 25 for GIF, 30 for WebP and AVIF.
         slow: seconds of film for one of motion; None takes the scene's.
-        method, step: for the simulation; None takes the scene's.
+        method, step: for the simulation; None takes the scene's, else `conserving`: its steps, a thousandth of the shortest
+            contact, are finer than a pixel.
         pixels: yuv420p or yuv444p, for mp4.
         progress: show a bar with the time left.
 
@@ -140,7 +142,7 @@ def simulated(
     """
     lanes = range(len(scene.lanes))
     try:
-        settings = scene.settings(method=method, step=step)
+        settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # said below
             end = scene.duration or max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in lanes)
