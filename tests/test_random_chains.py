@@ -21,6 +21,7 @@ from relations import (
     separating,
 )
 
+import physics.adaptive
 import physics.phases
 import physics.reference
 from physics import Chain, Contact, draft_gear, hertz, hooke, power_law, simulate, step_force
@@ -84,14 +85,14 @@ def energy_error(found, velocity):
 
 
 def assert_momentum(found, velocity, tolerance=0.0):
-    """Round-off at the end of the run; samples between the steps of an adaptive method are good to its tolerance."""
+    """To round-off; to the tolerance in adaptive methods, where a contact that arrives slower than that comes to rest."""
     if resting_wall(found.chain):
         return
     before = momentum(found.chain, velocity)
     scale = max(momentum_scale(found.chain, row) for row in found.velocity)
     # velocities are sums over the row, and rounding errors add up over the steps as a random walk
     round_off = 1000 * EPSILON * math.sqrt(found.steps + 1) * (found.chain.contacts + 1) * scale
-    assert abs(momentum(found.chain, found.final_velocity) - before) < round_off
+    assert abs(momentum(found.chain, found.final_velocity) - before) < round_off + 10 * tolerance * scale
     assert np.abs(found.momentum - before).max() < round_off + 10 * tolerance * scale
 
 
@@ -117,6 +118,7 @@ def patience():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(physics.reference, "MOST_PHASES", 200)
         patch.setattr(physics.phases, "MOST_EVALUATIONS", 20_000)
+        patch.setattr(physics.adaptive, "MOST_STEPS", 5_000)
         yield
 
 
