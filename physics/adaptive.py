@@ -18,6 +18,7 @@ from physics.time_scale import speed_scale
 
 Array = NDArray[np.float64]
 
+MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
@@ -30,7 +31,31 @@ def run(problem: Problem) -> Record:
     if not _LOADED:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
         _LOADED.add(problem.method)
-    return run_to_end(problem, _pass)
+    record = run_to_end(problem, _pass)
+    record.warnings += _energy_warnings(problem, record)
+    return record
+
+
+def _energy_warnings(problem: Problem, record: Record) -> tuple[str, ...]:
+    """A sentence where the energy of a chain left to itself has not come back to many times the tolerance."""
+    chain, start = problem.chain, problem.state
+    moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0)
+    if start.external(chain) is not None or moved.any():
+        return ()
+    before, after = _energy(chain, start), _energy(chain, record.end)
+    if abs(after - before) <= MOST_ENERGY * problem.tolerance * before:
+        return ()
+    return (
+        f"energy is off by {abs(after / before - 1.0):.1g} of itself, more than {problem.method} promises at tolerance "
+        f"{problem.tolerance:g}: compare with method 'conserving', or with another tolerance",
+    )
+
+
+def _energy(chain: Chain, state: State) -> float:
+    """Kinetic and contact energy [J], walls left out."""
+    mass, speed = np.array(chain.mass), state.velocity(chain)
+    kinetic = 0.5 * float((np.where(np.isfinite(mass), mass, 0.0) * speed**2).sum())
+    return kinetic + sum(float(contact.energy(d)) for contact, d in zip(chain.contact, state.overlap, strict=True))
 
 
 def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FIRST_SWITCHES) -> Record:
