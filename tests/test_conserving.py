@@ -116,7 +116,9 @@ def solved(law, start, weight, s, guess=0.5):
 @given(LAW, START, WEIGHT, SUM, SIZES)
 def test_the_resolvent_solves_its_equation(law, start, weight, s, guess):
     end, force, slope = solved(law, start, weight, s, guess)
-    assert end + weight * force == pytest.approx(s, rel=1e-12, abs=1e-12 * (abs(start) + abs(s)) + 1e-300)
+    assert end + weight * force == pytest.approx(
+        s, rel=1e-12, abs=1e-12 * (abs(start) + abs(s) + weight * force) + 1e-300
+    )
     assert force >= 0.0
     assert 0.0 <= slope * weight <= 1.0 + 1e-12
 

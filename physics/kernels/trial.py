@@ -28,7 +28,7 @@ NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
 SHRINK, SAFETY = 0.1, 0.9
 STIFF = 1.0  # (step times local frequency)², above which a soft contact is left to radau
 LANDING_TRIES = 20
-EARLY, EARLY_TRIES = 0.1, 16  # part of a step: an event before it is sought again in a shorter one, so often
+EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one
 LANDED = 1e-13  # of the step: an event is hit
 MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
 
@@ -200,7 +200,7 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
                 continue
         elif found >= 0 and tries < LANDING_TRIES:
             ceiling, tries = h, tries + 1
-            if part < EARLY and tries < EARLY_TRIES and time + EARLY * h > time:  # through a long step's cubic: look again
+            if part < EARLY:  # seen through the cubic of a long step: look again from nearer
                 h *= EARLY
             else:
                 landing, kind, h = found, its_kind, part * h
