@@ -90,6 +90,7 @@ class SoftContact(pymunk.DampedSpring):
         self.collide_bodies = False
         self._native = native
         self._touching_distance = distance
+        self._known_overlap = math.nan
         self._compiled_law: Any = None
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower
         self.contact = contact
@@ -101,7 +102,9 @@ class SoftContact(pymunk.DampedSpring):
         An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step; pymunk alone would print
         it and go on with a wrong force.
         """
-        overlap = spring._touching_distance - dist
+        overlap = spring._known_overlap
+        if math.isnan(overlap):
+            overlap = spring._touching_distance - dist
         if overlap <= 0.0:
             return 0.0
         try:
@@ -164,6 +167,12 @@ class SoftContact(pymunk.DampedSpring):
     def damping(self, damping: float) -> None:
         raise AttributeError("a SoftContact has no damping: a damper would pull bodies that are apart")
 
+    def _take_overlap(self, overlap: float) -> None:
+        """Push by this overlap from now on, kept by the caller with more digits than positions leave to it."""
+        self._known_overlap = overlap
+        if self._compiled_law is not None:
+            self._compiled_law[4] = overlap
+
     def _wants_native(self, contact: Law) -> bool:
         """Whether `contact` is to be compiled code; RuntimeError where it must be and cannot."""
         if self._native is False:
@@ -187,7 +196,7 @@ class SoftContact(pymunk.DampedSpring):
             contact = self._contact
             assert isinstance(contact, Contact)
             law[0], law[1], law[2] = contact.preload, contact.stiffness, contact.exponent
-            law[3] = self._touching_distance
+            law[3], law[4] = self._touching_distance, self._known_overlap
 
 
 def _checked_distance(distance: float) -> float:

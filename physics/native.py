@@ -6,6 +6,7 @@ surprise means that Python callbacks are used instead.
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
@@ -13,7 +14,7 @@ import pymunk
 
 from physics.kernels.native import LAW_SLOT, push_address
 
-LAW_TYPE = "double[4]"  # preload, stiffness, exponent, touching distance
+LAW_TYPE = "double[5]"  # preload, stiffness, exponent, touching distance, overlap (NaN: from the distance)
 
 
 def unavailable() -> str:
@@ -22,7 +23,7 @@ def unavailable() -> str:
 
 
 def attach(spring: pymunk.DampedSpring) -> Any:
-    """Let compiled code push instead of `spring`'s own force; returns its law, four numbers to be written at any time.
+    """Let compiled code push instead of `spring`'s own force; returns its law, five numbers to be written at any time.
 
     The law must live as long as the spring: keep a reference to it there.
     """
@@ -60,7 +61,10 @@ def _check_layout(ffi: Any) -> None:
 
 
 def _check_call(ffi: Any, function: Any) -> None:
-    spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0])
+    spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan])
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
     if function(spring._constraint, 1.75) != 1.25 or function(spring._constraint, 2.5) != 0.0:
         raise RuntimeError("the compiled callback gives wrong forces")
+    law[4] = 0.5
+    if function(spring._constraint, 1.75) != 2.0:
+        raise RuntimeError("the compiled callback does not take an overlap")

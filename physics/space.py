@@ -1,7 +1,8 @@
 """Method `pymunk`: the chain as bodies on a line in a pymunk Space, soft contacts between them, and substeps.
 
-One step of pymunk drifts and then kicks, which is symplectic Euler: the same digits as method `euler` up to round-off,
-from positions instead of overlaps. Deep overlaps, much smaller than the displacements, therefore lose digits here.
+One step of pymunk drifts and then kicks, which is symplectic Euler: the same digits as method `euler` up to round-off.
+The Space holds positions, in whose differences deep overlaps drown; the overlaps are therefore summed up beside it from
+the velocities of its bodies, step by step as it drifts, and handed to the contacts.
 A push is given to the bodies anew before every step; pymunk adds it after the drift, as `euler` does.
 """
 
@@ -45,6 +46,7 @@ class Row:
         ]
         self.space.add(*self.bodies, *self.contacts)
         self.reach = reach
+        self.overlaps = [0.0] * chain.contacts
         self.closed = [False] * chain.contacts
 
     def write(self, state: State) -> None:
@@ -53,26 +55,24 @@ class Row:
         for body, position, velocity in zip(self.bodies, positions, velocities, strict=True):
             body.position = position, 0.0
             body.velocity = velocity, 0.0
-        self._look()
+        self._take(state.overlap.tolist())
 
     def read(self, state: State) -> None:
         """Put into `state` where the bodies are, and the forces there."""
-        position = np.array([body.position.x for body in self.bodies])
         velocity = np.array([body.velocity.x for body in self.bodies])
-        state.overlap[:] = position[:-1] - position[1:]
+        state.overlap[:] = self.overlaps
         state.rate[:] = velocity[:-1] - velocity[1:]
-        state.anchor[:] = position[self.chain.anchor], velocity[self.chain.anchor]
-        state.force[:] = [
-            contact.force(d) for contact, d in zip(self.chain.contact, state.overlap.tolist(), strict=True)
-        ]
+        state.anchor[:] = self.bodies[self.chain.anchor].position.x, velocity[self.chain.anchor]
+        state.force[:] = [contact.force(d) for contact, d in zip(self.chain.contact, self.overlaps, strict=True)]
 
     def step(self, step: float, push: Array | None = None) -> None:
         """One step of the Space under the forces `push` (n+1,)."""
         if push is not None:
             for body, force in zip(self.bodies, push.tolist(), strict=True):
                 body.force = force, 0.0
+        speeds = [body.velocity.x for body in self.bodies]
+        self._take([d + step * (a - b) for d, (a, b) in zip(self.overlaps, pairwise(speeds), strict=True)])
         self.space.step(step)
-        self._look()
 
     def steps(self, most: int, step: float, push: Array | None = None) -> int:
         """Take steps until a contact switches, `most` at the most; returns how many."""
@@ -86,16 +86,19 @@ class Row:
     def look_ahead(self, step: float, state: State) -> None:
         """Put into `state` what one step under its push would give, and take the step back."""
         kept = [(body.position, body.velocity) for body in self.bodies]
+        overlaps = self.overlaps
         self.step(step, state.external(self.chain))
         self.read(state)
         for body, (position, velocity) in zip(self.bodies, kept, strict=True):
             body.position = position
             body.velocity = velocity
-        self._look()
+        self._take(overlaps)
 
-    def _look(self) -> None:
-        """Note which contacts are pressed; move the anchors apart where an overlap comes near to `reach`."""
-        overlaps = [a - b for a, b in pairwise([body.position.x for body in self.bodies])]
+    def _take(self, overlaps: list[float]) -> None:
+        """Hand the overlaps to the contacts; move the anchors apart where one comes near to `reach`."""
+        self.overlaps = overlaps
+        for contact, overlap in zip(self.contacts, overlaps, strict=True):
+            contact._take_overlap(overlap)
         self.closed = [overlap > 0.0 for overlap in overlaps]
         if max(overlaps) > 0.5 * self.reach:
             self.reach = _power_of_two(8.0 * max(overlaps))

@@ -13,6 +13,8 @@ CASES = {
     "hertz": (one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]),
     "hooke": (one_on(9, hooke(1e4)), [1] + [0] * 9),
     "square root": (one_on(4, power_law(1.0, 0.5)), [1, 0, 0, 0, 0]),
+    "alpha 1/5": (one_on(4, power_law(1.0, 0.2)), [1, 0, 0, 0, 0]),
+    "alpha 1/7": (one_on(3, power_law(1.0, 1 / 7)), [1, 0, 0, 0]),
     "mixed, with gaps": (Chain([1, 2, 0.5, 3], MIXED, [0, 0.1, 0.03]), [1, 0, 0, -0.5]),
     "wall at rest": (Chain([1, 2, 0.5, math.inf], MIXED, [0, 0.1, 0.03]), [1, 0, 0, 0]),
     "moving wall": (Chain([math.inf, 2, 0.5, 1], MIXED), [0.5, 0, 0, 0]),
@@ -46,13 +48,13 @@ def test_books_what_euler_books(case):
         np.testing.assert_allclose(*opened, atol=1e-6)
 
 
-def test_soft_clusters_agree_while_their_overlaps_are_large_against_round_off():
-    """alpha = 1/10: until the cluster comes apart; after that no step is stable and round-off grows in both."""
+def test_softer_clusters_agree_until_they_come_apart():
+    """alpha = 1/10: the rates of the deepest contacts drown in the round-off of bead velocities, and no step is stable."""
     chain, velocity = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
     euler, pymunk = both(chain, velocity, duration=0.75, step=1e-3)
-    np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-12)
     whole = both(chain, velocity, step=1e-3)
-    np.testing.assert_allclose(whole[1].final_velocity, whole[0].final_velocity, rtol=0, atol=1e-2)
+    np.testing.assert_allclose(whole[1].final_velocity, whole[0].final_velocity, rtol=0, atol=1e-6)
 
 
 def test_momentum_to_round_off_with_a_draft_gear():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 
 from physics.kernels.jit import cache_folder
@@ -11,9 +12,15 @@ LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address 
 
 
 def push(spring, distance):
-    """Force at `distance`: the law is (preload, stiffness, exponent, touching distance), found through the spring."""
+    """Force at `distance`; the law is found through the spring.
+
+    It is (preload, stiffness, exponent, touching distance, overlap); an overlap that is not NaN is taken as it is.
+    """
     law = spring[LAW_SLOT]
-    return force(law[0], law[1], law[2], law[3] - distance)
+    overlap = law[4]
+    if math.isnan(overlap):
+        overlap = law[3] - distance
+    return force(law[0], law[1], law[2], overlap)
 
 
 @cache
