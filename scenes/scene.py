@@ -25,7 +25,7 @@ class Lane(Table):
         contact: one for all or a list, from left to right.
         velocity: of every bead [m/s]. In a file one number is enough beside ``beads = [strikers, targets]``: the
             strikers have it, the targets rest.
-        gap: one for all or a list [m]; 0 is just touching.
+        gap: one for all or a list [m]; 0 is just touching, below 0 the contact is pressed from the start by so much.
         approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
         drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
     """
@@ -35,7 +35,7 @@ class Lane(Table):
     mass: OneOrMany[Mass] = 1.0
     contact: OneOrMany[ContactTable]
     velocity: tuple[Number, ...]
-    gap: OneOrMany[NotNegative] = 0.0
+    gap: OneOrMany[Number] = 0.0
     approach: NotNegative | None = None
     drive: tuple[Number, ...] | None = None
 
