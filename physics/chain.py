@@ -30,7 +30,8 @@ class Chain:
     Arguments:
         mass: (n+1,) masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
         contact: one Contact for all, or n of them; kinds mix freely.
-        gap: distance [m] >= 0 between neighbours at the start, one for all or n of them; 0 is just touching.
+        gap: distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0 the
+            contact is pressed from the start, by the overlap -gap.
         drive: (n+1,) steady external force on each bead [N], or None; it acts from t = 0 on.
 
     Raises:
@@ -120,8 +121,8 @@ def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
     gaps = np.asarray(gap, dtype=np.float64)
     if gaps.ndim > 1 or (gaps.ndim == 1 and len(gaps) != n):
         raise ValueError(f"{n + 1} masses need one gap for all or {n} gaps, not shape {gaps.shape}")
-    if not (np.isfinite(gaps) & (gaps >= 0.0)).all():
-        raise ValueError(f"every gap must be a finite number >= 0, not {gap!r}")
+    if not np.isfinite(gaps).all():
+        raise ValueError(f"every gap must be a finite number, not {gap!r}")
     return tuple(np.broadcast_to(gaps, (n,)).tolist())
 
 

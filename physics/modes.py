@@ -57,8 +57,10 @@ class Reduction:
         for i in set(range(chain.contacts)) - {struck}:
             if chain.contact[i].preload > 0.0 or chain.contact[i].stiffness == 0.0:
                 raise ValueError(f"mode coupling needs power laws inside a cluster, contact {i} has a preload")
-            if chain.gap[i] > 0.0:
-                raise ValueError(f"mode coupling needs clusters that just touch inside, contact {i} has a gap")
+            if chain.gap[i] != 0.0:
+                raise ValueError(
+                    f"mode coupling needs clusters that just touch, contact {i} has a gap of {chain.gap[i]:g}"
+                )
         return found
 
     @cached_property

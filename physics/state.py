@@ -45,7 +45,8 @@ class State:
         gap = np.array(chain.gap)
         position = np.concatenate(([0.0], np.cumsum(gap)))
         anchor = np.array([position[chain.anchor], speeds[chain.anchor]])
-        return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, np.zeros(chain.contacts))
+        force = [float(contact.force(max(-g, 0.0))) for contact, g in zip(chain.contact, chain.gap, strict=True)]
+        return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, np.array(force))
 
     def position(self, chain: Chain) -> Array:
         """(n+1,) positions [m], bead lengths taken out: two beads that just touch have the same position."""

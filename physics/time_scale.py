@@ -19,9 +19,20 @@ def closing_speed(velocity: ArrayLike) -> float:
 
 
 def speed_scale(chain: Chain, velocity: ArrayLike) -> float:
-    """Closing speed [m/s], or what the chain's drive alone brings about where that is more; 1 where neither is."""
-    driven = _driven_speed(chain)
-    return max(float(np.ptp(np.asarray(velocity))), driven) if driven else closing_speed(velocity)
+    """Closing speed [m/s], or what the drive or the press at the start bring about where that is more; 1 where nothing does."""
+    inner = max(_driven_speed(chain), _released_speed(chain))
+    return max(float(np.ptp(np.asarray(velocity))), inner) if inner else closing_speed(velocity)
+
+
+def _released_speed(chain: Chain) -> float:
+    """Largest speed at which the two beads of a contact part that is pressed at the start, by its energy alone."""
+    pressed = [i for i, gap in enumerate(chain.gap) if gap < 0.0]
+    inverse_mass = chain.parameters.inverse_mass
+    squares = [
+        2.0 * float(chain.contact[i].energy(-chain.gap[i])) * float(inverse_mass[i] + inverse_mass[i + 1])
+        for i in pressed
+    ]
+    return max(squares, default=0.0) ** 0.5
 
 
 def _driven_speed(chain: Chain) -> float:

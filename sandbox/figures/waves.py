@@ -2,7 +2,7 @@
 
 The contact law only pushes. A spring that pulls is had all the same: linear contacts under a prestress that they never
 lose act, about their rest, like springs that push and pull. The prestress is a steady force on both ends, so the ends
-are free. The state begins at rest under it.
+are free; the scenes stiff-springs and prestressed show the same.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ PULSE_BEADS, PULSE_UNTIL = 30, 40.0
 
 
 def prestressed(inner: Contact, force: float) -> Chain:
-    """A striker and N targets whose ends are pressed together by `force`."""
+    """A striker and N targets at rest whose ends are pressed together by `force`."""
     drive = [0.0, force, *[0.0] * (N - 2), -force]
-    return Chain([1.0] * (N + 1), (STRIKE, *(inner,) * (N - 1)), drive=drive)
+    gap = [0.0, *[-float(inner.overlap(force))] * (N - 1)]
+    return Chain([1.0] * (N + 1), (STRIKE, *(inner,) * (N - 1)), gap, drive)
 
 
 def run(inner: Contact, force: float, until: float, speed: float) -> Table:
     """t, velocities over the striker's, and the inner forces less the prestress, from rest under the prestress."""
     chain = prestressed(inner, force) if force else one_on(N, (STRIKE, *(inner,) * (N - 1)))
     state = State.at_start(chain, speed * np.array(start(chain)))
-    state.overlap[1:] = inner.overlap(force)
     rows = []
     for _ in range(SAMPLES):
         rows.append((state.time, *(state.velocity(chain) / speed), *(_forces(chain, state)[1:] - force)))

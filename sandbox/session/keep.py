@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from physics.contact import Contact
 from physics.state import State
 from physics.trajectory import Interval, Trajectory
@@ -37,7 +35,7 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
     """`old` if `new` still begins as it says, else a lane with a list of everything."""
     chain, start = new.chain, new.start
     velocity = tuple(start.velocity(chain).tolist())
-    gap = tuple((0.0 + np.maximum(0.0, -start.overlap)).tolist())  # 0.0 + turns -0.0 into 0.0
+    gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
     before = old.chain()
     same = (before.mass, before.contact, before.gap, before.drive, old.velocity)
     if same == (chain.mass, chain.contact, gap, chain.drive, velocity):
