@@ -15,7 +15,7 @@ from rich.console import Console
 
 from benchmarks.report import Report, against
 
-PACKAGES = ("softcradle", "numba", "numpy", "pymunk", "CyRK", "numbalsoda", "heyoka")
+PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk", "CyRK", "numbalsoda", "heyoka", "scikit-sundae")
 
 
 def steps() -> Iterator[Report]:

@@ -30,6 +30,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("run", "sandbox.commands.run", "compute a scene: table of results, .npz or .csv"),
     Command("render", "sandbox.commands.render", "make a film or pictures of a scene"),
     Command("figures", "sandbox.commands.figures", "draw the paper's figures, and write their numbers"),
+    Command("chart", "sandbox.commands.chart", "measure and draw speed against accuracy, beside other integrators"),
     Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
 )
 

@@ -15,7 +15,7 @@ MODULES = sorted(path.relative_to(ROOT).as_posix() for layer in LAYERS for path 
 
 # package: the modules (or folders, ending in /) that may import it
 HOMES = {
-    "numba": ("physics/kernels/",),
+    "numba": ("physics/kernels/", "sandbox/precision/peers/"),  # peers share no kernel with what they are compared to
     "pymunk": (
         "physics/constraints.py",
         "physics/native.py",
@@ -25,7 +25,7 @@ HOMES = {
         "physics/space.py",
         "sandbox/",
     ),
-    "scipy": ("physics/reference.py", "physics/closed_forms.py"),
+    "scipy": ("physics/reference.py", "physics/closed_forms.py", "sandbox/precision/peers/"),
     "pygame": ("sandbox/",),
     "pygame_gui": ("sandbox/",),
     "matplotlib": ("sandbox/",),
@@ -33,6 +33,10 @@ HOMES = {
     "PIL": ("sandbox/",),
     "rich": ("sandbox/",),
     "pydantic": ("scenes/",),
+    "CyRK": ("sandbox/precision/peers/",),
+    "heyoka": ("sandbox/precision/peers/",),
+    "numbalsoda": ("sandbox/precision/peers/",),
+    "sksundae": ("sandbox/precision/peers/",),
 }
 
 
@@ -68,6 +72,12 @@ def test_packages_stay_at_home(module):
 def test_the_reference_shares_no_kernel():
     for module in ("physics/reference.py", "physics/phases.py", "physics/closed_forms.py"):
         assert not [name for name in imported(module) if name.startswith("physics.kernels")]
+
+
+def test_peers_share_no_kernel_with_what_they_are_compared_to():
+    for path in (ROOT / "sandbox/precision/peers").glob("*.py"):
+        names = imported(path.relative_to(ROOT).as_posix())
+        assert not [name for name in names if name.startswith("physics.kernels")]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,47 @@
+"""Other people's integrators on the same collisions: each a small module, each left out where it is not installed.
+
+All have what an expert would give them: overlaps as variables, compiled right-hand sides, absolute tolerances finer for
+overlaps than for rates, a small first step (they would jump over the collision). None can stop when a collision is over,
+so they run to its known end; none knows a contact that touches, so draft gears chatter for them.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import NamedTuple
+
+from sandbox.precision.cases import Case
+from sandbox.precision.solvers import Solver
+
+
+class Peer(NamedTuple):
+    """A peer: what it is called, the package it needs, and the module here with its `solvers(case)`."""
+
+    name: str
+    package: str
+    module: str
+
+
+PEERS: tuple[Peer, ...] = (
+    Peer("Verlet by hand", "numba", "by_hand"),
+    Peer("CyRK", "CyRK", "cyrk"),
+    Peer("numbalsoda", "numbalsoda", "numbalsoda"),
+    Peer("heyoka", "heyoka", "heyoka"),
+    Peer("SciPy", "scipy", "scipy"),
+    Peer("scikit-sundae", "sksundae", "sundae"),
+)
+
+
+def missing() -> list[str]:
+    """Names of the peers that are not installed."""
+    return [peer.name for peer in PEERS if find_spec(peer.package) is None]
+
+
+def peers(case: Case) -> list[Solver]:
+    """Every peer that is installed and can take the case: none where contacts lose energy or the bed rubs."""
+    if getattr(case.chain, "friction", 0.0) or any(getattr(law, "loss", 0.0) for law in case.chain.contact):
+        return []
+    absent = missing()
+    modules = [import_module(f"{__name__}.{peer.module}") for peer in PEERS if peer.name not in absent]
+    return [solver for module in modules for solver in module.solvers(case)]
