@@ -50,6 +50,22 @@ def simulate(
     >>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
     array([-0.57,  0.17,  0.45,  0.47,  0.47])
     """
+    trajectory = solve(chain, velocity, duration, method, step, samples, tolerance)
+    for sentence in trajectory.warnings:
+        warnings.warn(sentence, RuntimeWarning, stacklevel=2)
+    return trajectory
+
+
+def solve(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None,
+    method: str,
+    step: float | None,
+    samples: int | ArrayLike,
+    tolerance: float,
+) -> Trajectory:
+    """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
     problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
     runner = import_module(find_method(method).module)
     began = perf_counter()
@@ -57,8 +73,6 @@ def simulate(
     record.seconds = record.seconds or perf_counter() - began
     if not find_method(method).set_valued:
         record.warnings += explicit_warnings(problem, record)
-    for sentence in record.warnings:
-        warnings.warn(sentence, RuntimeWarning, stacklevel=2)
     return _trajectory(problem, record)
 
 

@@ -21,6 +21,7 @@ PUBLIC = [
     "advance",
     "cluster_on_cluster",
     "draft_gear",
+    "ensemble",
     "hertz",
     "hooke",
     "one_on",

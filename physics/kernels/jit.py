@@ -42,11 +42,14 @@ else:
         before = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = _FOLDER  # read while decorating; other users of numba keep their own folder
         try:
-            compiled: Kernel = numba.njit(cache=True, error_model="numpy", **options)(function)
+            compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
         finally:
             numba.config.CACHE_DIR = before
         return compiled
 
     def jit(function: Kernel) -> Kernel:
-        """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources."""
+        """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources.
+
+        Kernels touch nothing of Python's, so other threads run on beside them.
+        """
         return _compiled(function)
