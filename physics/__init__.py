@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from physics.contact import hooke as hooke
     from physics.contact import power_law as power_law
     from physics.contact import step_force as step_force
-    from physics.ensemble import ensemble as ensemble
+    from physics.many import ensemble as ensemble
     from physics.methods import METHODS as METHODS
     from physics.simulation import advance as advance
     from physics.simulation import simulate as simulate
@@ -37,7 +37,7 @@ _HOME = {
     "cluster_on_cluster": "chain",
     "State": "state",
     "simulate": "simulation",
-    "ensemble": "ensemble",
+    "ensemble": "many",
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",
