@@ -1,14 +1,18 @@
-"""Measures of a motion that the paper speaks of: depth law, loads, and the separation of time scales."""
+"""Measures of a motion that the paper speaks of: depth law, loads, separation of time scales, rigid-like behaviour."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
 from physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
+
+LEAST_OVERLAP = 1e-9  # of the deepest in the chain: below it a contact with preload counts as touching, not as loaded
 
 
 def depth_law(n: int, alpha: float) -> Array:
@@ -81,3 +85,101 @@ def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
     closed, opened = intervals[0]
     separation: Array = (response_times(trajectory) / (opened - closed)) ** 2
     return separation
+
+
+def rigidity(velocity: ArrayLike) -> Array:
+    """(...) how far from rigid a cluster moves: its beads' (..., n) largest less smallest velocity over their mean.
+
+    0 for a rigid body; inf or nan where the mean is 0. It "vanishes in the limit alpha -> +0", Figs. 1(c), (d), and is
+    the ordinate of Fig. 3 of the letter that the paper cites.
+
+    >>> float(rigidity([0.5, 0.4, 0.3]).round(3))
+    0.5
+    """
+    speeds = np.asarray(velocity, dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread: Array = np.ptp(speeds, axis=-1) / np.abs(speeds.mean(axis=-1))
+    return spread
+
+
+def at(trajectory: Trajectory, values: Array, time: float) -> Array:
+    """(...) the row of `values` (T, ...) at `time` [s], between samples on a straight line."""
+    right = min(max(int(np.searchsorted(trajectory.time, time)), 1), len(trajectory.time) - 1)
+    before, after = trajectory.time[right - 1], trajectory.time[right]
+    share = 0.0 if after == before else min(max((time - before) / (after - before), 0.0), 1.0)
+    row: Array = (1.0 - share) * values[right - 1] + share * values[right]
+    return row
+
+
+def restitution(trajectory: Trajectory, struck: int) -> float | None:
+    """Speed of parting over speed of approach of the two sides; None where they did not approach each other."""
+    chain, sides = trajectory.chain, (slice(None, struck + 1), slice(struck + 1, None))
+    before, after = (
+        [_side_velocity(chain, side, row) for side in sides]
+        for row in (trajectory.velocity[0], trajectory.final_velocity)
+    )
+    approach = before[0] - before[1]
+    return (after[1] - after[0]) / approach if approach > 0.0 else None
+
+
+def energy_inside(trajectory: Trajectory, struck: int) -> Array:
+    """(T,) energy inside the target cluster as a share of all energy at the start; nan where that is 0."""
+    chain = trajectory.chain
+    beads = cluster_beads(chain, slice(struck + 1, None))
+    mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
+    own = velocity - (velocity @ mass / mass.sum())[:, None] if beads.size else velocity
+    stored = [np.asarray(chain.contact[k].energy(trajectory.overlap[:, k])) for k in range(struck + 1, chain.contacts)]
+    total = trajectory.kinetic_energy[0] + trajectory.contact_energy[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share: Array = (0.5 * own**2 @ mass + sum(stored, np.zeros(len(trajectory.time)))) / (total or math.nan)
+    return share
+
+
+def impulses(trajectory: Trajectory) -> Array:
+    """(n,) momentum that each contact has passed from left to right [N s], from the balance of the beads on one side.
+
+    Between two walls neither side has a balance; there the force is summed up over the samples.
+    """
+    chain, time = trajectory.chain, trajectory.time
+    mass = np.array(chain.mass)
+    drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * time[-1]
+    with np.errstate(invalid="ignore"):
+        gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
+    right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
+    summed = np.trapezoid(trajectory.force, time, axis=0)
+    passed: Array = np.where(np.isfinite(right), right, np.where(np.isfinite(left), left, summed))
+    return passed
+
+
+def dwell(trajectory: Trajectory) -> Array:
+    """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch to the last sample.
+
+    Closings and openings are exact, the change between touching and loaded is found to a sample.
+    """
+    time, end = trajectory.time, float(trajectory.time[-1])
+    starts = [spans[0][0] for spans in trajectory.contact_intervals if spans]
+    begin = min(starts, default=end)
+    deepest = max(float(trajectory.overlap.max()), 0.0)
+    rows = []
+    for k, spans in enumerate(trajectory.contact_intervals):
+        closed = sum(min(last, end) - first for first, last in spans)
+        loaded = closed
+        if trajectory.chain.contact[k].preload > 0.0:
+            pressed = trajectory.overlap[:, k] > LEAST_OVERLAP * deepest
+            loaded = min(closed, float(np.diff(time)[pressed[1:] | pressed[:-1]].sum()))
+        rows.append((end - begin - closed, closed - loaded, loaded))
+    return np.array(rows)
+
+
+def cluster_beads(chain: Chain, side: slice) -> NDArray[np.int_]:
+    """Indices of the beads of a side that are no walls."""
+    numbers = np.arange(len(chain.mass))[side]
+    found: NDArray[np.int_] = numbers[np.isfinite(np.array(chain.mass)[side])]
+    return found
+
+
+def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:
+    """Velocity of a side's centre of mass [m/s]: its wall's, where it has one."""
+    mass, speeds = np.array(chain.mass)[side], velocity[side]
+    walls = np.isinf(mass)
+    return float(speeds[walls][0] if walls.any() else speeds @ mass / mass.sum())

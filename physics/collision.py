@@ -1,0 +1,173 @@
+"""What a collision came to, in numbers: how rigid the struck cluster is, what it passes on, what stays inside it.
+
+The beads before the struck contact are the strikers, those behind it the target cluster. *Detachment* is the last
+opening of the struck contact: "the detachment of the hitting particle", after which "the finite overlaps ... cause the
+velocity divergence among the cluster particles". Walls belong to a side, but not to its cluster.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physics.chain import Chain
+from physics.measure import at, cluster_beads, dwell, energy_inside, impulses, restitution, rigidity
+from physics.simulation import simulate
+from physics.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ContactMeasures:
+    """What one contact did.
+
+    Attributes:
+        peak_force: greatest force [N].
+        accelerated_mass: mass of the beads that it accelerates, those on its side of the struck contact that lie
+            beyond it [kg]; for the struck contact the target cluster. None where a wall is among them.
+        peak_acceleration: `peak_force` over that mass [m/s^2]: the common A of Eq. (4), the same for all contacts of
+            a cluster that moves as a rigid body. None at a wall.
+        momentum: that has passed from left to right, the integral of the force over time [N s].
+        open, touching, loaded: for how long it was apart, at overlap 0 with a force between 0 and its preload, and
+            pressed, from the first touch of any contact to the end of the run [s].
+    """
+
+    peak_force: float
+    accelerated_mass: float | None
+    peak_acceleration: float | None
+    momentum: float
+    open: float
+    touching: float
+    loaded: float
+
+
+@dataclass(frozen=True)
+class CollisionMeasures:
+    """What a collision came to.
+
+    Attributes:
+        struck: index of the contact where strikers meet targets.
+        final_velocity: of every bead [m/s].
+        detachment: time of the last opening of the struck contact [s]; None where it stays closed.
+        contact_time: for how long the struck contact was closed, all its intervals together [s].
+        rigidity_at_detachment, rigidity: velocity spread of the target cluster over its mean at detachment and at
+            the end; None where the mean is 0 or there is no detachment.
+        restitution: speed at which the centres of mass of strikers and targets part, over that at which they met;
+            1 for two rigid bodies. In an elastic collision 1 - restitution**2 is the share of the energy of their
+            approach that stays inside the two clusters.
+        energy_inside_at_detachment, energy_inside: share of the energy at the start that is inside the target
+            cluster: motion of its beads about their centre of mass, and what its contacts store. "It is only in the
+            limit alpha -> +0 that the target cluster does not accumulate the compressive energies."
+        peak_force, peak_acceleration, momentum: of the struck contact; see ContactMeasures.
+        contacts: one a contact, from left to right.
+    """
+
+    struck: int
+    final_velocity: tuple[float, ...]
+    detachment: float | None
+    contact_time: float | None
+    rigidity_at_detachment: float | None
+    rigidity: float | None
+    restitution: float | None
+    energy_inside_at_detachment: float | None
+    energy_inside: float | None
+    peak_force: float
+    peak_acceleration: float | None
+    momentum: float
+    contacts: tuple[ContactMeasures, ...]
+
+
+def struck_contact(velocity: ArrayLike) -> int:
+    """The contact across which neighbours approach each other fastest at the start, from `velocity` (n+1,) [m/s].
+
+    Raises:
+        ValueError: none approach each other.
+
+    >>> struck_contact([1.0, 1.0, 0.0, 0.0])
+    1
+    """
+    closing = -np.diff(np.asarray(velocity, dtype=np.float64))
+    if not (closing > 0.0).any():
+        raise ValueError("no two neighbours approach each other at the start: there is no collision to measure")
+    return int(np.argmax(closing))
+
+
+def collide(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None = None,
+    method: str = "accurate",
+    step: float | None = None,
+    tolerance: float = 1e-9,
+    samples: int = 2001,
+) -> Trajectory:
+    """:func:`physics.simulate`, sampled evenly and at every closing and opening too, as :func:`measured` likes it."""
+    first = simulate(chain, velocity, duration, method, step, 2, tolerance)
+    end = float(first.time[-1]) if duration is None else duration
+    switches = np.array([t for spans in first.contact_intervals for span in spans for t in span])
+    times = np.concatenate((np.linspace(0.0, end, samples), switches[switches <= end]))
+    return simulate(chain, velocity, duration, method, step, np.unique(times), tolerance)
+
+
+def measured(trajectory: Trajectory) -> CollisionMeasures:
+    """The measures of a collision; what happens at detachment is interpolated between samples (see :func:`collide`).
+
+    Raises:
+        ValueError: no two neighbours approach each other at the start.
+    """
+    struck = struck_contact(trajectory.velocity[0])
+    intervals = trajectory.contact_intervals[struck]
+    opened = intervals[-1][1] if intervals and math.isfinite(intervals[-1][1]) else None
+    targets = slice(struck + 1, None)
+    inside = energy_inside(trajectory, struck)
+    contacts = tuple(_contact_measures(trajectory, struck))
+    own = contacts[struck]
+    return CollisionMeasures(
+        struck=struck,
+        final_velocity=tuple(trajectory.final_velocity.tolist()),
+        detachment=opened,
+        contact_time=None if opened is None else sum(end - start for start, end in intervals),
+        rigidity_at_detachment=None
+        if opened is None
+        else _rigidity(trajectory.chain, targets, at(trajectory, trajectory.velocity, opened)),
+        rigidity=_rigidity(trajectory.chain, targets, trajectory.final_velocity),
+        restitution=restitution(trajectory, struck),
+        energy_inside_at_detachment=None if opened is None else _finite(at(trajectory, inside, opened)),
+        energy_inside=_finite(inside[-1]),
+        peak_force=own.peak_force,
+        peak_acceleration=own.peak_acceleration,
+        momentum=own.momentum,
+        contacts=contacts,
+    )
+
+
+def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasures]:
+    mass = np.array(trajectory.chain.mass)
+    beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
+    accelerated = np.where(np.arange(trajectory.chain.contacts) >= struck, beyond, before)
+    peak, passed, times = trajectory.force.max(axis=0), impulses(trajectory), dwell(trajectory)
+    return [
+        ContactMeasures(
+            peak_force=float(peak[k]),
+            accelerated_mass=_finite(accelerated[k]),
+            peak_acceleration=float(peak[k] / accelerated[k]) if math.isfinite(accelerated[k]) else None,
+            momentum=float(passed[k]),
+            open=float(times[k, 0]),
+            touching=float(times[k, 1]),
+            loaded=float(times[k, 2]),
+        )
+        for k in range(trajectory.chain.contacts)
+    ]
+
+
+def _rigidity(chain: Chain, side: slice, velocity: Array) -> float | None:
+    beads = cluster_beads(chain, side)
+    return _finite(rigidity(velocity[beads])) if beads.size else None
+
+
+def _finite(value: Array | float) -> float | None:
+    return float(value) if math.isfinite(value) else None
