@@ -8,7 +8,8 @@ velocity divergence among the cluster particles". Walls belong to a side, but no
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,64 +22,83 @@ from physics.trajectory import Trajectory
 Array = NDArray[np.float64]
 
 
+def _measure(title: str, unit: str, meaning: str) -> Any:
+    """A field of a table of measures: its title, its unit and what it means."""
+    return field(metadata={"title": title, "unit": unit, "meaning": meaning})
+
+
 @dataclass(frozen=True)
 class ContactMeasures:
-    """What one contact did.
+    """What one contact did; ``fields`` gives title, unit and meaning of every number as metadata.
 
-    Attributes:
-        peak_force: greatest force [N].
-        accelerated_mass: mass of the beads that it accelerates, those on its side of the struck contact that lie
-            beyond it [kg]; for the struck contact the target cluster. None where a wall is among them.
-        peak_acceleration: `peak_force` over that mass [m/s^2]: the common A of Eq. (4), the same for all contacts of
-            a cluster that moves as a rigid body. None at a wall.
-        momentum: that has passed from left to right, the integral of the force over time [N s].
-        open, touching, loaded: for how long it was apart, at overlap 0 with a force between 0 and its preload, and
-            pressed, from the first touch of any contact to the end of the run [s].
+    None: a mass that has a wall in it, and what is divided by it.
     """
 
-    peak_force: float
-    accelerated_mass: float | None
-    peak_acceleration: float | None
-    momentum: float
-    open: float
-    touching: float
-    loaded: float
+    peak_force: float = _measure("peak force", "N", "greatest force")
+    accelerated_mass: float | None = _measure(
+        "mass accelerated", "kg", "of the beads beyond it, seen from the struck contact, Eq. (4)"
+    )
+    peak_acceleration: float | None = _measure(
+        "force per mass",
+        "m/s²",
+        "peak force over the mass accelerated: the common A of Eq. (4), one number for all contacts of a rigid cluster",
+    )
+    momentum: float = _measure("momentum passed", "N s", 'integral of the force over time; "the flow rate of momentum"')
+    open: float = _measure("open", "s", "for how long apart, from the first touch of any contact to the end of the run")
+    touching: float = _measure(
+        "touching", "s", "for how long at overlap 0 with a force between 0 and the preload, Eq. (C1)"
+    )
+    loaded: float = _measure("loaded", "s", "for how long at overlaps > 0")
 
 
 @dataclass(frozen=True)
 class CollisionMeasures:
-    """What a collision came to.
+    """What a collision came to; ``fields`` gives title, unit and meaning of every number as metadata.
+
+    None: a mean that is 0, a detachment that never happens, a side that is a wall alone.
 
     Attributes:
         struck: index of the contact where strikers meet targets.
-        final_velocity: of every bead [m/s].
-        detachment: time of the last opening of the struck contact [s]; None where it stays closed.
-        contact_time: for how long the struck contact was closed, all its intervals together [s].
-        rigidity_at_detachment, rigidity: velocity spread of the target cluster over its mean at detachment and at
-            the end; None where the mean is 0 or there is no detachment.
-        restitution: speed at which the centres of mass of strikers and targets part, over that at which they met;
-            1 for two rigid bodies. In an elastic collision 1 - restitution**2 is the share of the energy of their
-            approach that stays inside the two clusters.
-        energy_inside_at_detachment, energy_inside: share of the energy at the start that is inside the target
-            cluster: motion of its beads about their centre of mass, and what its contacts store. "It is only in the
-            limit alpha -> +0 that the target cluster does not accumulate the compressive energies."
-        peak_force, peak_acceleration, momentum: of the struck contact; see ContactMeasures.
+        final_velocity: of every bead.
         contacts: one a contact, from left to right.
     """
 
     struck: int
-    final_velocity: tuple[float, ...]
-    detachment: float | None
-    contact_time: float | None
-    rigidity_at_detachment: float | None
-    rigidity: float | None
-    restitution: float | None
-    energy_inside_at_detachment: float | None
-    energy_inside: float | None
-    peak_force: float
-    peak_acceleration: float | None
-    momentum: float
-    contacts: tuple[ContactMeasures, ...]
+    final_velocity: tuple[float, ...] = _measure("final velocities", "m/s", "of the beads, from left to right")
+    rigidity_at_detachment: float | None = _measure(
+        "rigidity at detachment",
+        "",
+        "velocity spread of the target cluster (largest less smallest) over its mean at detachment; 0 for a rigid body",
+    )
+    rigidity: float | None = _measure(
+        "rigidity at the end",
+        "",
+        'the same when all is over: "the finite overlaps ... cause the velocity divergence among the cluster particles"',
+    )
+    restitution: float | None = _measure(
+        "restitution of the striker",
+        "",
+        "speed at which the centres of mass of strikers and targets part over that at which they met: 1 for two rigid "
+        "bodies; in an elastic collision 1 less its square is the share of the energy of approach left inside",
+    )
+    energy_inside_at_detachment: float | None = _measure(
+        "energy inside at detachment",
+        "",
+        "share of the energy at the start that is inside the target cluster: what its contacts store and the motion of "
+        'its beads about their centre of mass; "only in the limit alpha -> +0 ... the target cluster does not accumulate '
+        'the compressive energies during the collision"',
+    )
+    energy_inside: float | None = _measure("energy inside at the end", "", "the same when all is over")
+    detachment: float | None = _measure("detachment", "s", "time of the last opening of the struck contact")
+    contact_time: float | None = _measure(
+        "contact time", "s", "for how long the struck contact was closed; the paper's tau_dur"
+    )
+    peak_force: float = _measure("peak force", "N", "greatest force of the struck contact")
+    peak_acceleration: float | None = _measure(
+        "peak force per mass", "m/s²", "the same over the mass that it accelerates, the target cluster"
+    )
+    momentum: float = _measure("momentum passed", "N s", "by the struck contact")
+    contacts: tuple[ContactMeasures, ...] = ()
 
 
 def struck_contact(velocity: ArrayLike) -> int:

@@ -29,6 +29,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("check", "sandbox.commands.check", "say whether scene files are right, and what is wrong with them"),
     Command("run", "sandbox.commands.run", "compute a scene: table of results, .npz or .csv"),
     Command("render", "sandbox.commands.render", "make a film or pictures of a scene"),
+    Command("compare", "sandbox.commands.compare", "set chains side by side: one film, one report, all numbers"),
     Command("figures", "sandbox.commands.figures", "draw the paper's figures, and write their numbers"),
     Command("chart", "sandbox.commands.chart", "measure and draw speed against accuracy, beside other integrators"),
     Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),

@@ -45,6 +45,7 @@ class RenderReport:
         duration: of the film [s]; 0 for a single picture.
         seconds: wall time of all.
         simulated, first_frame: wall time until the motion was known, and until the first frame was drawn [s].
+        clock: time in the motion of its first moving frame [s]; where the scene has a text, frames to read it come before.
     """
 
     output: Path
@@ -53,6 +54,7 @@ class RenderReport:
     seconds: float
     simulated: float
     first_frame: float
+    clock: float
 
 
 def render_scene(
@@ -107,8 +109,8 @@ def render_scene(
             picture.paint(surface, shot.row, told=shot.told)
             film.add(surface)
             bar.advance()
-    duration = 0.0 if still else len(shots) / rate
-    return RenderReport(Path(output), len(shots), duration, perf_counter() - began, known, first_frame)
+    duration, clock = 0.0 if still else len(shots) / rate, float(tracks[0].time[0])
+    return RenderReport(Path(output), len(shots), duration, perf_counter() - began, known, first_frame, clock)
 
 
 @dataclass(frozen=True)

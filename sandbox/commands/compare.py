@@ -1,0 +1,86 @@
+"""`softcradle compare`: the same collision in several chains, in motion and in numbers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sandbox.errors import UserError
+from sandbox.options import add_method, positive, size
+
+if TYPE_CHECKING:
+    from sandbox.compare.choice import Comparison
+    from sandbox.compare.results import Result
+
+PAGE = ".html"
+DEFAULT = "out/compare.html"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="names of scenes, or scene files; all their lanes")
+    parser.add_argument(
+        "--contact", action="append", default=[], metavar="LAW",
+        help="beside one scene as it is, the same with LAW in every contact, such as 'power_law(1, 1/10)' or "
+        "'draft_gear(5, 0.2)'; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "-o", "--output", action="append", default=[], metavar="OUT",
+        help="report .html (with the film inside), film .mp4 .gif .webp .avif, or numbers .json; may be given several "
+        f"times (default: {DEFAULT}, nothing with --json)",
+    )  # fmt: skip
+    parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead of tables")
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels of the film (default: 1280x720 or higher)")
+    parser.add_argument("--slow", type=positive, help="seconds of film for a second of motion (default: the scenes')")
+    add_method(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Compare them."""
+    from sandbox.compare.choice import chosen
+    from sandbox.compare.output import Wishes, checked_outputs, opened, write
+
+    comparison = chosen(args.scenes, args.contact)
+    paths = _paths(args)
+    wishes = Wishes(args.size, args.slow)
+    checked_outputs(paths, comparison, wishes)
+    with ExitStack() as stack:
+        places = opened(stack, paths)  # before the work: an unwritable place is said at once
+        results = _solved(comparison, args)
+        for path in places:
+            write(path, comparison, results, wishes)
+    _print(comparison, results, paths, args.json)
+    return 0
+
+
+def _paths(args: argparse.Namespace) -> list[Path]:
+    if args.output or args.json:
+        return [Path(path) for path in args.output]
+    path = Path(DEFAULT)
+    try:
+        path.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {(error.strerror or str(error)).lower()}") from None
+    return [path]
+
+
+def _solved(comparison: Comparison, args: argparse.Namespace) -> list[Result]:
+    from sandbox.compare.results import solved
+
+    return solved(comparison, args.method, args.step)
+
+
+def _print(comparison: Comparison, results: list[Result], paths: list[Path], as_json: bool) -> None:
+    from sandbox.compare.results import as_json as plain
+    from sandbox.compare.tables import print_tables
+    from sandbox.terminal import console
+
+    if as_json:
+        print(json.dumps(plain(comparison, results), indent=2, allow_nan=False))
+        return
+    print_tables(console(), comparison.title, results)
+    for path in paths:
+        print(f"written: {path}")

@@ -1,0 +1,127 @@
+"""A real browser without a window, spoken to over two pipes in the DevTools protocol: what does it make of a page?"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+PATIENCE = 60.0  # seconds for anything at all
+
+# the browser reads commands from file descriptor 3 and answers on 4
+LAUNCH = (
+    "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); os.execv(sys.argv[3], sys.argv[3:])"
+)
+
+
+def found() -> str | None:
+    """Path of a browser, if there is one."""
+    return next((path for name in NAMES if (path := shutil.which(name))), None)
+
+
+class Browser:
+    """One page in a browser of its own; what its console says is kept in `complaints`."""
+
+    def __init__(self, profile: Path, size: tuple[int, int] = (1280, 900)) -> None:
+        browser = found()
+        assert browser is not None
+        there, self._write = os.pipe()
+        self._read, back = os.pipe()
+        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"]
+        flags += ["--remote-debugging-pipe", f"--user-data-dir={profile}", f"--window-size={size[0]},{size[1]}"]
+        flags += ["--autoplay-policy=no-user-gesture-required", "--mute-audio"]
+        keep = (there, back)
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", LAUNCH, str(there), str(back), browser, *flags],
+            pass_fds=keep, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        for end in keep:
+            os.close(end)
+        os.set_blocking(self._read, False)
+        self._rest, self._count, self._session = b"", 0, ""
+        self.complaints: list[str] = []
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+
+    def __enter__(self) -> Browser:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._process.kill()
+        self._process.wait()
+        os.close(self._read)
+        os.close(self._write)
+
+    def call(self, method: str, **parameters: Any) -> Any:
+        """Send a command and wait for its answer."""
+        self._count += 1
+        message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._write, json.dumps(message).encode() + b"\0")
+        until = time.monotonic() + PATIENCE
+        while time.monotonic() < until:
+            for answer in self._messages():
+                if answer.get("id") == self._count:
+                    assert "error" not in answer, answer["error"]
+                    return answer["result"]
+        raise TimeoutError(f"the browser did not answer {method}")
+
+    def _messages(self) -> list[dict[str, Any]]:
+        try:
+            chunk = os.read(self._read, 1 << 20)
+        except BlockingIOError:
+            time.sleep(0.005)
+            return []
+        assert chunk, "the browser has gone"
+        *whole, self._rest = (self._rest + chunk).split(b"\0")
+        messages = [json.loads(message) for message in whole]
+        for message in messages:
+            self._listen(message.get("method"), message.get("params", {}))
+        return messages
+
+    def _listen(self, event: str | None, told: dict[str, Any]) -> None:
+        if event == "Runtime.exceptionThrown":
+            details = told["exceptionDetails"]
+            self.complaints.append(details.get("exception", {}).get("description", details["text"]))
+        elif event == "Runtime.consoleAPICalled" and told["type"] in ("error", "warning", "assert"):
+            self.complaints.append(json.dumps(told["args"])[:500])
+        elif event == "Log.entryAdded" and told["entry"]["level"] in ("error", "warning"):
+            self.complaints.append(told["entry"]["text"])
+        elif event == "Network.requestWillBeSent" and not told["request"]["url"].startswith(
+            ("data:", "file:", "about:")
+        ):
+            self.complaints.append(f"asks for {told['request']['url']}")
+
+    def run(self, script: str) -> Any:
+        """Value of a JavaScript expression, awaited if it is a promise."""
+        answer = self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
+        return answer["result"].get("value")
+
+    def open(self, path: Path) -> None:
+        """Open a file and wait until all of it is there."""
+        self.call("Page.navigate", url=path.resolve().as_uri())
+        until = time.monotonic() + PATIENCE
+        while self.run("document.readyState + location.protocol") != "completefile:":
+            assert time.monotonic() < until, "the page was never complete"
+            time.sleep(0.02)
+
+    def picture(self, path: Path, whole: bool = False) -> None:
+        """Write a screenshot, of the whole page if wanted."""
+        shot = self.call("Page.captureScreenshot", captureBeyondViewport=whole)
+        path.write_bytes(base64.b64decode(shot["data"]))
+
+    def media(self, kind: str = "", scheme: str = "light") -> None:
+        """Show the page as on `kind` ("screen", "print") and in a light or dark `scheme`."""
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.call("Emulation.setEmulatedMedia", media=kind, features=features)
