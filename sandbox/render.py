@@ -145,10 +145,7 @@ def simulated(
     lanes = range(len(scene.lanes))
     try:
         settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # said below
-            end = scene.duration or max(_simulate(scene, k, settings | {"samples": 2}).time[-1] for k in lanes)
-        times = _times(scene, float(end), rows_per_second)
+        times = _times(scene, motion_end(scene, method, step), rows_per_second)
         moving = times[times >= 0.0]
         settings |= {"duration": float(moving[-1]), "samples": moving}
         tracks = [track_of(_simulate(scene, k, settings), times[times < 0.0]) for k in lanes]
@@ -157,6 +154,18 @@ def simulated(
     if not all(np.isfinite(track.position).all() and np.isfinite(track.force).all() for track in tracks):
         raise UserError(f"the motion by {tracks[0].method} did not stay finite: choose a smaller step")
     return tracks
+
+
+def motion_end(scene: Scene, method: str | None = None, step: float | None = None) -> float:
+    """Time at which the last lane of `scene` is over, or what the scene says [s]. UserError as in :func:`simulated`."""
+    try:
+        settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step, samples=2)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # they are said where the samples are taken
+            lanes = range(len(scene.lanes))
+            return float(scene.duration or max(_simulate(scene, k, settings).time[-1] for k in lanes))
+    except ValueError as error:
+        raise UserError(str(error)) from error
 
 
 def _simulate(scene: Scene, lane: int, settings: dict[str, Any]) -> physics.Trajectory:

@@ -248,7 +248,8 @@ def test_page_in_a_browser(page, tmp_path):
         for scheme in ("light", "dark"):
             browser.media("screen", scheme)
             browser.picture(tmp_path / f"{scheme}.png", whole=True)
-            picture = np.asarray(Image.open(tmp_path / f"{scheme}.png").convert("L"), dtype=float)
+            with Image.open(tmp_path / f"{scheme}.png") as opened:
+                picture = np.asarray(opened.convert("L"), dtype=float)
             grounds.append(float(np.median(picture)))
             assert picture.std() > 5.0  # not an empty sheet
         assert grounds[0] > 200.0
