@@ -39,6 +39,9 @@ METHODS: tuple[Method, ...] = (
 )
 
 
+AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted error, see physics.auto
+
+
 def find_method(name: str) -> Method:
     """The Method called `name`; ValueError with the names there are."""
     for method in METHODS:

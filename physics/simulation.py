@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from dataclasses import replace
 from importlib import import_module
 from time import perf_counter
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
-from physics.methods import Method, find_method
+from physics.methods import AUTO, Method, find_method
 from physics.run import Problem, Record
 from physics.state import State
 from physics.time_scale import default_step
@@ -37,11 +38,12 @@ def simulate(
         velocity: (n+1,) start velocities [m/s].
         duration: time to run [s]; None runs until every contact is open and none can close again. A chain with a
             drive needs one.
-        method: a name from METHODS. Explicit methods (euler, verlet, yoshida4, pymunk) take f = 0 at overlap 0, so a
-            contact with preload that should rest there chatters.
+        method: a name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
+            on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
+            pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
         step: step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
         samples: number of evenly spaced samples from start to end, or their times (T,) [s], ascending.
-        tolerance: wanted error of velocities, relative to the closing speed, for adaptive methods.
+        tolerance: wanted error of velocities, relative to the closing speed, for adaptive methods and "auto".
 
     Raises:
         ValueError: a value out of range, or duration None for a chain that may never come apart (two walls, a drive).
@@ -66,6 +68,8 @@ def solve(
     tolerance: float,
 ) -> Trajectory:
     """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
+    if method == AUTO:
+        return _chosen(chain, velocity, duration, step, samples, tolerance)
     problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
     runner = import_module(find_method(method).module)
     began = perf_counter()
@@ -74,6 +78,24 @@ def solve(
     if not find_method(method).set_valued:
         record.warnings += explicit_warnings(problem, record)
     return _trajectory(problem, record)
+
+
+def _chosen(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None,
+    step: float | None,
+    samples: int | ArrayLike,
+    error: float,
+) -> Trajectory:
+    """The run by what `auto` chooses."""
+    from physics.auto import choose
+
+    _require(step is None, "method 'auto' chooses its own steps: give a tolerance, the wanted error, instead of a step")
+    _problem(chain, velocity, duration, find_method("accurate"), None, samples, error)  # refuses what is out of range
+    choice = choose(chain, velocity, duration, error)
+    found = solve(chain, velocity, duration, choice.method, choice.step or None, samples, choice.tolerance or error)
+    return replace(found, choice=choice.reason)
 
 
 def advance(
@@ -89,6 +111,7 @@ def advance(
     Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along, with the chain's drive. A
     duration that is not a whole number of steps ends in a shorter step.
     """
+    _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
     fineness = tolerance if chosen.adaptive else _step(chain, state.velocity(chain), chosen, step)

@@ -48,7 +48,7 @@ def load_trajectory(path: Path) -> Trajectory:
         ValueError: it is no trajectory of softcradle, or one of a later version.
     """
     contents, metadata = _read(path)
-    plain: dict[str, Any] = {name: metadata[name] for name in _plain_fields()}
+    plain: dict[str, Any] = {name: metadata[name] for name in _plain_fields() if name in metadata}
     plain["warnings"] = tuple(plain["warnings"])
     chain = _chain(metadata["chain"])
     intervals = _intervals(contents["contact_intervals"], chain.contacts)

@@ -31,6 +31,7 @@ class Trajectory:
         method, step, tolerance: how it was made; step in s (0 for adaptive methods), tolerance 0 for fixed steps.
         steps, evaluations, seconds: cost: steps, evaluations of all contact forces, wall time of the solver [s].
         warnings: sentences on what may be wrong with it; empty when nothing is.
+        choice: what method "auto" chose and why; "" where the method was given.
     """
 
     chain: Chain
@@ -48,6 +49,7 @@ class Trajectory:
     evaluations: int = 0
     seconds: float = 0.0
     warnings: tuple[str, ...] = ()
+    choice: str = ""
 
     @cached_property
     def position(self) -> Array:

@@ -55,7 +55,9 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     from physics import METHODS
 
     names = ", ".join(method.name for method in METHODS)
-    parser.add_argument("--method", help=f"one of {names}")
+    parser.add_argument(
+        "--method", help=f"one of {names}; or auto: the cheapest that holds the tolerance as the wanted error"
+    )
     parser.add_argument("--step", type=positive, metavar="SECONDS", help="step of a fixed-step method")
 
 

@@ -71,6 +71,8 @@ def _cost(summary: Summary) -> Table:
     made = Table.grid(padding=(0, 2))
     fineness = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
     made.add_row("method", f"{summary.method}, {fineness}")
+    if summary.choice:
+        made.add_row("chosen", summary.choice)
     made.add_row(
         "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
     )

@@ -20,7 +20,8 @@ def solve(scene: Scene, **wishes: Any) -> list[Trajectory]:
     """
     settings = scene.settings(**wishes)
     found = [_solve_lane(lane, settings) for lane in scene.lanes]
-    if wishes.get("tolerance") is not None and any(trajectory.tolerance == 0.0 for trajectory in found):
+    fixed = any(trajectory.tolerance == 0.0 and not trajectory.choice for trajectory in found)
+    if wishes.get("tolerance") is not None and fixed:
         raise UserError(f"method {found[0].method!r} takes a step, not a tolerance")
     return found
 

@@ -49,6 +49,7 @@ class Summary:
         method, step, tolerance: how; step in s (0 where the method chooses), tolerance 0 for fixed steps.
         steps, evaluations, milliseconds: cost.
         warnings: sentences.
+        choice: what method "auto" chose and why; "" where the method was given.
     """
 
     label: str
@@ -65,6 +66,7 @@ class Summary:
     evaluations: int
     milliseconds: float
     warnings: tuple[str, ...]
+    choice: str = ""
 
 
 def summarise(label: str, trajectory: Trajectory) -> Summary:
@@ -87,6 +89,7 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
         evaluations=trajectory.evaluations,
         milliseconds=1e3 * trajectory.seconds,
         warnings=trajectory.warnings,
+        choice=trajectory.choice,
     )
 
 

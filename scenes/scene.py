@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 
 import physics
+from physics.methods import AUTO
 from scenes.contact import ContactTable
 from scenes.table import AtLeastOne, Mass, NotNegative, Number, OneOrMany, Positive, Table, meant, problem
 
@@ -145,7 +146,7 @@ class Scene(Table):
     @field_validator("method")
     @classmethod
     def _check_method(cls, name: str | None) -> str | None:
-        known = [method.name for method in physics.METHODS]
+        known = [AUTO, *(method.name for method in physics.METHODS)]
         if name is not None and name not in known:
             raise problem(f"unknown method {name!r}{meant(name, known)}")
         return name
@@ -156,7 +157,8 @@ class Scene(Table):
             raise problem("two walls may keep beads between them for ever: the scene needs a duration")
         if self.duration is None and any(lane.chain().drive for lane in self.lanes):
             raise problem("a drive may keep beads together for ever: the scene needs a duration")
-        if self.step is not None and any(method.adaptive for method in physics.METHODS if method.name == self.method):
+        adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
+        if self.step is not None and self.method in adaptive:
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self
 

@@ -125,6 +125,6 @@ def _print(found: Measured) -> None:
     to.print(f"{found.case.label}; truth: {found.case.origin}", style="bold")
     to.print(made)
     to.print(ratio_sentence(told))
-    if cut := [row.name for row in told if row.ended.startswith("a finer")]:
-        to.print(f"ended where a finer run would have taken too long: {', '.join(cut)}")
+    if cut := [row.name for row in told if row.ended.startswith("a ")]:
+        to.print(f"ended where a further run would have taken too long: {', '.join(cut)}")
     to.print()

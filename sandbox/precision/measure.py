@@ -21,6 +21,7 @@ ENOUGH = 3e-11  # a series ends after two settings below this error
 REPEATS = 7  # runs of a setting, of whose times the median counts
 SHORT = 0.01  # [s] what takes longer is run fewer times
 LEAST_GROWTH, MOST_GROWTH = 1.3, 2.5  # a finer setting is expected to take so many times as long, as the last two say
+HOPELESS = 4.0  # times the longest run wanted: what takes so long at its coarsest setting is run but once
 SHOWN = 1.0  # an error of the closing speed itself is none that a chart shows
 
 
@@ -140,11 +141,21 @@ def measure(
         told(solver.name)
         share = (patience.case - spent) / (len(solvers) - k)
         with unheard():
-            solver.run(solver.finenesses[0], solver.starts(case, solver.finenesses[0])[0], _moments(case, quantity))
+            first = _first(case, solver, quantity)  # compiles, where there is something to compile
             began = perf_counter()
-            found.append(scan(case, solver, quantity, replace(patience, series=min(patience.series, share))))
+            if first.seconds > HOPELESS * patience.point:
+                found.append(Series(solver, [first], f"a run takes {first.seconds:.2g} s"))
+            else:
+                found.append(scan(case, solver, quantity, replace(patience, series=min(patience.series, share))))
             spent += perf_counter() - began
     return found
+
+
+def _first(case: Case, solver: Solver, quantity: str) -> Point:
+    """One run at the coarsest setting."""
+    fineness = solver.finenesses[0]
+    answer = solver.run(fineness, solver.starts(case, fineness)[0], _moments(case, quantity))
+    return Point(solver, fineness, error_of(case, quantity, answer), answer.seconds, answer.evaluations)
 
 
 def _moments(case: Case, quantity: str) -> Array:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pygame
 
+from physics.methods import AUTO
 from sandbox.draw.palette import FAINT, STAGE
 from sandbox.draw.scales import left_edges, scales_of
 from sandbox.draw.stage import Stage
@@ -77,7 +78,8 @@ def motion(scene: Scene) -> list[Track]:
     rate = ROWS / (scene.duration or 1.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # whoever plays the scene has a badge for that
-        return simulated(scene, max(rate, 60.0 * scene.view.slow), method=scene.method or QUICK)
+        method = QUICK if scene.method in (None, AUTO) else scene.method
+        return simulated(scene, max(rate, 60.0 * scene.view.slow), method=method)
 
 
 def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:

@@ -1,0 +1,157 @@
+"""Method `auto`: the cheapest method and fineness that hold a wanted error on a chain, and the reason in a sentence.
+
+The error of each method is estimated from the chain (below), the cost of a step is measured once a machine
+(:mod:`physics.cost`). Estimates, for the final velocities relative to the closing speed, calibrated on the cases of
+`softcradle chart` and held by tests/test_auto.py:
+
+    verlet       exponents >= 1, h omega = x:    0.1 x**2
+    yoshida4     the same:                       0.02 x**(1+a) + 0.06 x**4
+    verlet       exponents below 1:              3 n times what `stable_step` is asked for, which grows with depth
+    conserving   exponents below 1 or preload:   a tenth of what `stable_step` is asked for; else 0.15 x**2
+    accurate     its tolerance, within a factor of 3
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physics.chain import Chain
+from physics.cost import Costs, costs, kind_of
+from physics.time_scale import contact_scales
+from physics.trust import stable_step
+
+Array = NDArray[np.float64]
+
+FINEST = 1e-13  # tolerance: what double precision has room for
+LEAST_STEPS = 20  # to the shortest contact, so that a fixed step sees every contact
+MOST_STEPS = 20_000_000  # a fixed step that needs more is no candidate
+LOOSE = 1e-5  # wanted error down to which `accurate` on soft contacts is five times as exact as its tolerance
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What `auto` takes.
+
+    Attributes:
+        method: a name from METHODS.
+        step, tolerance: step [s] of a fixed-step method, else 0; tolerance of an adaptive one, else 0.
+        seconds: predicted cost.
+        reason: what was chosen, and against what.
+    """
+
+    method: str
+    step: float
+    tolerance: float
+    seconds: float
+    reason: str = ""
+
+
+def choose(
+    chain: Chain, velocity: ArrayLike, duration: float | None, error: float, known: Costs | None = None
+) -> Choice:
+    """The cheapest candidate for `error` relative to the closing speed; `known` costs instead of this machine's."""
+    price = costs() if known is None else known
+    found = sorted(_candidates(chain, velocity, duration, error, price), key=lambda choice: choice.seconds)
+    best = found[0]
+    told = ", ".join(f"{choice.method} {_time(choice.seconds)}" for choice in found)
+    fineness = f"step {best.step:.3g} s" if best.step else f"tolerance {best.tolerance:.1g}"
+    reason = (
+        f"{best.method}, {fineness}, for a wanted error of {error:g}; expected cost: {told}{_left_out(chain, duration)}"
+    )
+    return Choice(best.method, best.step, best.tolerance, best.seconds, reason)
+
+
+def _candidates(
+    chain: Chain, velocity: ArrayLike, duration: float | None, error: float, price: Costs
+) -> Iterator[Choice]:
+    contacts, kind = chain.contacts, kind_of(chain.contact)
+    passing = passing_time(chain, velocity)
+    span = passing if duration is None else duration
+    tolerance = accurate_tolerance(chain, error)
+    steps = accurate_steps(chain, tolerance) * max(min(1.0, span / passing), 0.05)
+    yield Choice("accurate", 0.0, tolerance, price["accurate", kind].of(steps, contacts))
+    if duration is None or not one_blow(chain):
+        return
+    for method, step in _fixed_steps(chain, velocity, span, error):
+        count = max(span / step, 1.0)
+        if math.isfinite(count) and count <= MOST_STEPS:
+            yield Choice(method, step, 0.0, price[method, kind].of(count, contacts))
+
+
+def _fixed_steps(chain: Chain, velocity: ArrayLike, span: float, error: float) -> Iterator[tuple[str, float]]:
+    """Each fixed-step method that suits the chain, and the step [s] at which it is expected to hold `error`."""
+    preload, _, exponent = chain.parameters.law.T
+    most = float(contact_scales(chain, velocity)[1].min()) / LEAST_STEPS
+    if (preload == 0.0).all() and (exponent >= 1.0).all():
+        omega, power = _omega(chain, velocity), 1.0 + float(exponent.min())
+        late = 1.0 + (0.1 * omega * span if span < passing_time(chain, velocity) else 0.0)  # cut off amid the motion
+        yield "verlet", min(most, math.sqrt(error / (0.1 * late)) / omega)
+        yield (
+            "yoshida4",
+            min(most, min((error / (0.04 * late)) ** (1 / power), (error / (0.12 * late)) ** 0.25) / omega),
+        )
+        yield "conserving", min(most, math.sqrt(error / (0.15 * late)) / omega)
+        return
+    if (preload == 0.0).all():
+        yield "verlet", min(most, stable_step(chain, velocity, error / (3.0 * chain.contacts)))
+    yield "conserving", min(most, stable_step(chain, velocity, min(10.0 * error, 0.1)))
+
+
+def one_blow(chain: Chain) -> bool:
+    """Whether the chain is of the kind that the estimates of fixed steps are for: beads that touch, left to themselves.
+
+    Errors of a collision that follows another one are multiplied by it, and a wall sends every bead back for more.
+    """
+    lossless = all(getattr(law, "loss", 0.0) == 0.0 for law in chain.contact)
+    free = not chain.walls and chain.drive is None and not getattr(chain, "friction", 0.0)
+    return free and lossless and not any(chain.gap)
+
+
+def _left_out(chain: Chain, duration: float | None) -> str:
+    if duration is None:
+        return "; fixed steps are left out: without a duration they may never see the end"
+    if not one_blow(chain):
+        return "; fixed steps are left out: gaps, walls, drives and losses make collision after collision"
+    if any(law.preload > 0.0 for law in chain.contact):
+        return "; explicit steps are left out: a contact with preload chatters"
+    return ""
+
+
+def accurate_tolerance(chain: Chain, error: float) -> float:
+    """Tolerance at which `accurate` is expected to hold `error`."""
+    soft = all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact)
+    factor = 2.0 if soft and error >= LOOSE else 0.5
+    return max(factor * error, FINEST)
+
+
+def accurate_steps(chain: Chain, tolerance: float) -> float:
+    """Steps that `accurate` is expected to take until a blow has passed."""
+    if any(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact):
+        return (15.0 + 2.0 * chain.contacts) * (tolerance / 1e-2) ** -0.16
+    return (5.0 + 1.6 * chain.contacts) * (tolerance / 1e-3) ** -0.135
+
+
+def passing_time(chain: Chain, velocity: ArrayLike) -> float:
+    """Time [s] that a blow is expected to take: to cross a chain of waves, or to turn rigid-like clusters back."""
+    preload, _, exponent = chain.parameters.law.T
+    contact_time = float(contact_scales(chain, velocity)[1].max())
+    waves = ((preload == 0.0) & (exponent >= 1.0)).mean() * (chain.contacts - 1)
+    return contact_time * (1.5 + float(waves))
+
+
+def _omega(chain: Chain, velocity: ArrayLike) -> float:
+    """Largest rate [1/s] of a contact pressed alone to the depth that the closing speed allows: sqrt(L_ii a K d**(a-1))."""
+    law, inverse_mass = chain.parameters
+    _, stiffness, exponent = law.T
+    depth = contact_scales(chain, velocity)[0]
+    weight = inverse_mass[:-1] + inverse_mass[1:]
+    return float(np.sqrt(weight * exponent * stiffness * depth ** (exponent - 1.0)).max())
+
+
+def _time(seconds: float) -> str:
+    return f"{1e3 * seconds:.2g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
