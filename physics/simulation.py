@@ -17,7 +17,7 @@ from physics.run import Problem, Record
 from physics.state import State
 from physics.time_scale import default_step
 from physics.trajectory import Interval, Trajectory
-from physics.trust import explicit_warnings
+from physics.trust import coarse_warnings, explicit_warnings
 
 Array = NDArray[np.float64]
 
@@ -77,6 +77,8 @@ def solve(
     record.seconds = record.seconds or perf_counter() - began
     if not find_method(method).set_valued:
         record.warnings += explicit_warnings(problem, record)
+    elif problem.step:
+        record.warnings += coarse_warnings(problem)
     return _trajectory(problem, record)
 
 

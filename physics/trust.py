@@ -12,6 +12,7 @@ from physics.time_scale import contact_scales, speed_scale
 Array = NDArray[np.float64]
 
 TRUSTED_ERROR = 1e-2  # of the closing speed: what a step beyond `stable_step` may get wrong before it is reported
+LEAST_STEPS = 6  # to the shortest contact, for `conserving`: at five its velocities are off by a hundredth
 SHORT_STEPS = 8  # a contact that switches twice within so many steps chatters; a true bounce takes longer
 MOST_SHORT = 10  # such switches a run may have unreported
 
@@ -66,6 +67,17 @@ def explicit_warnings(problem: Problem, record: Record) -> tuple[str, ...]:
             "'conserving' or 'accurate', for which touching is a state of its own"
         )
     return tuple(found)
+
+
+def coarse_warnings(problem: Problem) -> tuple[str, ...]:
+    """A sentence where a fixed step that is always stable is too long to see the shortest contact."""
+    limit = float(contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].min()) / LEAST_STEPS
+    if problem.step <= limit:
+        return ()
+    return (
+        f"{problem.method} with step {problem.step:.3g} s is past its limit of about {limit:.2g} s on this chain: a contact "
+        "may be over within a few steps; energy holds, velocities may be off: take a smaller step, or method 'accurate'",
+    )
 
 
 def short_switches(record: Record, span: float) -> int:

@@ -32,6 +32,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("compare", "sandbox.commands.compare", "set chains side by side: one film, one report, all numbers"),
     Command("figures", "sandbox.commands.figures", "draw the paper's figures, and write their numbers"),
     Command("chart", "sandbox.commands.chart", "measure and draw speed against accuracy, beside other integrators"),
+    Command("stability", "sandbox.commands.stability", "map where each method breaks, and how"),
     Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
 )
 

@@ -339,6 +339,20 @@ def test_an_installed_peer_reaches_the_truth(case, peer):  # CyRK compiles for h
     assert error_of(case, "forces", dense) < 0.3
 
 
+@needs_numba
+@pytest.mark.parametrize("module", ["scipy", "sundae"])
+def test_a_peer_that_takes_too_long_is_given_up(module, monkeypatch):
+    if module == "sundae":
+        pytest.importorskip("sksundae")
+    peer = __import__(f"sandbox.precision.peers.{module}", fromlist=["solvers"])
+    monkeypatch.setattr(peer, "LONGEST", 0.02)
+    hard = BY_NAME["one-on-10"].cook()
+    solver = peer.solvers(hard)[0]
+    answer = solver.run(1e-8, hard.starts([0.0])[0], NO_MOMENTS)
+    assert answer.velocity is None
+    assert answer.seconds < 1.0
+
+
 def test_missing_peers_are_named(monkeypatch):
     monkeypatch.setattr(peers, "find_spec", lambda package: None)
     assert peers.missing() == [peer.name for peer in peers.PEERS]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import Any
 
 import numba
@@ -18,8 +19,21 @@ Array = NDArray[np.float64]
 
 FINER = (1e-2, 1e-6, 1e-10)  # absolute tolerance of overlaps, as part of that of rates
 FIRST_STEP = 1e-6  # [s]
-MOST_STEPS = 400_000
+MOST_STEPS = 100_000
+LONGEST = 1.0  # [s] a run that calls back into Python is given up after
 COMPILED = not numba.config.DISABLE_JIT
+
+
+class LateError(Exception):
+    """A run has gone on for too long."""
+
+
+def slopes_in_time(parameters: Array, out: Array, y: Array, deadline: float) -> Array:
+    """`out` (2n,), filled; LateError after the deadline [s of perf_counter]."""
+    if perf_counter() > deadline:
+        raise LateError
+    slopes(y, out, parameters)
+    return out
 
 
 def start_of(case: Case) -> Array:

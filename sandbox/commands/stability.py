@@ -1,0 +1,99 @@
+"""`softcradle stability`: maps of where each method breaks, and how."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sandbox.errors import UserError
+from sandbox.terminal import console, table
+
+if TYPE_CHECKING:
+    from sandbox.stability.scans import Scan, Spot
+
+SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument(
+        "scans", metavar="SCAN", nargs="*", help="what to vary beside the step: alpha, n, preload (default: all)"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="PICTURE", default="out/stability.png",
+        help="picture to write, with a .csv of every run beside it (default: out/stability.png)",
+    )  # fmt: skip
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run, draw, say."""
+    from sandbox.atomic import output_file
+    from sandbox.figures.style import styled
+    from sandbox.stability.picture import draw
+    from sandbox.stability.verdicts import write_csv
+
+    path = Path(args.output)
+    if path.suffix not in SUFFIXES:
+        raise UserError(f"cannot write {args.output}: stability writes {', '.join(SUFFIXES)}")
+    scans = _scans(args.scans)
+    with output_file(path) as picture, output_file(path.with_suffix(".csv")) as numbers:
+        spots = _spots(scans)
+        with styled():
+            draw(spots, scans).savefig(picture, dpi=140)
+        write_csv(spots, numbers)
+    _print(spots)
+    print(f"written: {path}, {path.with_suffix('.csv')}")
+    return 0
+
+
+def _scans(wanted: Sequence[str]) -> list[Scan]:
+    """The scans of those names, all for none."""
+    from sandbox.stability.scans import SCANS
+
+    known = {scan.name: scan for scan in SCANS}
+    for name in wanted:
+        if name not in known:
+            raise UserError(f"there is no scan {name!r}; there are {', '.join(known)}")
+    return [known[name] for name in wanted] if wanted else list(SCANS)
+
+
+def _spots(scans: Sequence[Scan]) -> list[Spot]:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from sandbox.stability.scans import finenesses, methods, spots
+
+    found = []
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        runs = sum(len(scan.values) * len(finenesses(method)) for scan in scans for method in methods())
+        task = progress.add_task("runs", total=runs)
+        for scan in scans:
+            for method in methods():
+                progress.update(task, description=f"{scan.name}, {method.name}")
+                for spot in spots(scan, method):
+                    found.append(spot)
+                    progress.advance(task)
+    return found
+
+
+def _print(spots: Sequence[Spot]) -> None:
+    from physics.trust import TRUSTED_ERROR
+    from sandbox.stability.scans import KEPT
+    from sandbox.stability.verdicts import verdicts
+
+    made = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
+    for found in verdicts(spots):
+        first = "-" if found.first is None else f"{found.first.fineness:.2g} at {found.scan} = {found.first.value:.2g}"
+        how = ", ".join(f"{kind} {count}" for kind, count in found.kinds) or "-"
+        failed = f"{found.failed} of {found.runs}"
+        made.add_row(found.scan, found.method, failed, how, first, str(found.unsafe), str(found.silent))
+    to = console()
+    to.print(made)
+    to.print(
+        f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or {KEPT:g} times the tolerance; "
+        "chatter: contacts switch more "
+        "often than they should; error: they do not; blow-up: the energy has at least doubled. "
+        "Letters in the maps: c, e, b; red where no warning spoke of it."
+    )
