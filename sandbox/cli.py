@@ -9,6 +9,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from typing import Any, NamedTuple, NoReturn, Protocol, cast
 
@@ -31,7 +32,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("render", "sandbox.commands.render", "make a film or pictures of a scene"),
     Command("compare", "sandbox.commands.compare", "set chains side by side: one film, one report, all numbers"),
     Command("figures", "sandbox.commands.figures", "draw the paper's figures, and write their numbers"),
-    Command("chart", "sandbox.commands.chart", "measure and draw speed against accuracy, beside other integrators"),
+    Command("chart", "sandbox.commands.chart", "speed against accuracy, beside other integrators"),
     Command("stability", "sandbox.commands.stability", "map where each method breaks, and how"),
     Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
 )
@@ -108,6 +109,7 @@ def _parsers() -> tuple[Parser, dict[str, Parser]]:
     """The parser, and that of each command, still without the command's arguments."""
     parser = Parser(
         prog="softcradle",
+        formatter_class=partial(argparse.HelpFormatter, max_help_position=28),  # the longest name fits before its line
         description="Rows of beads that only push on each other, softly: see them collide, and trust what you see.",
         epilog="softcradle COMMAND --help says more. A scene is a name from `softcradle scenes` or a file of your own.",
     )
