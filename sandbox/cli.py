@@ -9,7 +9,6 @@ import signal
 import sys
 import warnings
 from collections.abc import Sequence
-from functools import partial
 from importlib import import_module
 from typing import Any, NamedTuple, NoReturn, Protocol, cast
 
@@ -109,7 +108,7 @@ def _parsers() -> tuple[Parser, dict[str, Parser]]:
     """The parser, and that of each command, still without the command's arguments."""
     parser = Parser(
         prog="softcradle",
-        formatter_class=partial(argparse.HelpFormatter, max_help_position=28),  # the longest name fits before its line
+        formatter_class=_Help,
         description="Rows of beads that only push on each other, softly: see them collide, and trust what you see.",
         epilog="softcradle COMMAND --help says more. A scene is a name from `softcradle scenes` or a file of your own.",
     )
@@ -119,6 +118,15 @@ def _parsers() -> tuple[Parser, dict[str, Parser]]:
         command.name: commands.add_parser(command.name, help=command.help, description=f"{command.help}.".capitalize())
         for command in COMMANDS
     }
+
+
+class _Help(argparse.HelpFormatter):
+    """Help in which the longest name of a command fits before its line: argparse forgets that names are indented."""
+
+    def add_argument(self, action: argparse.Action) -> None:
+        """Measure it, and leave room for two blanks more."""
+        super().add_argument(action)
+        self._action_max_length = max(self._action_max_length, 4 + max(len(command.name) for command in COMMANDS))
 
 
 class _Version(argparse.Action):
