@@ -97,3 +97,16 @@ def _print(spots: Sequence[Spot]) -> None:
         "often than they should; error: they do not; blow-up: the energy has at least doubled. "
         "Letters in the maps: c, e, b; red where no warning spoke of it."
     )
+    to.print(_caution())
+
+
+def _caution() -> str:
+    """What pymunk's own rigid contacts do."""
+    from sandbox.stability.rigid import SECONDS, STEPS, blow, energy_kept
+
+    kept = ", ".join(f"{energy_kept(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
+    after = " ".join(f"{speed:.2f}" for speed in blow(STEPS[0]) + 0.0)
+    return (
+        f"caution: pymunk's own rigid contacts, a cradle of five after {SECONDS:g} s, keep of their energy {kept}; one on "
+        f"four ends with {after} at any step: the blow leaves with the last ball, not with the cluster."
+    )
