@@ -25,7 +25,8 @@ HOMES = {
         "physics/space.py",
         "sandbox/",
     ),
-    "scipy": ("physics/reference.py", "physics/closed_forms.py", "sandbox/precision/peers/"),
+    # the reference, special functions of closed forms, the search for the nearest contact, and peers of the charts
+    "scipy": ("physics/reference.py", "physics/closed_forms.py", "physics/matching.py", "sandbox/precision/peers/"),
     "pygame": ("sandbox/",),
     "pygame_gui": ("sandbox/",),
     "matplotlib": ("sandbox/",),

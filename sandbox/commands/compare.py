@@ -12,8 +12,7 @@ from sandbox.errors import UserError
 from sandbox.options import add_method, positive, size
 
 if TYPE_CHECKING:
-    from sandbox.compare.choice import Comparison
-    from sandbox.compare.results import Result
+    from sandbox.compare.output import Report
 
 PAGE = ".html"
 DEFAULT = "out/compare.html"
@@ -26,6 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--contact", action="append", default=[], metavar="LAW",
         help="beside one scene as it is, the same with LAW in every contact, such as 'power_law(1, 1/10)' or "
         "'draft_gear(5, 0.2)'; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--match", nargs="?", const="force", choices=("force", "outcome"),
+        help="beside one scene also the power law nearest to its draft gear, or the draft gear nearest to its power law: "
+        "by the force of the struck contact (default), or by the outcome, final velocities and contact time",
     )  # fmt: skip
     parser.add_argument(
         "-o", "--output", action="append", default=[], metavar="OUT",
@@ -41,18 +45,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Compare them."""
     from sandbox.compare.choice import chosen
-    from sandbox.compare.output import Wishes, checked_outputs, opened, write
+    from sandbox.compare.matched import matchable, with_match
+    from sandbox.compare.output import Report, Wishes, checked_outputs, opened, write
+    from sandbox.compare.results import solved
 
-    comparison = chosen(args.scenes, args.contact)
-    paths = _paths(args)
+    comparison = chosen(args.scenes, args.contact, fewest=1 if args.match else 2)
+    if args.match:
+        matchable(comparison)
+    paths, found = _paths(args), None
     wishes = Wishes(args.size, args.slow)
     checked_outputs(paths, comparison, wishes)
     with ExitStack() as stack:
         places = opened(stack, paths)  # before the work: an unwritable place is said at once
-        results = _solved(comparison, args)
+        if args.match:
+            comparison, found = with_match(comparison, args.match)
+        report = Report(comparison, solved(comparison, args.method, args.step), wishes, found)
         for path in places:
-            write(path, comparison, results, wishes)
-    _print(comparison, results, paths, args.json)
+            write(path, report)
+    _print(report, paths, args.json)
     return 0
 
 
@@ -67,20 +77,16 @@ def _paths(args: argparse.Namespace) -> list[Path]:
     return [path]
 
 
-def _solved(comparison: Comparison, args: argparse.Namespace) -> list[Result]:
-    from sandbox.compare.results import solved
-
-    return solved(comparison, args.method, args.step)
-
-
-def _print(comparison: Comparison, results: list[Result], paths: list[Path], as_json: bool) -> None:
-    from sandbox.compare.results import as_json as plain
+def _print(report: Report, paths: list[Path], as_json: bool) -> None:
     from sandbox.compare.tables import print_tables
     from sandbox.terminal import console
 
     if as_json:
-        print(json.dumps(plain(comparison, results), indent=2, allow_nan=False))
+        print(json.dumps(report.plain(), indent=2, allow_nan=False))
         return
-    print_tables(console(), comparison.title, results)
+    to = console()
+    print_tables(to, report.comparison.title, report.results)
+    for note in report.notes():
+        to.print(note)
     for path in paths:
-        print(f"written: {path}")
+        to.print(f"written: {path}", soft_wrap=True)

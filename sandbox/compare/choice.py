@@ -48,8 +48,10 @@ class Comparison:
         )
 
 
-def chosen(names: Sequence[str], contacts: Sequence[str]) -> Comparison:
+def chosen(names: Sequence[str], contacts: Sequence[str], fewest: int = 2) -> Comparison:
     """The comparison of the scenes called `names`, or of one scene as it is and with each of `contacts` everywhere.
+
+    `fewest` sides are enough.
 
     Raises:
         UserError: no such scene or contact, too few or too many sides, or one in which nothing collides.
@@ -60,11 +62,11 @@ def chosen(names: Sequence[str], contacts: Sequence[str]) -> Comparison:
         if len(scenes) != 1:
             raise UserError(f"--contact changes one scene, but {len(scenes)} are given: {', '.join(names)}")
         sides = _variants(names[0], scenes[0], contacts)
-    return checked(Comparison(_title(scenes, sides, bool(contacts)), _told_apart(sides)))
+    return checked(Comparison(_title(scenes, sides, bool(contacts)), _told_apart(sides)), fewest)
 
 
-def checked(comparison: Comparison, fewest: int = 2) -> Comparison:
-    """The same, or a UserError where it cannot be compared."""
+def checked(comparison: Comparison, fewest: int) -> Comparison:
+    """The same, or a UserError where it cannot be compared or has less than `fewest` sides."""
     count = len(comparison.sides)
     if count < fewest:
         name = comparison.sides[0].name

@@ -9,10 +9,13 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from physics.matching import Match
 from sandbox.atomic import output_file
 from sandbox.codecs import check
 from sandbox.compare.choice import Comparison
+from sandbox.compare.matched import match_json, sentence
 from sandbox.compare.page import Embedded, page
 from sandbox.compare.results import Result, as_json, ends
 from sandbox.errors import UserError
@@ -57,28 +60,50 @@ def opened(stack: ExitStack, paths: Sequence[Path]) -> list[Path]:
     return [stack.enter_context(output_file(path)) for path in paths]
 
 
-def write(path: Path, comparison: Comparison, results: Sequence[Result], wishes: Wishes) -> None:
+@dataclass(frozen=True)
+class Report:
+    """A comparison with its results, how its film is wished, and a match if one was asked for."""
+
+    comparison: Comparison
+    results: Sequence[Result]
+    wishes: Wishes = Wishes()
+    match: Match | None = None
+
+    def notes(self) -> list[str]:
+        """Sentences that stand below the numbers."""
+        return [] if self.match is None else [sentence(self.match)]
+
+    def plain(self) -> dict[str, Any]:
+        """Everything as plain numbers, lists and texts."""
+        told = as_json(self.comparison, self.results)
+        return told if self.match is None else told | {"match": match_json(self.match)}
+
+    def page(self) -> str:
+        """The page as text."""
+        with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
+            film, still = Path(folder) / "film.mp4", Path(folder) / "still.png"
+            made = self.film(film)
+            self.film(still)
+            size, slow = self.wishes.pixels(self.comparison), self._pace(self._scene())
+            return page(self.comparison, self.results, Embedded(film, still, size, made.clock, slow), self.notes())
+
+    def film(self, path: Path) -> RenderReport:
+        """Write the film, or a picture of its strongest moment."""
+        scene = self._scene()
+        return render_scene(scene, path, self.wishes.pixels(self.comparison), slow=self._pace(scene))
+
+    def _scene(self) -> Scene:
+        return self.comparison.film(ends(self.results))
+
+    def _pace(self, scene: Scene) -> float:
+        return self.wishes.pace(scene, ends(self.results))
+
+
+def write(path: Path, report: Report) -> None:
     """Write the kind of file that the name of `path` asks for."""
     if path.suffix == ".json":
-        path.write_text(json.dumps(as_json(comparison, results), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(report.plain(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
     elif path.suffix == ".html":
-        path.write_text(report(comparison, results, wishes), encoding="utf-8")
+        path.write_text(report.page(), encoding="utf-8")
     else:
-        _film(path, comparison, results, wishes)
-
-
-def report(comparison: Comparison, results: Sequence[Result], wishes: Wishes | None = None) -> str:
-    """The page as text."""
-    wishes = wishes or Wishes()
-    with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
-        film, still = Path(folder) / "film.mp4", Path(folder) / "still.png"
-        made = _film(film, comparison, results, wishes)
-        _film(still, comparison, results, wishes)
-        slow = wishes.pace(comparison.film(ends(results)), ends(results))
-        return page(comparison, results, Embedded(film, still, wishes.pixels(comparison), made.clock, slow))
-
-
-def _film(path: Path, comparison: Comparison, results: Sequence[Result], wishes: Wishes) -> RenderReport:
-    end = ends(results)
-    scene = comparison.film(end)
-    return render_scene(scene, path, wishes.pixels(comparison), slow=wishes.pace(scene, end))
+        report.film(path)
