@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -9,15 +10,16 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.draw.numbers import ticks
+from sandbox.draw.numbers import power_of_ten, ticks
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]
 
 WIDTH, HEIGHT = 440.0, 230.0
-LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 12.0, 38.0
+LEFT, RIGHT, TOP, BOTTOM = 52.0, 20.0, 12.0, 38.0
 MOST_POINTS = 500
 LEAP = 0.01  # of the axis: a jump from one sample to the next that thinning must keep
+LEAST_PLAIN, MOST_PLAIN = 1e-2, 1e4  # the largest number of an axis that shows numbers as they are
 ROW = 24.0  # height of a bar and the space below it
 
 
@@ -112,20 +114,24 @@ def _kept(x: Array, y: Array, axes: Axes) -> NDArray[np.int_]:
 
 def _grid(axes: Axes) -> str:
     parts = []
-    for value, text in ticks(*axes.y, 5):
+    largest = max(abs(end) for end in axes.y)
+    power = math.floor(math.log10(largest)) if not LEAST_PLAIN < largest < MOST_PLAIN else 0
+    for shown, text in ticks(axes.y[0] / 10.0**power, axes.y[1] / 10.0**power, 5):
+        value = shown * 10.0**power
         y = float(axes.down(np.array(value)))
         tint = "zero" if value == 0.0 else "grid"
         parts.append(f'<path class="{tint}" d="M{LEFT:.1f},{y:.1f}H{WIDTH - RIGHT:.1f}"/>')
         parts.append(f'<text x="{LEFT - 6:.1f}" y="{y + 4:.1f}" class="end">{text}</text>')
     middle = (TOP + HEIGHT - BOTTOM) / 2
     place = f'x="13" y="{middle:.1f}" transform="rotate(-90 13 {middle:.1f})"'
-    return "".join(parts) + f'<text {place} class="middle">{escape(axes.y_label)}</text>' + _x_axis(axes, HEIGHT)
+    label = axes.y_label + (f" · {power_of_ten(-power)}" if power else "")
+    return "".join(parts) + f'<text {place} class="middle">{escape(label)}</text>' + _x_axis(axes, HEIGHT)
 
 
 def _x_axis(axes: Axes, height: float) -> str:
     foot = height - BOTTOM
     parts = [f'<path class="zero" d="M{LEFT:.1f},{foot:.1f}H{WIDTH - RIGHT:.1f}"/>']
-    for value, text in ticks(*axes.x, 6):
+    for value, text in ticks(*axes.x, 5):
         x = float(axes.across(np.array(value)))
         parts.append(f'<path class="zero" d="M{x:.1f},{foot:.1f}v4"/>')
         parts.append(f'<text x="{x:.1f}" y="{foot + 17:.1f}" class="middle">{text}</text>')
