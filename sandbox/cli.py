@@ -33,6 +33,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("figures", "sandbox.commands.figures", "draw the paper's figures, and write their numbers"),
     Command("chart", "sandbox.commands.chart", "speed against accuracy, beside other integrators"),
     Command("stability", "sandbox.commands.stability", "map where each method breaks, and how"),
+    Command("maps", "sandbox.commands.maps", "map where a struck cluster moves like a rigid body"),
     Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
 )
 

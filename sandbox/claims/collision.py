@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from physics.measure import rigidity
 from sandbox.claims import Claim, judged
-from sandbox.figures import rigidity
 from sandbox.figures.cases import ALPHA, SOFTER, N, soft, solved, start
+from sandbox.figures.rigidity import outcome
 
 
 def rigid_like() -> Claim:
     """Figs. 1c, 1d."""
-    spreads = {alpha: rigidity.spread(rigidity.outcome(N, alpha)) for alpha in (ALPHA, SOFTER, 1.0 / 20.0)}
+    spreads = {alpha: float(rigidity(outcome(N, alpha)[1:])) for alpha in (ALPHA, SOFTER, 1.0 / 20.0)}
     falls = bool((np.diff(list(spreads.values())) < 0.0).all())
     return Claim(
         "rigid-like",
@@ -29,7 +30,7 @@ def first_target() -> Claim:
     """Figs. 1c, 1d: the bead that is hit."""
     first, rest = {}, {}
     for alpha in (ALPHA, SOFTER):
-        velocity = rigidity.outcome(N, alpha)[1:]
+        velocity = outcome(N, alpha)[1:]
         first[alpha], rest[alpha] = float(velocity[1:].mean() - velocity[0]), float(np.ptp(velocity[1:]))
     stands_out = all(first[alpha] > 10.0 * rest[alpha] for alpha in first)
     return Claim(
@@ -47,7 +48,7 @@ def first_target() -> Claim:
 def spread_vanishes() -> Claim:
     """Fig. 3 of the letter, as the caption of Fig. 1 describes it."""
     inverse = np.arange(3.0, 21.0, 0.5)
-    spreads = np.array([rigidity.spread(rigidity.outcome(2, 1.0 / k)) for k in inverse])
+    spreads = np.array([float(rigidity(outcome(2, 1.0 / k)[1:])) for k in inverse])
     rises = int((np.diff(spreads) > 0.0).sum())
     envelope = spreads * 2.0**inverse
     bounded = bool(spreads[-1] < 1e-5 and envelope[inverse >= 8].max() < 10.0)

@@ -32,7 +32,7 @@ def main(args: argparse.Namespace) -> int:
             listed.add_row(figure.name, figure.place, figure.caption)
         console().print(listed)
         return 0
-    folder = _folder(args.output)
+    folder = made_folder(args.output)
     from sandbox.figures.output import write
 
     for figure in figures:
@@ -40,7 +40,8 @@ def main(args: argparse.Namespace) -> int:
     return 0
 
 
-def _folder(wanted: str) -> Path:
+def made_folder(wanted: str) -> Path:
+    """The folder of that name, made if it is not there; UserError where it cannot be."""
     folder = Path(wanted)
     try:
         folder.mkdir(parents=True, exist_ok=True)

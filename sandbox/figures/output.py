@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sandbox.atomic import output_file
 from sandbox.figures import Figure
 from sandbox.figures.cases import Table
 from sandbox.figures.style import styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Picture
 
 SUFFIXES = (".png", ".pdf", ".csv")
 
@@ -16,12 +20,16 @@ SUFFIXES = (".png", ".pdf", ".csv")
 def write(figure: Figure, folder: Path) -> list[Path]:
     """Compute `figure` and write it into `folder` as .png, .pdf and .csv, whole or not at all (UserError)."""
     table = figure.compute()
-    paths = [folder / f"figure-{figure.name}{suffix}" for suffix in SUFFIXES]
     with styled():
-        picture = figure.picture(table)
-        for path in paths[:2]:
-            with output_file(path) as temporary:
-                picture.savefig(temporary, metadata={"CreationDate": None} if path.suffix == ".pdf" else None)
+        return write_all(figure.picture(table), table, folder / f"figure-{figure.name}")
+
+
+def write_all(picture: Picture, table: Table, stem: Path) -> list[Path]:
+    """Write `picture` to `stem`.png and .pdf and its numbers to .csv, each whole or not at all; returns the paths."""
+    paths = [stem.with_name(stem.name + suffix) for suffix in SUFFIXES]
+    for path in paths[:2]:
+        with output_file(path) as temporary:
+            picture.savefig(temporary, metadata={"CreationDate": None} if path.suffix == ".pdf" else None)
     with output_file(paths[2]) as temporary:
         write_csv(table, temporary)
     return paths

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from physics.measure import rigidity
 from sandbox.figures import style
 from sandbox.figures.cases import Array, Table, long_table, pick, soft, solved, start
 
@@ -30,18 +31,13 @@ def rigid(n: int) -> tuple[float, float]:
     return (1.0 - n) / (1.0 + n), 2.0 / (1.0 + n)
 
 
-def spread(velocity: Array) -> float:
-    """Largest less smallest velocity of the target beads as a part of their mean; `velocity` is (n+1,)."""
-    return float(np.ptp(velocity[1:]) / velocity[1:].mean())
-
-
 def spreads() -> Table:
     """n, alpha, velocities of the striker, of the first and the last target, and the spread of all targets."""
     rows = []
     for n in SPREAD_SIZES:
         for alpha in SOFT:
             velocity = outcome(n, alpha)
-            rows.append((n, alpha, velocity[0], velocity[1], velocity[-1], spread(velocity)))
+            rows.append((n, alpha, velocity[0], velocity[1], velocity[-1], float(rigidity(velocity[1:]))))
     return long_table(("n", "alpha", "v striker", "v first", "v last", "spread"), rows)
 
 
