@@ -15,6 +15,8 @@ from physics.contact import Contact
 
 Array = NDArray[np.float64]
 
+GRAVITY = 9.80665  # m/s², standard: what presses a bead on its bed
+
 
 class Parameters(NamedTuple):
     """What a kernel needs of a chain, as plain contiguous arrays."""
@@ -33,6 +35,8 @@ class Chain:
         gap: distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0 the
             contact is pressed from the start, by the overlap -gap.
         drive: (n+1,) steady external force on each bead [N], or None; it acts from t = 0 on.
+        friction: Coulomb coefficient >= 0 of the bed: it holds a bead at rest with up to ``friction * mass * GRAVITY``
+            and brakes a sliding one with that. Walls are not rubbed.
 
     Raises:
         ValueError: a number out of range, a wrong length, or two walls side by side.
@@ -46,6 +50,7 @@ class Chain:
     contact: tuple[Contact, ...]
     gap: tuple[float, ...]
     drive: tuple[float, ...] | None = None
+    friction: float = 0.0
 
     def __init__(
         self,
@@ -53,6 +58,7 @@ class Chain:
         contact: Contact | Sequence[Contact],
         gap: ArrayLike = 0.0,
         drive: ArrayLike | None = None,
+        friction: float = 0.0,
     ) -> None:
         masses = _checked_masses(mass)
         n = len(masses) - 1
@@ -60,6 +66,7 @@ class Chain:
         object.__setattr__(self, "contact", _checked_contacts(contact, n))
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
         object.__setattr__(self, "drive", None if drive is None else _checked_drive(drive, n))
+        object.__setattr__(self, "friction", _checked_friction(friction))
 
     @property
     def contacts(self) -> int:
@@ -84,6 +91,25 @@ class Chain:
         for array in (law, inverse_mass):
             array.setflags(write=False)
         return Parameters(law, inverse_mass)
+
+    @cached_property
+    def loss(self) -> Array:
+        """(n,) loss of each contact."""
+        loss = np.array([contact.loss for contact in self.contact])
+        loss.setflags(write=False)
+        return loss
+
+    @cached_property
+    def bed(self) -> Array:
+        """(n+1,) deceleration [m/s²] of a bead that slides, 0 for a wall; empty where the bed does not rub."""
+        bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.friction else np.zeros(0)
+        bed.setflags(write=False)
+        return bed
+
+    @cached_property
+    def dry(self) -> bool:
+        """Whether anything rubs: the bed, or a contact with loss."""
+        return self.friction > 0.0 or bool(self.loss.any())
 
     @cached_property
     def drive_force(self) -> Array | None:
@@ -134,6 +160,13 @@ def _checked_drive(drive: ArrayLike, n: int) -> tuple[float, ...] | None:
     if not np.isfinite(forces).all():
         raise ValueError("every drive force must be finite")
     return tuple(forces.tolist()) if forces.any() else None
+
+
+def _checked_friction(friction: float) -> float:
+    value = float(friction)
+    if not (math.isfinite(value) and value >= 0.0):
+        raise ValueError(f"friction must be a finite number >= 0, not {friction!r}")
+    return value
 
 
 def one_on(n: int, contact: Contact | Sequence[Contact], mass: ArrayLike = 1.0) -> Chain:

@@ -50,6 +50,9 @@ class SoftContact(pymunk.DampedSpring):
 
     It takes the place of the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
 
+    A Contact with loss pushes with a part of its force while the bodies move apart; that takes their velocities, so it is
+    always a Python callback.
+
     Copy and pickle keep it, other than a `force_func` of one's own.
     """
 
@@ -108,7 +111,8 @@ class SoftContact(pymunk.DampedSpring):
         if overlap <= 0.0:
             return 0.0
         try:
-            return spring._law(overlap)
+            force = spring._law(overlap)
+            return force if spring._loss == 0.0 or spring.rate >= 0.0 else (1.0 - spring._loss) * force
         except BaseException as error:  # KeyboardInterrupt too: pymunk would swallow it
             raise_after_step(spring, error)
             return 0.0
@@ -122,6 +126,7 @@ class SoftContact(pymunk.DampedSpring):
     def contact(self, contact: Law) -> None:
         law, native = _scalar_law(contact), self._wants_native(contact)
         self._law, self._contact = law, contact
+        self._loss = contact.loss if isinstance(contact, Contact) else 0.0
         self._use(native)
         self.activate_bodies()
 
@@ -143,6 +148,14 @@ class SoftContact(pymunk.DampedSpring):
         """How far the bodies are pressed into each other now [m]; negative: how far they are apart."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         return self._touching_distance - (ends[1] - ends[0]).length
+
+    @property
+    def rate(self) -> float:
+        """How fast the overlap grows now [m/s]; negative while the bodies move apart."""
+        ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
+        line = ends[1] - ends[0]
+        closing = self.a.velocity_at_world_point(ends[0]) - self.b.velocity_at_world_point(ends[1])
+        return line.dot(closing) / line.length if line.length > 0.0 else 0.0
 
     @property
     def native(self) -> bool:
@@ -178,6 +191,8 @@ class SoftContact(pymunk.DampedSpring):
         if self._native is False:
             return False
         reason = compiled.unavailable() if isinstance(contact, Contact) else f"{contact!r} is not a Contact"
+        if isinstance(contact, Contact) and contact.loss:
+            reason = "a contact with loss has to look at velocities"
         if self._native and reason:
             raise RuntimeError(f"no compiled callback for this contact: {reason}; native=None takes a Python one")
         return not reason

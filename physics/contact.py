@@ -3,6 +3,9 @@
 overlap d < 0   open      f = 0
 overlap d = 0   touching  f anywhere in [0, F]   (set-valued; fixed by the motion)
 overlap d > 0   loaded    f = F + K * d**a
+
+A gear with friction gives back less than it took: with `loss` l it pushes with f while it is pressed in, with (1 - l) f
+while it comes out, and with anything between where it stands still.
 """
 
 from __future__ import annotations
@@ -22,9 +25,10 @@ class Contact:
         preload: force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
         stiffness: factor K of the power [N / m**exponent]; 0 for the step force.
         exponent: power a > 0 of the overlap; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
+        loss: part l in [0, 1) of the stored energy that the contact keeps for itself when it comes out; 0 is elastic.
 
     Raises:
-        ValueError: a number is negative, not finite, or preload and stiffness are both 0.
+        ValueError: a number is negative, not finite, preload and stiffness are both 0, or the loss is not below 1.
 
     >>> Contact(preload=2.0, stiffness=3.0, exponent=1.0).force([-1.0, 0.5])
     array([0. , 3.5])
@@ -33,9 +37,10 @@ class Contact:
     preload: float
     stiffness: float
     exponent: float
+    loss: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("preload", "stiffness", "exponent"):
+        for name in ("preload", "stiffness", "exponent", "loss"):
             value = float(getattr(self, name))
             if not math.isfinite(value) or value < 0.0:
                 raise ValueError(f"contact {name} must be a finite number >= 0, not {value!r}")
@@ -44,15 +49,20 @@ class Contact:
             raise ValueError(f"contact exponent must be > 0, not {self.exponent!r}; its limit 0 is step_force(f0)")
         if self.preload + self.stiffness <= 0.0:
             raise ValueError("contact preload and stiffness are both 0: the contact would never push")
+        if self.loss >= 1.0:
+            raise ValueError(f"contact loss must be below 1, not {self.loss!r}: the contact would never come out again")
 
     def force(self, overlap: ArrayLike) -> NDArray[np.float64] | float:
-        """Force [N] at `overlap` [m], any shape; Eq. (2), Eq. (C1). At overlap 0 exactly the set's smallest value, 0."""
+        """Force [N] at `overlap` [m] while pressed in, any shape; Eq. (2), Eq. (C1). At 0 the set's smallest value, 0."""
         pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
         force = np.where(pressed > 0.0, self.preload + self.stiffness * pressed**self.exponent, 0.0)
         return _like(overlap, force)
 
     def energy(self, overlap: ArrayLike) -> NDArray[np.float64] | float:
-        """Energy stored [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open."""
+        """Energy taken up [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
+
+        A contact with loss gives back (1 - loss) times what this falls by, and absorbs the rest.
+        """
         pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
         power = 1.0 + self.exponent
         return _like(overlap, self.preload * pressed + self.stiffness * pressed**power / power)
@@ -73,28 +83,28 @@ def _like(argument: ArrayLike, result: NDArray[np.float64]) -> NDArray[np.float6
     return float(result) if np.ndim(argument) == 0 else result
 
 
-def power_law(f0: float, alpha: float) -> Contact:
+def power_law(f0: float, alpha: float, loss: float = 0.0) -> Contact:
     """Bead that pushes with ``f0 * overlap**alpha``, Eq. (2): f0 > 0 [N / m**alpha], alpha > 0."""
-    return Contact(0.0, f0, alpha)
+    return Contact(0.0, f0, alpha, loss)
 
 
-def draft_gear(stiffness: float, precompression: float) -> Contact:
+def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Contact:
     """Spring behind a piston, Eq. (C1): `stiffness` k > 0 [N/m], `precompression` Delta_0 >= 0 [m]; preload k Delta_0."""
     if not (math.isfinite(precompression) and precompression >= 0.0):
         raise ValueError(f"draft gear precompression must be a finite number >= 0, not {precompression!r}")
-    return Contact(stiffness * precompression, stiffness, 1.0)
+    return Contact(stiffness * precompression, stiffness, 1.0, loss)
 
 
-def hertz(stiffness: float) -> Contact:
+def hertz(stiffness: float, loss: float = 0.0) -> Contact:
     """Two elastic spheres: ``stiffness * overlap**1.5``, stiffness [N / m**1.5]; the usual Newton's cradle."""
-    return Contact(0.0, stiffness, 1.5)
+    return Contact(0.0, stiffness, 1.5, loss)
 
 
-def hooke(stiffness: float) -> Contact:
+def hooke(stiffness: float, loss: float = 0.0) -> Contact:
     """One-sided linear spring: ``stiffness * overlap``, stiffness [N/m]; the interface of Appendix A (iii)."""
-    return Contact(0.0, stiffness, 1.0)
+    return Contact(0.0, stiffness, 1.0, loss)
 
 
-def step_force(f0: float) -> Contact:
+def step_force(f0: float, loss: float = 0.0) -> Contact:
     """The limit alpha -> 0 of :func:`power_law`: f0 [N] at any overlap, anything in [0, f0] while just touching."""
-    return Contact(f0, 0.0, 1.0)
+    return Contact(f0, 0.0, 1.0, loss)

@@ -31,7 +31,11 @@ _LOADED: set[str] = set()  # methods whose kernels are in memory
 
 
 def run(problem: Problem) -> Record:
-    """Run a fixed-step method."""
+    """Run a fixed-step method; where something rubs, by the kernels of physics.dry."""
+    if problem.chain.dry:
+        from physics import dry
+
+        return dry.run(problem)
     if problem.method not in _LOADED:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
         _LOADED.add(problem.method)
@@ -58,14 +62,15 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FI
     kept = min(used, book)
     filled = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
     overlap, rate, anchor, force = (row[:filled] for row in rows)
-    warnings = _warnings(problem, status, time, counter, kept)
+    warnings = run_warnings(problem, status, time, counter, kept)
     return Record(
         times[:filled], overlap, rate, anchor, force, switches[0][:kept], switches[1][:kept], state,
         int(counter[kernel.STEP]), int(counter[kernel.EVALUATION]), warnings, seconds,
     )  # fmt: skip
 
 
-def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
+def run_warnings(problem: Problem, status: int, time: float, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
+    """Sentences on what a run of a fixed-step kernel could not do."""
     found = []
     if status == kernel.OUT_OF_STEPS:
         found.append(f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: take a larger step")
@@ -97,6 +102,11 @@ def _marks(method: str, contacts: int) -> tuple[NDArray[np.uint8], Array]:
 
 def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
+    if chain.dry:
+        from physics import dry
+
+        dry.advance(chain, state, duration, method, step)
+        return
     if state.work.get("fixed_step", ("",))[0] != method:
         state.work["fixed_step"] = (method, *_scratch(method, chain.contacts))
     spare: Any

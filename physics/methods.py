@@ -13,6 +13,7 @@ class Method:
         name: what `simulate(method=...)` takes.
         order: order of convergence on smooth motion.
         adaptive: True: takes a tolerance and chooses its steps; False: takes a fixed step.
+        dry: True: carries bed friction and contacts with loss.
         set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
         module: where its runner is; imported on first use.
         summary: one line for menus.
@@ -24,22 +25,35 @@ class Method:
     set_valued: bool
     module: str
     summary: str
+    dry: bool = True
 
 
 METHODS: tuple[Method, ...] = (
     Method("euler", 1, False, False, "physics.fixed_step", "symplectic Euler, what one pymunk step does"),
     Method("verlet", 2, False, False, "physics.fixed_step", "leapfrog"),
-    Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs"),
+    Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs", False),
     Method("conserving", 2, False, True, "physics.fixed_step", "discrete gradient: energy exact at any step"),
-    Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law"),
-    Method("dop853", 8, True, True, "physics.adaptive", "explicit, adaptive, for contacts that are not soft"),
-    Method("accurate", 8, True, True, "physics.adaptive", "dop853 where no contact is stiff, radau where one is"),
+    Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law", False),
+    Method("dop853", 8, True, True, "physics.adaptive", "explicit, adaptive, for contacts that are not soft", False),
+    Method(
+        "accurate", 8, True, True, "physics.adaptive", "dop853 where no contact is stiff, radau where one is", False
+    ),
     Method("pymunk", 1, False, False, "physics.space", "bodies in a pymunk Space; the digits of euler"),
-    Method("scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches"),
+    Method(
+        "scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches", False
+    ),
 )
 
 
 AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted error, see physics.auto
+
+
+def refusal(method: Method) -> str:
+    """Why `method` does not take a chain that rubs, and what does; empty where it does."""
+    if method.dry:
+        return ""
+    reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
+    return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving'"
 
 
 def find_method(name: str) -> Method:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,7 @@ class Record:
         end: State at the end of the run.
         steps, evaluations: cost.
         warnings: sentences on what may be wrong.
+        absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing rubs.
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
     """
 
@@ -67,6 +68,7 @@ class Record:
     evaluations: int
     warnings: tuple[str, ...] = ()
     seconds: float = 0.0
+    absorbed: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 def empty_samples(count: int, contacts: int) -> tuple[Array, Array, Array, Array]:
@@ -102,6 +104,7 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
             rate=np.array([first.rate, last.rate]),
             anchor=np.array([first.anchor, last.anchor]),
             force=np.array([first.force, last.force]),
+            absorbed=np.array([first.absorbed, last.absorbed]),
         )
     sampled = once(problem, max(found.end.time, float(times[-1])), times, False)
     return replace(
@@ -111,4 +114,5 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
         rate=sampled.rate,
         anchor=sampled.anchor,
         force=sampled.force,
+        absorbed=sampled.absorbed,
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
-from physics.methods import AUTO, Method, find_method
+from physics.methods import AUTO, Method, find_method, refusal
 from physics.run import Problem, Record
 from physics.state import State
 from physics.time_scale import default_step
@@ -36,8 +36,8 @@ def simulate(
     Arguments:
         chain: the Chain.
         velocity: (n+1,) start velocities [m/s].
-        duration: time to run [s]; None runs until every contact is open and none can close again. A chain with a
-            drive needs one.
+        duration: time to run [s]; None runs until every contact is open and none can close again (on a bed that rubs:
+            not before the beads have slid to rest either), or all beads rest. A chain with a drive needs one.
         method: a name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
             on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
             pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
@@ -70,6 +70,7 @@ def solve(
     """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
     if method == AUTO:
         return _chosen(chain, velocity, duration, step, samples, tolerance)
+    _refuse_dry(chain, find_method(method))
     problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
     runner = import_module(find_method(method).module)
     began = perf_counter()
@@ -115,9 +116,14 @@ def advance(
     """
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
+    _refuse_dry(chain, chosen)
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
     fineness = tolerance if chosen.adaptive else _step(chain, state.velocity(chain), chosen, step)
     import_module(chosen.module).advance(chain, state, duration, method, fineness)
+
+
+def _refuse_dry(chain: Chain, method: Method) -> None:
+    _require(not chain.dry or method.dry, refusal(method))
 
 
 def _require(condition: bool | np.bool_, sentence: str) -> None:
@@ -192,6 +198,8 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         evaluations=record.evaluations,
         seconds=record.seconds,
         warnings=record.warnings,
+        absorbed_by_contacts=record.absorbed[:, 0],
+        absorbed_by_bed=record.absorbed[:, 1],
     )
 
 

@@ -24,6 +24,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -31,12 +32,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from physics.after_step import call_after_step, raise_after_step
 from physics.contact import Contact
-from physics.kernels.row import ROW_ROWS, end_row, solve_row, start_row, take_up
+from physics.kernels.dry_row import ROW_ROWS, solve_lossy_row
+from physics.kernels.row import end_row, solve_row, start_row, take_up
 from physics.surroundings import Surroundings, centres
 
 Array = NDArray[np.float64]
 
 METHODS = ("conserving",)
+_solve_row: Any = solve_row  # their arguments are unpacked from tuples, which type checkers cannot count
+_solve_lossy_row: Any = solve_lossy_row
 
 
 class SoftChain:
@@ -84,7 +88,8 @@ class SoftChain:
         n = len(bodies) - 1
         self._overlap, self._rate, self._lag, self._outside, self._force = np.zeros((5, n))
         self._place, self._speed, self._direction = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n, 2))
-        self._work = np.empty((ROW_ROWS, n))
+        self._work = np.zeros((ROW_ROWS, n))
+        self._absorbed = np.zeros(1)
         self._step = 0.0  # of the last step; 0 when there was none
         self._waiting: list[float | None] = [None] * n
         self.contacts = contacts
@@ -112,6 +117,7 @@ class SoftChain:
             )
         self._contacts = found
         self._law = np.array([(contact.preload, contact.stiffness, contact.exponent) for contact in found])
+        self._loss = np.array([contact.loss for contact in found])
 
     @property
     def touching_distances(self) -> Array:
@@ -144,9 +150,14 @@ class SoftChain:
 
     @property
     def energy(self) -> float:
-        """Energy [J] stored in the contacts."""
+        """Energy [J] stored in the contacts; those with loss give only a part of it back."""
         pairs = zip(self._contacts, self.overlaps.tolist(), strict=True)
         return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
+
+    @property
+    def absorbed(self) -> float:
+        """Energy [J] that contacts with loss have kept so far: with it, kinetic energy and :attr:`energy` are constant."""
+        return float(self._absorbed[0])
 
     @property
     def positions(self) -> list[pymunk.Vec2d]:
@@ -177,10 +188,12 @@ class SoftChain:
         take_up(step, self._step or step, *bodies, self._direction, *own)
         self._step = step
         call_after_step(link, self._end_step)
-        solved = solve_row(
-            step, self._law, around.mobility, around.expected, around.velocity, self._direction, self._outside,
-            self._overlap, self._rate, self._force, self._work,
-        )  # fmt: skip
+        motion = around.mobility, around.expected, around.velocity, self._direction, self._outside
+        own_rows = self._overlap, self._rate, self._force, self._work
+        if self._loss.any():
+            solved = _solve_lossy_row(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
+        else:
+            solved = _solve_row(step, self._law, *motion, *own_rows)
         self._waiting = self._force.tolist()
         if not solved:
             warnings.warn(

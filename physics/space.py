@@ -3,7 +3,8 @@
 One step of pymunk drifts and then kicks, which is symplectic Euler: the same digits as method `euler` up to round-off.
 The Space holds positions, in whose differences deep overlaps drown; the overlaps are therefore summed up beside it from
 the velocities of its bodies, step by step as it drifts, and handed to the contacts.
-A push is given to the bodies anew before every step; pymunk adds it after the drift, as `euler` does.
+A push is given to the bodies anew before every step; pymunk adds it after the drift, as `euler` does. A bed that rubs
+brakes the bodies after every step of the Space, to rest at most.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from physics.chain import Chain
 from physics.constraints import SoftContact
+from physics.rest import meets_again, rests
 from physics.run import Problem, Record, empty_samples, run_to_end
 from physics.state import State
 from physics.time_scale import contact_scales, speed_scale
@@ -48,6 +50,7 @@ class Row:
         self.reach = reach
         self.overlaps = [0.0] * chain.contacts
         self.closed = [False] * chain.contacts
+        self.absorbed = np.zeros(2)
 
     def write(self, state: State) -> None:
         """Put the bodies where `state` has the beads."""
@@ -55,6 +58,7 @@ class Row:
         for body, position, velocity in zip(self.bodies, positions, velocities, strict=True):
             body.position = position, 0.0
             body.velocity = velocity, 0.0
+        self.absorbed[:] = state.absorbed
         self._take(state.overlap.tolist())
 
     def read(self, state: State) -> None:
@@ -63,16 +67,33 @@ class Row:
         state.overlap[:] = self.overlaps
         state.rate[:] = velocity[:-1] - velocity[1:]
         state.anchor[:] = self.bodies[self.chain.anchor].position.x, velocity[self.chain.anchor]
-        state.force[:] = [contact.force(d) for contact, d in zip(self.chain.contact, self.overlaps, strict=True)]
+        both = zip(self.chain.contact, self.overlaps, state.rate.tolist(), strict=True)
+        state.force[:] = [contact.force(d) * (1.0 - contact.loss if w < 0.0 else 1.0) for contact, d, w in both]
+        state.absorbed[:] = self.absorbed
 
     def step(self, step: float, push: Array | None = None) -> None:
         """One step of the Space under the forces `push` (n+1,)."""
         if push is not None:
             for body, force in zip(self.bodies, push.tolist(), strict=True):
                 body.force = force, 0.0
+        before = self.overlaps
         speeds = [body.velocity.x for body in self.bodies]
         self._take([d + step * (a - b) for d, (a, b) in zip(self.overlaps, pairwise(speeds), strict=True)])
         self.space.step(step)
+        if self.chain.dry:
+            self._absorb(before, step)
+
+    def _absorb(self, before: list[float], step: float) -> None:
+        """Book what contacts kept on the way from the overlaps `before`; let the bed brake, and book that."""
+        for contact, start, end in zip(self.chain.contact, before, self.overlaps, strict=True):
+            if end < start:
+                self.absorbed[0] += contact.loss * (contact.energy(start) - contact.energy(end))
+        for body, bed in zip(self.bodies, self.chain.bed.tolist(), strict=False):
+            speed = body.velocity.x
+            slower = math.copysign(max(abs(speed) - step * bed, 0.0), speed) if bed else speed
+            if slower != speed:
+                self.absorbed[1] += 0.5 * body.mass * (speed - slower) * (speed + slower)
+                body.velocity = slower, 0.0
 
     def steps(self, most: int, step: float, push: Array | None = None) -> int:
         """Take steps until a contact switches, `most` at the most; returns how many."""
@@ -85,13 +106,14 @@ class Row:
 
     def look_ahead(self, step: float, state: State) -> None:
         """Put into `state` what one step under its push would give, and take the step back."""
-        kept = [(body.position, body.velocity) for body in self.bodies]
+        kept, absorbed = [(body.position, body.velocity) for body in self.bodies], self.absorbed.copy()
         overlaps = self.overlaps
         self.step(step, state.external(self.chain))
         self.read(state)
         for body, (position, velocity) in zip(self.bodies, kept, strict=True):
             body.position = position
             body.velocity = velocity
+        self.absorbed[:] = absorbed
         self._take(overlaps)
 
     def _take(self, overlaps: list[float]) -> None:
@@ -144,7 +166,7 @@ class _Run:
         self.push = self.state.external(problem.chain)
         self.row = _row(problem.chain, self.state, self.h)
         self.row.write(self.state)
-        self.rows = empty_samples(times.size, problem.chain.contacts)
+        self.rows = *empty_samples(times.size, problem.chain.contacts), np.zeros((times.size, 2))
         self.steps = self.evaluations = self.sampled = 0
         self.closed = [False] * problem.chain.contacts
         self.switches: list[tuple[int, float]] = []
@@ -159,7 +181,7 @@ class _Run:
                 self.warnings = (f"pymunk gave up after {MOST_STEPS} steps: take a larger step",)
                 break
             flight = self.flight_time()
-            if stop and math.isinf(flight):
+            if stop and (math.isinf(flight) or (self.steps and rests(self.problem.chain, self.state))):
                 break
             self.move(end, flight)
             self.take_samples()
@@ -169,6 +191,8 @@ class _Run:
         """Time until the first contact closes if nothing pushes: 0 when something does, inf when all move apart."""
         if self.push is not None or any(self.closed):
             return 0.0
+        if self.problem.chain.friction:  # no flight is free
+            return 0.0 if meets_again(self.problem.chain, self.state) else math.inf
         both = zip(self.state.overlap.tolist(), self.state.rate.tolist(), strict=True)
         return min((-overlap / rate for overlap, rate in both if rate > 0.0), default=math.inf)
 
@@ -176,7 +200,7 @@ class _Run:
         """Go on by whole steps to the next switch or sample; by a part of one at the end."""
         state, h = self.state, self.h
         goal = min(end, float(self.times[self.sampled])) if self.sampled < self.times.size else end
-        flown = math.floor(min(flight, goal - state.time) / h) - 1
+        flown = 0 if self.problem.chain.friction else math.floor(min(flight, goal - state.time) / h) - 1
         if flown >= 1:  # drift is exact: many steps at once
             self.row.step(flown * h)
             self.steps += flown
@@ -209,7 +233,7 @@ class _Run:
             if self.times[self.sampled] - time > slack:
                 self.row.look_ahead(self.times[self.sampled] - time, sample)
                 self.evaluations += 1
-            found = sample.overlap, sample.rate, sample.anchor, sample.force
+            found = sample.overlap, sample.rate, sample.anchor, sample.force, sample.absorbed
             for rows, values in zip(self.rows, found, strict=True):
                 rows[self.sampled] = values
             self.sampled += 1
@@ -219,7 +243,10 @@ class _Run:
         contact = np.array([i for i, _ in self.switches], dtype=np.int64)
         time = np.array([time for _, time in self.switches])
         cost = self.steps, self.evaluations
-        return Record(self.times, *self.rows, contact, time, self.state, *cost, self.warnings)
+        overlap, rate, anchor, force, absorbed = self.rows
+        return Record(
+            self.times, overlap, rate, anchor, force, contact, time, self.state, *cost, self.warnings, absorbed=absorbed
+        )
 
 
 def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:

@@ -26,6 +26,7 @@ class State:
         push: (n+1,) external force on each bead [N] for the next `advance` (a hand, a spring to the pointer), or None;
             it adds to the chain's drive.
         switches: how often contacts have closed or opened in all `advance` of a fixed-step method so far.
+        absorbed: (2,) energy [J] that contacts with loss and the bed have absorbed so far.
         work: scratch memory of the methods, theirs alone.
     """
 
@@ -36,6 +37,7 @@ class State:
     force: Array
     push: Array | None = None
     switches: int = 0
+    absorbed: Array = field(default_factory=lambda: np.zeros(2))
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
@@ -67,7 +69,7 @@ class State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
         arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
-        return State(self.time, *arrays, push, self.switches)
+        return State(self.time, *arrays, push, self.switches, self.absorbed.copy())
 
 
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:

@@ -24,16 +24,18 @@ from physics.files import output_file
 from physics.trajectory import Interval, Trajectory
 from physics.version import version
 
-FORMAT = 1
+FORMAT, READ = 2, (1, 2)  # format 1 knew neither loss nor friction
 ARRAYS = ("time", "overlap", "rate", "anchor", "force", "final_velocity")
-APART = {"chain", "contact_intervals", *ARRAYS}  # fields of a Trajectory that are not plain JSON
+ABSORBED = ("absorbed_by_contacts", "absorbed_by_bed")
+APART = {"chain", "contact_intervals", *ARRAYS, *ABSORBED}  # fields of a Trajectory that are not plain JSON
+ABSORBED_COLUMNS = ("absorbed by contacts [J]", "absorbed by bed [J]")
 
 Path = str | PathLike[str]
 
 
 def save_trajectory(trajectory: Trajectory, path: Path) -> None:
     """Write `trajectory` to the .npz file `path`, whole or not at all. OSError where that cannot be."""
-    arrays = {name: getattr(trajectory, name) for name in (*ARRAYS, "position", "velocity")}
+    arrays = {name: getattr(trajectory, name) for name in (*ARRAYS, *ABSORBED, "position", "velocity")}
     arrays["contact_intervals"] = _interval_rows(trajectory)
     arrays["metadata"] = np.array(json.dumps(_metadata(trajectory)))
     with output_file(path) as temporary, temporary.open("wb") as file:
@@ -52,7 +54,7 @@ def load_trajectory(path: Path) -> Trajectory:
     plain["warnings"] = tuple(plain["warnings"])
     chain = _chain(metadata["chain"])
     intervals = _intervals(contents["contact_intervals"], chain.contacts)
-    arrays: dict[str, Any] = {name: contents[name] for name in ARRAYS}
+    arrays: dict[str, Any] = {name: contents[name] for name in (*ARRAYS, *ABSORBED) if name in contents}
     return Trajectory(chain=chain, contact_intervals=intervals, **arrays, **plain)
 
 
@@ -92,7 +94,7 @@ def _read(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
         found = metadata["format"]
     except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError):
         raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
-    if found != FORMAT:
+    if found not in READ:
         raise ValueError(f"{path}: saved in format {found}, this softcradle reads format {FORMAT}")
     return contents, metadata
 
@@ -115,15 +117,14 @@ def _header(contacts: int) -> list[str]:
     def pair(quantity: str, unit: str) -> Iterator[str]:
         return (f"{quantity} {i}-{i + 1} [{unit}]" for i in range(contacts))
 
-    ends = ("kinetic energy [J]", "contact energy [J]", "momentum [N s]")
+    ends = ("kinetic energy [J]", "contact energy [J]", "momentum [N s]", *ABSORBED_COLUMNS)
     return [
         "time [s]", *bead("position", "m"), *bead("velocity", "m/s"), *pair("overlap", "m"), *pair("force", "N"), *ends
     ]  # fmt: skip
 
 
 def _table(trajectory: Trajectory) -> NDArray[np.float64]:
-    """(T, 4 n + 6): the columns that :func:`_header` names."""
+    """(T, 4 n + 8): the columns that :func:`_header` names."""
     t = trajectory
-    return np.column_stack(
-        [t.time, t.position, t.velocity, t.overlap, t.force, t.kinetic_energy, t.contact_energy, t.momentum]
-    )
+    energies = t.kinetic_energy, t.contact_energy, t.momentum, t.absorbed_by_contacts, t.absorbed_by_bed
+    return np.column_stack([t.time, t.position, t.velocity, t.overlap, t.force, *energies])

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physics.chain import Chain
+from physics.chain import GRAVITY, Chain
 
 Array = NDArray[np.float64]
 
 STEPS_A_CONTACT = 1000  # default fixed step: the shortest contact in this many steps
+STEPS_A_STOP = 100  # and the stop of a bead on its bed
 
 
 def closing_speed(velocity: ArrayLike) -> float:
@@ -75,5 +76,10 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
 
 
 def default_step(chain: Chain, velocity: ArrayLike) -> float:
-    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact."""
-    return float(contact_scales(chain, velocity)[1].min()) / STEPS_A_CONTACT
+    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact, or a hundredth of the time
+    in which the bed stops a bead.
+    """
+    shortest = float(contact_scales(chain, velocity)[1].min()) / STEPS_A_CONTACT
+    if not chain.friction:
+        return shortest
+    return min(shortest, speed_scale(chain, velocity) / (chain.friction * GRAVITY) / STEPS_A_STOP)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,10 @@ from physics.state import from_anchor
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
+
+
+def _nothing() -> Array:
+    return np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +36,8 @@ class Trajectory:
         steps, evaluations, seconds: cost: steps, evaluations of all contact forces, wall time of the solver [s].
         warnings: sentences on what may be wrong with it; empty when nothing is.
         choice: what method "auto" chose and why; "" where the method was given.
+        absorbed_by_contacts, absorbed_by_bed: (T,) energy [J] that contacts with loss and bed friction have taken since
+            t = 0: kinetic + contact energy + both = that at the start + `driven`.
     """
 
     chain: Chain
@@ -50,6 +56,13 @@ class Trajectory:
     seconds: float = 0.0
     warnings: tuple[str, ...] = ()
     choice: str = ""
+    absorbed_by_contacts: Array = field(default_factory=_nothing)
+    absorbed_by_bed: Array = field(default_factory=_nothing)
+
+    def __post_init__(self) -> None:
+        for name in ("absorbed_by_contacts", "absorbed_by_bed"):
+            if getattr(self, name).size != self.time.size:
+                object.__setattr__(self, name, np.zeros(self.time.size))
 
     @cached_property
     def position(self) -> Array:
@@ -68,7 +81,7 @@ class Trajectory:
 
     @cached_property
     def contact_energy(self) -> Array:
-        """(T,) energy [J] stored in the contacts."""
+        """(T,) energy [J] taken up by the contacts; those with loss give only a part of it back."""
         return sum(
             (np.asarray(c.energy(d)) for c, d in zip(self.chain.contact, self.overlap.T, strict=True)), np.zeros(1)
         )
@@ -78,9 +91,20 @@ class Trajectory:
         """(T,) momentum [N s] of the beads, walls left out."""
         return self.velocity[:, self._bead] @ self._mass
 
-    @cached_property
+    @property
+    def ledger(self) -> Array:
+        """(T,) energy [J] that must not change: kinetic, of contacts, absorbed by them and by the bed, less `driven`."""
+        energy = self.kinetic_energy + self.contact_energy - self.driven
+        return energy + self.absorbed_by_contacts + self.absorbed_by_bed
+
+    @property
     def work(self) -> Array:
-        """(T,) work [J] of the chain's drive since t = 0; energy less this is conserved."""
+        """(T,) another name of `driven`."""
+        return self.driven
+
+    @cached_property
+    def driven(self) -> Array:
+        """(T,) work [J] of the chain's drive since t = 0."""
         if self.chain.drive_force is None:
             return np.zeros(self.time.size)
         start = np.concatenate(([0.0], np.cumsum(self.chain.gap)))

@@ -76,6 +76,9 @@ def _cost(summary: Summary) -> Table:
     made.add_row(
         "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
     )
+    if summary.absorbed_by_contacts or summary.absorbed_by_bed:
+        taken = f"{summary.absorbed_by_contacts:.6g} J by contacts, {summary.absorbed_by_bed:.6g} J by the bed"
+        made.add_row("absorbed", taken)
     made.add_row("momentum error", f"{_error(summary.momentum_error)} at most")
     made.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")
     return made

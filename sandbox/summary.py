@@ -45,7 +45,9 @@ class Summary:
         energy_error_at_end: the same at the end, when explicit methods have most of it back.
         momentum_error: largest distance of the momentum from that at the start and the impulse of a drive, relative to
             the sum of abs(m v) at the start, in a driven chain to the largest such sum;
-            None where that is 0 or a wall takes momentum.
+            None where that is 0 or a wall or bed takes momentum.
+        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction took until the end;
+            both belong to the energy above, so that its error is that of the ledger.
         method, step, tolerance: how; step in s (0 where the method chooses), tolerance 0 for fixed steps.
         steps, evaluations, milliseconds: cost.
         warnings: sentences.
@@ -59,6 +61,8 @@ class Summary:
     energy_error: float | None
     energy_error_at_end: float | None
     momentum_error: float | None
+    absorbed_by_contacts: float
+    absorbed_by_bed: float
     method: str
     step: float
     tolerance: float
@@ -71,9 +75,9 @@ class Summary:
 
 def summarise(label: str, trajectory: Trajectory) -> Summary:
     """The Summary of a lane's `trajectory`, from its samples: sample finely where peaks matter."""
-    energy = trajectory.kinetic_energy + trajectory.contact_energy - trajectory.work
+    energy = trajectory.ledger
     off = np.abs(energy - energy[0])
-    whole = (energy + trajectory.work).max() if trajectory.chain.drive else energy[0]
+    whole = (energy + trajectory.driven).max() if trajectory.chain.drive else energy[0]
     return Summary(
         label=label,
         beads=_beads(trajectory),
@@ -82,6 +86,8 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
         energy_error=_ratio(off.max(), whole),
         energy_error_at_end=_ratio(off[-1], whole),
         momentum_error=_momentum_error(trajectory),
+        absorbed_by_contacts=float(trajectory.absorbed_by_contacts[-1]),
+        absorbed_by_bed=float(trajectory.absorbed_by_bed[-1]),
         method=trajectory.method,
         step=trajectory.step,
         tolerance=trajectory.tolerance,
@@ -115,7 +121,7 @@ def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
 
 
 def _momentum_error(trajectory: Trajectory) -> float | None:
-    if trajectory.chain.walls:
+    if trajectory.chain.walls or trajectory.chain.friction:
         return None
     kept = trajectory.momentum - trajectory.impulse
     rows = slice(None) if trajectory.chain.drive else slice(0, 1)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Tag
 
 import physics
-from scenes.table import NotNegative, Positive, Table, meant, problem
+from scenes.table import Loss, NotNegative, Positive, Table, meant, problem
 
 # The keys of a law beside `law` are the parameters of its constructor.
 CONSTRUCTORS: dict[str, Callable[..., physics.Contact]] = {
@@ -22,9 +22,10 @@ CONSTRUCTORS: dict[str, Callable[..., physics.Contact]] = {
 
 
 class Law(Table):
-    """A contact law by name; its other keys are its numbers."""
+    """A contact law by name; its other keys are its numbers, of which `loss` (0: elastic) may be left out."""
 
     law: str
+    loss: Loss = 0.0
 
     def contact(self) -> physics.Contact:
         """The contact that the table describes."""

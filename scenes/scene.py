@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 
 import physics
-from physics.methods import AUTO
+from physics.methods import AUTO, refusal
 from scenes.contact import ContactTable
 from scenes.table import AtLeastOne, Mass, NotNegative, Number, OneOrMany, Positive, Table, meant, problem
 
@@ -29,6 +29,7 @@ class Lane(Table):
         gap: one for all or a list [m]; 0 is just touching, below 0 the contact is pressed from the start by so much.
         approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
         drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
+        friction: Coulomb coefficient of the bed on which the beads slide; 0 is none.
     """
 
     label: Text = ""
@@ -39,6 +40,7 @@ class Lane(Table):
     gap: OneOrMany[Number] = 0.0
     approach: NotNegative | None = None
     drive: tuple[Number, ...] | None = None
+    friction: NotNegative = 0.0
 
     @model_validator(mode="before")
     @classmethod
@@ -86,7 +88,7 @@ class Lane(Table):
         contacts = (
             [table.contact() for table in self.contact] if isinstance(self.contact, tuple) else self.contact.contact()
         )
-        return physics.Chain(masses, contacts, self._gaps(count - 1), self.drive)
+        return physics.Chain(masses, contacts, self._gaps(count - 1), self.drive, self.friction)
 
     def _gaps(self, contacts: int) -> tuple[float, ...]:
         if isinstance(self.gap, tuple):
@@ -158,6 +160,9 @@ class Scene(Table):
         if self.duration is None and any(lane.chain().drive for lane in self.lanes):
             raise problem("a drive may keep beads together for ever: the scene needs a duration")
         adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
+        chosen = next((known for known in physics.METHODS if known.name == self.method), None)
+        if chosen and not chosen.dry and any(lane.chain().dry for lane in self.lanes):
+            raise problem(refusal(chosen))
         if self.step is not None and self.method in adaptive:
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self

@@ -60,5 +60,6 @@ OneOrMany = Annotated[
 Number = Annotated[float, Strict(), BeforeValidator(_fraction)]
 Positive = Annotated[float, Strict(), Field(gt=0), BeforeValidator(_fraction)]
 NotNegative = Annotated[float, Strict(), Field(ge=0), BeforeValidator(_fraction)]
+Loss = Annotated[float, Strict(), Field(ge=0, lt=1), BeforeValidator(_fraction)]
 AtLeastOne = Annotated[float, Strict(), Field(ge=1), BeforeValidator(_fraction)]
 Mass = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=True), BeforeValidator(_fraction)]

@@ -86,7 +86,7 @@ def test_file_needs_no_pickle_and_says_what_made_it(collision, tmp_path):
         assert file["contact_intervals"].shape[1] == 3
     assert metadata["method"] == collision.method
     assert metadata["step"] == collision.step
-    assert metadata["chain"]["contact"][0] == {"preload": 0.0, "stiffness": 1.0, "exponent": 1.5}
+    assert metadata["chain"]["contact"][0] == {"preload": 0.0, "stiffness": 1.0, "exponent": 1.5, "loss": 0.0}
     assert set(metadata["versions"]) == {"softcradle", "numpy", "python"}
 
 

@@ -51,17 +51,21 @@ class Shares:
 
     def paint(self, surface: pygame.Surface, track: Track, row: int) -> None:
         """Draw the shares and errors at row `row` of `track`."""
-        self._energy(surface, track.kinetic[row], float(track.stored[row]))
+        absorbed = float(track.absorbed[row]) if track.absorbed.size else 0.0
+        self._energy(surface, track.kinetic[row], float(track.stored[row]), absorbed)
         self._momentum(surface, track.momentum[row])
         if not self.badged:
             return
         errors = (("energy error", track.energy_error[row]), ("momentum error", track.momentum_error[row]))
-        for k, (name, error) in enumerate(errors[:1] if track.chain.walls else errors):  # a wall takes up momentum
+        for k, (name, error) in enumerate(
+            errors[:1] if track.chain.walls or track.chain.friction else errors
+        ):  # these take up momentum
             self._badge(surface, k, name, float(error))
 
-    def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float) -> None:
+    def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:
+        """What moves, what contacts hold, and behind it, muted, what gears and bed have absorbed."""
         rect, x = self.bars[0], float(self.bars[0].left)
-        for value, colour in zip((*kinetic.tolist(), stored), (*self.colours, STEEL), strict=True):
+        for value, colour in zip((*kinetic.tolist(), stored, absorbed), (*self.colours, STEEL, MUTED), strict=True):
             wide = value / self.scales.energy * rect.width
             bar(surface, colour, (x, rect.top, wide, rect.height))
             x += wide

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,7 @@ class Track:
         position, velocity: (T, n+1) [m], bead lengths taken out, and [m/s].
         overlap, force: (T, n) [m] and [N].
         method: how it was made, for the badge.
+        absorbed: (T,) energy [J] that contacts with loss and the bed have taken; empty where nothing rubs.
         energy_error, momentum_error: (T,) greatest deviation so far, relative to the first row.
     """
 
@@ -34,6 +35,7 @@ class Track:
     overlap: Array
     force: Array
     method: str = ""
+    absorbed: Array = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def kinetic(self) -> Array:
@@ -55,8 +57,10 @@ class Track:
 
     @cached_property
     def energy_error(self) -> Array:
-        """(T,) greatest relative change of the energy so far."""
+        """(T,) greatest relative change so far of the energy, what was absorbed and what a drive gave counted in."""
         energy = self.kinetic.sum(axis=1) + self.stored - self._given(self.position)
+        if self.absorbed.size:
+            energy = energy + self.absorbed
         return _worst_so_far(energy, self.kinetic.sum(axis=1).max())
 
     @cached_property
@@ -88,6 +92,7 @@ def track_of(trajectory: Trajectory, lead: Array | None = None) -> Track:
     times = np.empty(0) if lead is None else lead - trajectory.time[0]
     start, flight = trajectory.velocity[0], times[:, None]
     ahead = np.zeros((len(times), trajectory.chain.contacts))
+    taken = trajectory.absorbed_by_contacts + trajectory.absorbed_by_bed
     return Track(
         chain=trajectory.chain,
         time=np.concatenate((times, trajectory.time)),
@@ -96,11 +101,17 @@ def track_of(trajectory: Trajectory, lead: Array | None = None) -> Track:
         overlap=np.concatenate((trajectory.overlap[0] + flight * trajectory.rate[0], trajectory.overlap)),
         force=np.concatenate((ahead, trajectory.force)),
         method=f"{trajectory.method}, step {scientific(trajectory.step)} s" if trajectory.step else trajectory.method,
+        absorbed=np.concatenate((ahead[:, 0], taken)) if trajectory.chain.dry else np.zeros(0),
     )
 
 
 def longest_lead(chain: Chain, velocity: Array) -> float:
-    """Time [s] before the start during which all beads flew freely: inf, or until two that now part were in touch."""
+    """Time [s] before the start during which all beads flew freely: inf, or until two that now part were in touch.
+
+    0 on a bed that rubs: what moved there was faster before.
+    """
+    if chain.friction:
+        return 0.0
     parting, gap = np.maximum(np.diff(velocity), 0.0), np.array(chain.gap)
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.min(np.where(parting > 0.0, gap / parting, np.inf)))

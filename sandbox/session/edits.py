@@ -135,7 +135,7 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
     gaps.insert(at, 0.0)
     locked = (*setup.locked[:at], None, *setup.locked[at:])
     drive = None if chain.drive is None else (*chain.drive[: item.bead], 0.0, *chain.drive[item.bead :])
-    longer = Chain(masses, contacts, gaps, drive)
+    longer = Chain(masses, contacts, gaps, drive, chain.friction)
     return setup.with_chain(longer, locked), _inserted(chain, longer, state, item.bead, abs(_finite("gap", item.gap)))
 
 
@@ -169,7 +169,7 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     rest = [i for i in range(n) if i != out]
     masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
     drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != item.bead]
-    shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest], drive)
+    shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest], drive, chain.friction)
     position, velocity = state.position(chain), state.velocity(chain)
     overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
     if 0 < item.bead < n:

@@ -34,7 +34,7 @@ class Health:
     Attributes:
         energy_error: energy that nothing explains, relative to the largest there has been; hands, drives, walls and
             edits are booked apart. None where walls move differently: what they do is not known.
-        momentum_error: likewise; None where a wall takes up momentum.
+        momentum_error: likewise; None where a wall or a bed takes up momentum.
         chatter: contact switches over the last second at the wall, relative to the most that is plausible; above 1 a
             method only seems to hold contacts closed.
         steps_a_contact: steps to the shortest contact at the scene's speed; inf where the method chooses its steps.
@@ -57,8 +57,9 @@ def health_of(series: Series, setup: LaneSetup, frame_time: float, pace: Pace) -
     chain = setup.chain
     books = series.ledger[-1]
     walls = series.velocity[-1][np.isinf(chain.mass)]
-    energy = None if walls.size and np.ptp(walls) > 0.0 else float(ledger.energy_error(books))
-    momentum = None if walls.size else float(ledger.momentum_error(books))
+    unknown = walls.size and (np.ptp(walls) > 0.0 or (chain.friction and walls.any()))
+    energy = None if unknown else float(ledger.energy_error(books))
+    momentum = None if walls.size or chain.friction else float(ledger.momentum_error(books))
     step = setup.step_for(frame_time)
     steps = contact_time(chain, setup.speed) / step if step else math.inf
     chatter = _chatter(series, setup)

@@ -19,13 +19,14 @@ MEMORY = 32 * 2**20  # bytes of a history, unless told otherwise
 
 # columns of the ledger of a lane, see sandbox.session.ledger
 KINETIC, STORED, MOMENTUM, ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES = range(8)
-LEDGER = 8
+BY_CONTACTS, BY_BED = 8, 9
+LEDGER = 10
 NO_HAND = (-1.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """One frame, all of it: time [s], setup, hand (lane, bead, position), and per lane State and ledger (8,)."""
+    """One frame, all of it: time [s], setup, hand (lane, bead, position), and per lane State and ledger (10,)."""
 
     time: float
     setup: Setup
@@ -41,7 +42,7 @@ class Moment:
 
 @dataclass(eq=False)
 class LaneRows:
-    """Rows of one lane: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 8)."""
+    """Rows of one lane: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 10)."""
 
     overlap: Array
     rate: Array

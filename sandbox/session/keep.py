@@ -8,6 +8,7 @@ from typing import Any
 from physics.contact import Contact
 from physics.state import State
 from physics.trajectory import Interval, Trajectory
+from sandbox.session.history import BY_BED, BY_CONTACTS
 from sandbox.session.marks import Marks
 from sandbox.session.series import Series
 from sandbox.session.setup import LaneSetup, Setup
@@ -37,8 +38,8 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
     velocity = tuple(start.velocity(chain).tolist())
     gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
     before = old.chain()
-    same = (before.mass, before.contact, before.gap, before.drive, old.velocity)
-    if same == (chain.mass, chain.contact, gap, chain.drive, velocity):
+    same = (before.mass, before.contact, before.gap, before.drive, before.friction, old.velocity)
+    if same == (chain.mass, chain.contact, gap, chain.drive, chain.friction, velocity):
         return old
     tables = [table_of(contact) for contact in chain.contact]
     one = all(table == tables[0] for table in tables)
@@ -50,6 +51,7 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
             "velocity": velocity,
             "gap": gap,
             "drive": chain.drive,
+            "friction": chain.friction,
         }
     )
 
@@ -69,6 +71,11 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
 
 def table_of(contact: Contact) -> dict[str, Any]:
     """The table of a scene file for `contact`: the most telling law that gives exactly its numbers."""
+    loss = {"loss": contact.loss} if contact.loss else {}
+    return {**_law_table(contact), **loss}
+
+
+def _law_table(contact: Contact) -> dict[str, Any]:
     stiffness, exponent = contact.stiffness, contact.exponent
     if contact.preload == 0.0:
         if exponent in (1.0, 1.5):
@@ -88,6 +95,7 @@ def trajectory_of(series: Series, lane: int, marks: Marks) -> Trajectory:
     setup = series.setups[-1][1]
     end = State(0.0, *(array[-1] for array in (series.overlap, series.rate, series.anchor, series.force)))
     rows = slice(first, None)
+    absorbed = series.ledger[rows, BY_CONTACTS : BY_BED + 1] - series.ledger[first, BY_CONTACTS : BY_BED + 1]
     return Trajectory(
         chain=series.chain,
         time=series.time[rows],
@@ -101,6 +109,8 @@ def trajectory_of(series: Series, lane: int, marks: Marks) -> Trajectory:
         step=setup.step,
         tolerance=0.0 if setup.step else setup.tolerance,
         warnings=left_out if series.first + first > 0 else (),
+        absorbed_by_contacts=absorbed[:, 0],
+        absorbed_by_bed=absorbed[:, 1],
     )
 
 

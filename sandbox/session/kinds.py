@@ -36,9 +36,12 @@ def turned(chain: Chain, index: int, kind: str, speed: float) -> Contact:
     energy, depth = impact(chain, index, speed)
     soft_depth = depth / HARD_DEPTH if now == "hard" else depth
     if kind == "power":
-        return power_law((1.0 + SOFT_EXPONENT) * energy / soft_depth ** (1.0 + SOFT_EXPONENT), SOFT_EXPONENT)
+        return power_law(
+            (1.0 + SOFT_EXPONENT) * energy / soft_depth ** (1.0 + SOFT_EXPONENT), SOFT_EXPONENT, contact.loss
+        )
     if kind == "gear":
-        return Contact(PRELOAD_SHARE * energy / soft_depth, 2.0 * (1.0 - PRELOAD_SHARE) * energy / soft_depth**2, 1.0)
+        preload, stiffness = PRELOAD_SHARE * energy / soft_depth, 2.0 * (1.0 - PRELOAD_SHARE) * energy / soft_depth**2
+        return Contact(preload, stiffness, 1.0, contact.loss)
     return _hertz(energy, soft_depth)
 
 

@@ -79,6 +79,7 @@ class LiveLane:
         """
         chain, state, setup = self.chain, self.state, self.setup
         before, closed, switches = self.position, is_closed(state.overlap, state.force), state.switches
+        absorbed = state.absorbed.copy()
         state.push = self._push(bead, pointer, quickness)
         advance(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance)
         if not all(
@@ -87,7 +88,7 @@ class LiveLane:
             raise BlownUpError(f"{setup.method} has blown up: take conserving or a smaller step")
         books = self.books.copy()
         ledger.read(chain, state, books)
-        ledger.book_frame(chain, self.books, books, self._outside(before, duration))
+        ledger.book_frame(chain, self.books, books, self._outside(before, duration, state.absorbed - absorbed))
         seen = int(np.count_nonzero(closed != is_closed(state.overlap, state.force)))
         books[SWITCHES] += max(seen, state.switches - switches)
         self.books = books
@@ -100,13 +101,13 @@ class LiveLane:
         push[bead] = push_of_hand(self.setup, bead, offset, velocity, quickness)
         return push
 
-    def _outside(self, before: Array, duration: float) -> ledger.Outside:
+    def _outside(self, before: Array, duration: float, absorbed: Array) -> ledger.Outside:
         """Work and impulse of the hand and the drive in a frame that began at the positions `before`."""
         external = self.state.external(self.chain)
         walls = np.isinf(self.chain.mass)
         wall_velocity = self.velocity[walls]
         if external is None:
-            return ledger.Outside(0.0, 0.0, wall_velocity)
+            return ledger.Outside(0.0, 0.0, wall_velocity, absorbed)
         on_beads = np.where(walls, 0.0, external)
         work = float(on_beads @ (self.position - before))
-        return ledger.Outside(work, duration * float(on_beads.sum()), wall_velocity)
+        return ledger.Outside(work, duration * float(on_beads.sum()), wall_velocity, absorbed)

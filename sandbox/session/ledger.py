@@ -1,7 +1,9 @@
 """The ledger of a lane: its energy and momentum, and what hands, walls and edits have put in, booked on their own.
 
 An error is what neither the start nor a booking explains: E - booked, relative to the largest energy there has been.
-Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES.
+What contacts with loss and a bed that rubs absorb is booked as taken away, so it is no error.
+Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES,
+BY_CONTACTS, BY_BED [J] (absorbed since the lane began).
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ from numpy.typing import NDArray
 from physics.chain import Chain
 from physics.state import State
 from sandbox.session.history import (
+    BY_BED,
+    BY_CONTACTS,
     ENERGY_BOOKED,
     ENERGY_SCALE,
     KINETIC,
@@ -28,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 def opened(chain: Chain, state: State) -> Array:
-    """The ledger (8,) of a lane that begins now: all there is is booked."""
+    """The ledger (10,) of a lane that begins now: all there is is booked."""
     ledger = np.zeros(LEDGER)
     read(chain, state, ledger)
     ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
@@ -62,25 +66,31 @@ def book_edit(before: Array, ledger: Array) -> None:
 
 
 class Outside(NamedTuple):
-    """What came from outside in a frame: `work` [J] and `impulse` [N s] of hand and drive; velocities of the walls."""
+    """What came from outside in a frame: `work` [J] and `impulse` [N s] of hand and drive; velocities of the walls;
+    energy `absorbed` (2,) [J] by contacts and bed."""
 
     work: float
     impulse: float
     wall_velocity: Array
+    absorbed: Array
 
 
 def book_frame(chain: Chain, before: Array, ledger: Array, outside: Outside) -> None:
     """Book a frame: `before` and `ledger` are what was read before and after it.
 
-    Walls give what momentum is missing; their work with it is known where all of them move alike. Where they do not,
-    what the energy has become is taken as booked.
+    Walls and a bed that rubs give what momentum is missing; the work of walls with it is known where all of them move
+    alike, and rest where a bed takes momentum too. Where they do not, what the energy has become is taken as booked.
     """
-    ledger[ENERGY_BOOKED] += outside.work
+    ledger[[BY_CONTACTS, BY_BED]] += outside.absorbed
+    ledger[ENERGY_BOOKED] += outside.work - outside.absorbed.sum()
     ledger[MOMENTUM_BOOKED] += outside.impulse
+    if chain.friction and not outside.wall_velocity.any():
+        ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
+        return
     if not chain.walls:
         return
     by_walls = ledger[MOMENTUM] - before[MOMENTUM] - outside.impulse
-    if np.ptp(outside.wall_velocity) == 0.0:
+    if np.ptp(outside.wall_velocity) == 0.0 and not chain.friction:
         ledger[ENERGY_BOOKED] += float(outside.wall_velocity[0]) * by_walls
     else:
         ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
@@ -88,7 +98,7 @@ def book_frame(chain: Chain, before: Array, ledger: Array, outside: Outside) -> 
 
 
 def energy_error(ledger: Array) -> float | Array:
-    """Unexplained energy relative to the largest energy so far; `ledger` (8,) or (R, 8)."""
+    """Unexplained energy relative to the largest energy so far; `ledger` (10,) or (R, 10)."""
     excess = ledger[..., KINETIC] + ledger[..., STORED] - ledger[..., ENERGY_BOOKED]
     return _relative(excess, ledger[..., ENERGY_SCALE])
 

@@ -6,11 +6,12 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physics.chain import Chain
 from physics.contact import Contact
 from physics.state import State
-from sandbox.session.history import Moment
+from sandbox.session.history import LEDGER, Moment
 from sandbox.session.setup import LaneSetup, Setup
 
 ARRAYS = ("overlap", "rate", "anchor", "force")
@@ -36,8 +37,13 @@ def moment_from(table: dict[str, Any]) -> Moment:
         setup=Setup(tuple(_lane(lane) for lane in table["lanes"]), float(table["slow"])),
         hand=(float(lane), float(bead), float(position)),
         states=tuple(_state(state) for state in table["states"]),
-        ledgers=tuple(np.array(ledger, dtype=np.float64) for ledger in table["ledgers"]),
+        ledgers=tuple(_ledger(ledger) for ledger in table["ledgers"]),
     )
+
+
+def _ledger(columns: list[float]) -> NDArray[np.float64]:
+    """The ledger, with columns that an earlier softcradle did not know at 0."""
+    return np.array([*columns, *[0.0] * (LEDGER - len(columns))], dtype=np.float64)
 
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:

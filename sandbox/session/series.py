@@ -28,7 +28,7 @@ class Series:
         time: (T,) [s].
         overlap, rate, force: (T, n) [m], [m/s], [N].
         anchor: (T, 2) position and velocity of the anchor bead.
-        ledger: (T, 8) see :mod:`sandbox.session.ledger`.
+        ledger: (T, 10) see :mod:`sandbox.session.ledger`.
     """
 
     first: int

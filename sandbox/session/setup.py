@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from physics.chain import Chain
 from physics.contact import Contact
-from physics.methods import find_method
+from physics.methods import find_method, refusal
 from physics.state import State
 from physics.time_scale import speed_scale
 from sandbox.session.choice import choose_method, steps_in, suitable_step
@@ -55,7 +55,8 @@ class LaneSetup:
         return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()
 
     def with_chain(self, chain: Chain, locked: tuple[Contact | None, ...] | None = None) -> LaneSetup:
-        """The same lane with another chain; a chosen step follows."""
+        """The same lane with another chain; a chosen step follows. ValueError where the method does not take it."""
+        _check_dry(chain, self.method)
         return replace(self, chain=chain, locked=self.locked if locked is None else locked).with_choice()
 
     def with_choice(self) -> LaneSetup:
@@ -68,6 +69,7 @@ class LaneSetup:
     def with_method(self, name: str) -> LaneSetup:
         """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
         method = self.method if name == "auto" else find_method(name).name
+        _check_dry(self.chain, "conserving" if name == "auto" else method)
         return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
 
     def with_step(self, step: float | None) -> LaneSetup:
@@ -83,6 +85,12 @@ class LaneSetup:
         if self.step == 0.0:
             return None
         return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
+
+
+def _check_dry(chain: Chain, method: str) -> None:
+    """Refuse a method that takes no friction where there is some."""
+    if chain.dry and not find_method(method).dry:
+        raise ValueError(refusal(find_method(method)))
 
 
 @dataclass(frozen=True)

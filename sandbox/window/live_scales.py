@@ -13,6 +13,7 @@ from physics.time_scale import contact_scales
 from sandbox.draw.numbers import round_step
 from sandbox.draw.scales import Scales, scales_of
 from sandbox.draw.track import Array, Track
+from sandbox.session.history import BY_BED, BY_CONTACTS
 from sandbox.session.lanes import LiveLane
 from sandbox.session.ledger import stored_energy
 from sandbox.session.session import Session
@@ -43,6 +44,7 @@ def moment(lane: LiveLane) -> LiveTrack:
         velocity=lane.velocity[None],
         overlap=state.overlap[None],
         force=state.force[None],
+        absorbed=lane.books[[BY_CONTACTS, BY_BED]].sum()[None] if lane.chain.dry else np.zeros(0),
     )
 
 
