@@ -15,7 +15,7 @@ from sandbox.precision.cases import REACHES, RECIPES, Case, Recipe
 from sandbox.precision.measure import Patience, Point, measure
 from sandbox.precision.peers import PEERS, missing, peers
 from sandbox.precision.solvers import Solver, ours
-from sandbox.precision.table import Measured, Row, how, ratio, ratio_sentence, rows
+from sandbox.precision.table import Measured, Row, auto_sentence, how, ratio, ratio_sentence, rows
 
 PATIENCE = Patience(point=1.0, series=3.0, case=60.0)
 
@@ -28,7 +28,11 @@ def table(case: Case, found: Measured) -> Report:
         f"{case.label}: milliseconds to an error of final velocities",
         ["", *(f"{reach:g}" for reach in REACHES), "at"],
         cells,
-        [ratio_sentence(told), f"median; -: not within {PATIENCE.point:g} s a run; truth: {case.origin}"],
+        [
+            ratio_sentence(told),
+            auto_sentence(told),
+            f"median; -: not within {PATIENCE.point:g} s a run; truth: {case.origin}",
+        ],
         {
             "case": case.label,
             "doubt": case.doubt,

@@ -22,7 +22,7 @@ from sandbox.precision.labels import apart, overlapping
 from sandbox.precision.measure import Patience, Point, Series, error_of, fastest, fitted_order, frontier, measure, scan
 from sandbox.precision.picture import draw
 from sandbox.precision.solvers import NO_MOMENTS, PHASES, Answer, Solver, ours
-from sandbox.precision.table import Measured, ratio, ratio_sentence, rows, write_csv
+from sandbox.precision.table import Measured, auto_sentence, ratio, ratio_sentence, rows, write_csv
 from scenes import load
 from tests.truth import ELASTIC
 
@@ -113,8 +113,8 @@ def test_a_scene_is_a_case_a_lane():
 
 def test_every_method_is_charted(case):
     found = ours(case)
-    assert [solver.name for solver in found] == [method.name for method in METHODS]
-    assert all(solver.steps != method.adaptive for solver, method in zip(found, METHODS, strict=True))
+    assert [solver.name for solver in found] == [*(method.name for method in METHODS), "auto"]
+    assert all(solver.steps != method.adaptive for solver, method in zip(found[:-1], METHODS, strict=True))
     assert len(ours_named(case, "verlet").starts(case, 100.0)) == PHASES
     assert len(ours_named(case, "radau").starts(case, 1e-3)) == 1
 
@@ -188,6 +188,16 @@ def test_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
     assert shares[-1] == pytest.approx(8.0, abs=0.5)  # what the others have not used
 
 
+def test_a_peer_that_raises_has_given_up_and_ours_has_a_bug(case):
+    def broken(*_):
+        raise ValueError("array must not contain infs or NaNs")
+
+    (series,) = measure(case, [Solver("peer", "", (1e-2, 1e-3), broken)], patience=SHORT)
+    assert all(point.error == math.inf for point in series.points)
+    with pytest.raises(ValueError, match="infs"):
+        measure(case, [Solver("method", "", (1e-2,), broken, ours=True)], patience=SHORT)
+
+
 def test_ratios_are_of_the_fastest_on_each_side():
     fine = (1e-12, 5e-3)
     found = Measured(None, [made("a", True, (1e-4, 2e-3), fine), made("b", False, (1e-4, 4e-3), fine)])
@@ -196,6 +206,13 @@ def test_ratios_are_of_the_fastest_on_each_side():
     assert "b / a = 2" in ratio_sentence(rows(found))
     assert ratio(rows(Measured(None, found.series[:1])), 0) == math.inf
     assert ratio(rows(Measured(None, found.series[1:])), 0) is None
+
+
+def test_what_auto_costs_is_said_beside_the_best():
+    fine = (1e-12, 9e-3)
+    found = [made("a", True, (1e-4, 2e-3), fine), made("auto", True, (1e-4, 3e-3), fine)]
+    assert "0.001: 1.5" in auto_sentence(rows(Measured(None, found)))
+    assert auto_sentence(rows(Measured(None, found[:1]))) == ""
 
 
 def test_labels_are_moved_apart_and_stay_in_order():
@@ -257,7 +274,8 @@ def test_the_command_draws_a_scene_of_your_own(tmp_path, monkeypatch, capsys):
     said = capsys.readouterr().out
     assert picture.stat().st_size > 10_000
     assert {row.split(",")[1] for row in (tmp_path / "chart.csv").read_text().splitlines()[1:]} == {
-        method.name for method in METHODS
+        "auto",
+        *(method.name for method in METHODS),
     }
     assert "accurate" in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["chart.csv", "chart.png"]

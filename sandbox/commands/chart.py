@@ -114,7 +114,7 @@ def _write(measured: Sequence[Measured], picture: Path, numbers: Path | None) ->
 
 def _print(found: Measured) -> None:
     from sandbox.precision.cases import REACHES
-    from sandbox.precision.table import how, ratio_sentence, rows
+    from sandbox.precision.table import auto_sentence, how, ratio_sentence, rows
 
     made = table(f"ms to an error of {found.quantity} of", *(f"{reach:g}" for reach in REACHES), "by")
     told = rows(found)
@@ -125,6 +125,7 @@ def _print(found: Measured) -> None:
     to.print(f"{found.case.label}; truth: {found.case.origin}", style="bold")
     to.print(made)
     to.print(ratio_sentence(told))
+    to.print(auto_sentence(told))
     if cut := [row.name for row in told if row.ended.startswith("a ")]:
         to.print(f"ended where a further run would have taken too long: {', '.join(cut)}")
     to.print()

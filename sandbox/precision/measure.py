@@ -12,7 +12,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.precision.cases import Case
+from sandbox.precision.cases import Case, Start
 from sandbox.precision.solvers import NO_MOMENTS, Answer, Solver
 
 Array = NDArray[np.float64]
@@ -112,11 +112,11 @@ def _growth(points: Sequence[Point]) -> float:
 
 def _point(case: Case, solver: Solver, fineness: float, quantity: str, moments: Array) -> Point:
     starts = solver.starts(case, fineness)
-    answers = [solver.run(fineness, start, moments) for start in starts]
+    answers = [_answer(solver, fineness, start, moments) for start in starts]
     errors = [error_of(case, quantity, answer) for answer in answers]
     times = [answer.seconds for answer in answers]
     while len(times) < REPEATS and max(times) < SHORT:
-        times.append(solver.run(fineness, starts[len(times) % len(starts)], moments).seconds)
+        times.append(_answer(solver, fineness, starts[len(times) % len(starts)], moments).seconds)
     counts = [answer.evaluations for answer in answers]
     with np.errstate(over="ignore"):
         return Point(
@@ -151,10 +151,21 @@ def measure(
     return found
 
 
+def _answer(solver: Solver, fineness: float, start: Start, moments: Array) -> Answer:
+    """A run; a peer that raises has given up, a method of ours that does has a bug."""
+    began = perf_counter()
+    try:
+        return solver.run(fineness, start, moments)
+    except (ValueError, ArithmeticError, RuntimeError):
+        if solver.ours:
+            raise
+        return Answer(None, perf_counter() - began)
+
+
 def _first(case: Case, solver: Solver, quantity: str) -> Point:
     """One run at the coarsest setting."""
     fineness = solver.finenesses[0]
-    answer = solver.run(fineness, solver.starts(case, fineness)[0], _moments(case, quantity))
+    answer = _answer(solver, fineness, solver.starts(case, fineness)[0], _moments(case, quantity))
     return Point(solver, fineness, error_of(case, quantity, answer), answer.seconds, answer.evaluations)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics import METHODS, simulate
-from physics.methods import Method
+from physics.methods import AUTO, Method
 from sandbox.precision.cases import Case, Start
 
 Array = NDArray[np.float64]
@@ -81,8 +81,9 @@ def step_counts(most: float = 8e6) -> list[float]:
 
 
 def ours(case: Case) -> list[Solver]:
-    """Every method of METHODS: the adaptive ones over tolerances, the others over numbers of steps."""
-    return [_ours(case, method) for method in METHODS]
+    """Every method of METHODS, the adaptive ones over tolerances, the others over numbers of steps; and what auto takes."""
+    auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_adaptive, case, AUTO), True)
+    return [*(_ours(case, method) for method in METHODS), auto]
 
 
 def _ours(case: Case, method: Method) -> Solver:

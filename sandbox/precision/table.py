@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from physics.methods import AUTO
 from sandbox.precision.cases import REACHES, Case
 from sandbox.precision.measure import Point, Series, by_name, fastest
 
@@ -72,6 +73,20 @@ def ratio_sentence(found: Sequence[Row]) -> str:
         else:
             parts.append(f"{reach:g}: {peer.name} / {mine.name} = {value:.2g}")
     return "fastest peer over our fastest, at " + "; ".join(parts)
+
+
+def auto_sentence(found: Sequence[Row]) -> str:
+    """How many times as long as the fastest of our methods `auto` takes to each error; "" where it was not measured."""
+    auto = next((row for row in found if row.name == AUTO), None)
+    if auto is None:
+        return ""
+    others = [row for row in found if row.name != AUTO]
+    parts = []
+    for k, reach in enumerate(REACHES):
+        mine, best = auto.best[k], least(others, True, k)
+        known = mine is not None and best is not None and best.best[k] is not None
+        parts.append(f"{reach:g}: " + (f"{mine.seconds / best.best[k].seconds:.2g}" if known else "-"))  # type: ignore[union-attr]
+    return f"auto over the fastest of our methods, at {'; '.join(parts)}"
 
 
 def how(best: Point | None) -> str:
