@@ -38,6 +38,8 @@ HOMES = {
     "heyoka": ("sandbox/precision/peers/",),
     "numbalsoda": ("sandbox/precision/peers/",),
     "sksundae": ("sandbox/precision/peers/",),
+    "diffrax": ("sandbox/precision/peers/",),
+    "jax": ("sandbox/precision/peers/",),
 }
 
 

@@ -30,6 +30,7 @@ PEERS: tuple[Peer, ...] = (
     Peer("heyoka", "heyoka", "heyoka"),
     Peer("SciPy", "scipy", "scipy"),
     Peer("scikit-sundae", "sksundae", "sundae"),
+    Peer("diffrax", "diffrax", "diffrax"),
 )
 
 
