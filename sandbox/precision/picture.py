@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 13.0, 4.3  # of a row [inches]
 LOWEST = 1e-12  # error at the foot of a panel
+FOOT = 1.3 * LOWEST
 LABEL = 0.042  # height of a label, as part of a panel
 COLUMN = 1.06  # where labels begin, as part of a panel's width
 COSTS = (("seconds", "wall time of the solver [s]"), ("evaluations", "evaluations of all contact forces"))
@@ -85,8 +86,13 @@ def _panel(axes: Axes, found: Measured, cost: str, styles: dict[str, dict[str, A
             continue
         _scatter(axes, series, cost, styles[name]["color"])
         axes.plot(*_xy(best, cost), **styles[name], markersize=4.0, markeredgewidth=0.8)
-        inside = [point for point in best if point.error >= LOWEST] or best[:1]
-        ends.append((name, inside[-1], fitted_order(_best(series), found.case.doubt or 1e-14)))
+        ends.append(
+            (
+                name,
+                next((point for point in best if point.error < FOOT), best[-1]),
+                fitted_order(_best(series), found.case.doubt or 1e-14),
+            )
+        )
     if found.case.doubt > LOWEST:
         axes.axhspan(LOWEST, found.case.doubt, color=style.GREY, alpha=0.18, linewidth=0)
         axes.text(
@@ -101,7 +107,8 @@ def _panel(axes: Axes, found: Measured, cost: str, styles: dict[str, dict[str, A
 
 
 def _xy(points: Sequence[Point], cost: str) -> tuple[list[float], list[float]]:
-    return [getattr(point, cost) for point in points], [point.error for point in points]
+    """Costs and errors; what is exact stands at the foot of the panel."""
+    return [getattr(point, cost) for point in points], [max(point.error, FOOT) for point in points]
 
 
 def _scatter(axes: Axes, series: Sequence[Series], cost: str, colour: str) -> None:
@@ -125,7 +132,7 @@ def _name(
         look = styles[name]
         axes.annotate(
             "",
-            (getattr(point, cost), max(point.error, LOWEST)),
+            (getattr(point, cost), max(point.error, FOOT)),
             xytext=(COLUMN - 0.02, height),
             textcoords="axes fraction",
             annotation_clip=False,
