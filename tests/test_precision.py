@@ -279,6 +279,8 @@ def test_the_command_draws_a_scene_of_your_own(tmp_path, monkeypatch, capsys):
     }
     assert "accurate" in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["chart.csv", "chart.png"]
+    assert main(["chart", "step-force", "--ours", "--error", "forces", "-o", str(tmp_path / "two.svg")]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["chart.csv", "chart.png", "two.svg"]
 
 
 @pytest.mark.parametrize(

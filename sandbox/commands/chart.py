@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,9 +54,10 @@ def main(args: argparse.Namespace) -> int:
     from sandbox.atomic import output_file
 
     paths = [Path(args.output), *([Path(args.output).with_suffix(".csv")] if args.csv else [])]
-    with output_file(paths[0]) as picture, output_file(paths[-1]) as numbers:
+    with ExitStack() as stack:
+        files = [stack.enter_context(output_file(path)) for path in paths]  # before the work: a refusal comes at once
         measured = _measure(recipes, args.error, not args.ours)
-        _write(measured, picture, numbers if args.csv else None)
+        _write(measured, *files)
     for found in measured:
         _print(found)
     for path in paths:
@@ -101,7 +103,7 @@ def _measured(recipe: Recipe, quantity: str, with_peers: bool, told: Callable[[s
     return Measured(case, measure(case, solvers, quantity, told=lambda name: told(f"{recipe.label}: {name}")), quantity)
 
 
-def _write(measured: Sequence[Measured], picture: Path, numbers: Path | None) -> None:
+def _write(measured: Sequence[Measured], picture: Path, numbers: Path | None = None) -> None:
     from sandbox.figures.style import styled
     from sandbox.precision.picture import draw
     from sandbox.precision.table import write_csv

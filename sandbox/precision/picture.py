@@ -28,7 +28,9 @@ ERRORS = {
 }
 # Ours are filled and drawn through, peers hollow and broken: told apart without colour.
 MARKERS = "osD^vPX*p<>hd8H"
-OURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.RED, style.SKY, "#000000", "#8c6d31", style.GREY)
+OURS = (
+    style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.RED, style.SKY, "#000000", "#8c6d31", style.GREY, "#6a0dad",
+)  # fmt: skip
 PEERS = ("#3b3b3b", "#7a5195", "#ef5675", "#b8860b", "#2f7f7f", "#7f7f7f", "#a05195", "#5a7d2a", "#444499", "#aa5500")
 BROKEN = ("--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 
@@ -127,7 +129,7 @@ def _name(
 ) -> None:
     """Labels in a column beside the panel, each tied to the most exact point of its curve."""
     depth = math.log10(LOWEST / SHOWN)
-    heights = [1.0 - min(max(math.log10(point.error / SHOWN) / depth, 0.0), 1.0) for _, point, _ in ends]
+    heights = [1.0 - min(max(math.log10(max(point.error, FOOT) / SHOWN) / depth, 0.0), 1.0) for _, point, _ in ends]
     for (name, point, order), height in zip(ends, apart(heights, LABEL, 0.01, 0.985), strict=True):
         look = styles[name]
         axes.annotate(
