@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from sandbox.codecs import pixels_of
 from sandbox.draw import Picture, draw, longest_lead, scales_of
+from sandbox.draw.kept import kept
 from sandbox.draw.numbers import decades, factor, fixed, index, power_of_ten, round_down, round_step, scientific, ticks
 from sandbox.draw.palette import OKABE_ITO, PAPER, STEEL, bead_colours
 from sandbox.draw.plots import spread
@@ -113,8 +114,8 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     assert (painted(picture, middle) == first).all()
     assert (painted(Picture(scene, tracks, SIZE), middle) == first).all()
     assert (other != first).any()
-    for track, kept in zip(tracks, before, strict=True):
-        assert all((getattr(track, name) == array).all() for name, array in kept.items())
+    for track, held in zip(tracks, before, strict=True):
+        assert all((getattr(track, name) == array).all() for name, array in held.items())
 
 
 def test_draw_is_the_picture_of_that_row(soft):
@@ -362,3 +363,25 @@ def test_text_fits_its_room():
     assert shortened("short", 20, 1000) == "short"
     assert all(width(line, 15) <= 200 for line in wrapped("a b c " * 40, 15, 200))
     assert " ".join(wrapped("one two three", 15, 60)) == "one two three"
+
+
+def test_drawings_are_kept_up_to_their_memory_and_the_oldest_goes_first():
+    drawn = []
+
+    @kept(megabytes=1.0)
+    def square(side):
+        drawn.append(side)
+        return pygame.Surface((side, side), 0, 32)
+
+    sides = [256, 255, 254]  # a quarter of a megabyte each
+    for side in sides * 2:
+        assert square(side).get_size() == (side, side)
+    assert drawn == sides
+    square(400)  # 0.61 MB: the first two have to go
+    square(254)
+    assert drawn == [*sides, 400]
+    square(255)
+    assert drawn == [*sides, 400, 255]
+    square(2000)  # more than all of it is kept until the next
+    assert square(2000) is square(2000)
+    assert drawn == [*sides, 400, 255, 2000]

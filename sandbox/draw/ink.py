@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 
 import pygame
 
+from sandbox.draw.kept import kept
 from sandbox.draw.palette import PAPER, Colour, mix
 
 FINE = 4  # supersampling, and positions within a pixel
@@ -73,7 +73,7 @@ def stroke(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickn
 MARKERS = 5
 
 
-@lru_cache(maxsize=512)
+@kept(2)
 def marker(shape: int, radius: float, colour: Colour) -> Sprites:
     """Disc, square, triangle, diamond or triangle on its head: `shape` counts through them."""
     side = math.ceil(2 * radius + 4)

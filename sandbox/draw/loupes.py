@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import pygame
 
 from sandbox.draw.ink import FINE, Sprites, bar, put, sprites
+from sandbox.draw.kept import kept
 from sandbox.draw.numbers import factor, index, round_down, scientific
 from sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, STEEL, Colour, mix
 from sandbox.draw.scales import Scales
@@ -114,7 +114,7 @@ def _magnify(room: float, deepest: float) -> float:
     return round_down(room / deepest) if deepest > 0.0 else 1.0
 
 
-@lru_cache(maxsize=256)
+@kept(4)
 def cap(radius: float, colour: Colour) -> Sprites:
     """One side of a contact: a piece of a large disc."""
     side = math.ceil(2 * radius)
@@ -127,7 +127,7 @@ def cap(radius: float, colour: Colour) -> Sprites:
     return sprites((side, side), dark(colour), paint)
 
 
-@lru_cache(maxsize=16)
+@kept(4)
 def _frame(side: int, radius: float) -> pygame.Surface:
     """Paper with a round hole and a ring about it."""
     fine = pygame.Surface((side * FINE, side * FINE), pygame.SRCALPHA, 32)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import pygame
 
 from sandbox.draw.ink import FINE, Sprites, sprites
+from sandbox.draw.kept import kept
 from sandbox.draw.palette import FAINT, MUTED, PAPER, STEEL, Colour, mix
 from sandbox.draw.text import write
 
@@ -23,7 +23,7 @@ def dark(colour: Colour) -> Colour:
     return mix(colour, (0, 0, 0), 0.35)
 
 
-@lru_cache(maxsize=512)
+@kept(24)
 def bead(diameter: float, colour: Colour, core: float) -> Sprites:
     """Disc; `core` (0 to 1) is the radius of the dark core that shows the bead's share of the greatest mass."""
     side = math.ceil(diameter)
@@ -39,7 +39,7 @@ def bead(diameter: float, colour: Colour, core: float) -> Sprites:
     return sprites((side, side), dark(colour), paint)
 
 
-@lru_cache(maxsize=512)
+@kept(16)
 def cylinder(length: float, height: float, colour: Colour) -> Sprites:
     """The body of a draft gear with its annular head on the right."""
     wide, tall = BODY * length, BODY_HEIGHT * height
@@ -56,7 +56,7 @@ def cylinder(length: float, height: float, colour: Colour) -> Sprites:
     return sprites((math.ceil(wide), math.ceil(tall)), dark(colour), paint)
 
 
-@lru_cache(maxsize=512)
+@kept(6)
 def piston(length: float, height: float) -> Sprites:
     """Rod and plate of a draft gear; its right edge is the plate's face, its left part hides inside the cylinder."""
     wide, tall = 0.5 * length, 0.44 * height
@@ -72,7 +72,7 @@ def piston(length: float, height: float) -> Sprites:
     return sprites((math.ceil(wide), math.ceil(tall)), MUTED, paint)
 
 
-@lru_cache(maxsize=64)
+@kept(4)
 def wall(length: float, height: float) -> Sprites:
     """Hatched block."""
 
@@ -89,7 +89,7 @@ def wall(length: float, height: float) -> Sprites:
     return sprites((math.ceil(length), math.ceil(height)), MUTED, paint)
 
 
-@lru_cache(maxsize=512)
+@kept(4)
 def number(label: str, size: float) -> Sprites:
     """The number of a bead, on a square of three times `size` [pixels]; apart from its body, to be on top of all."""
     side = math.ceil(3 * size)

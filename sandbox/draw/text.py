@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import pygame
 
+from sandbox.draw.kept import kept
 from sandbox.draw.palette import INK, Colour
 from sandbox.resources import resource
 
@@ -20,7 +21,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
     return pygame.font.Font(str(resource(_FONTS[bold])), max(4, size))
 
 
-@lru_cache(maxsize=1024)
+@kept(6)
 def rendered(text: str, size: int, colour: Colour = INK, bold: bool = False) -> pygame.Surface:
     """`text` on a transparent surface of its own; not to be drawn on."""
     return font(size, bold).render(text, True, colour)

@@ -41,15 +41,20 @@ class StackPlot(Plot):
         """Piles in columns `first` to `last`."""
         height = self.area.height
         pixels = pygame.surfarray.array3d(self.sheet.ground)[:1].repeat(last - first, axis=0)
-        table = np.array([*self.colours, PAPER], dtype=np.uint8)
         middles = np.arange(height) + 0.5
         for time, values in self.curves(first, last):
+            table = np.array([*_pile_colours(values.shape[1]), PAPER], dtype=np.uint8)  # there may have been more beads
             tops = self.y(np.cumsum(values, axis=1))
             for column, row in _latest(time / self.span.column, first, last):
                 layer = np.searchsorted(-tops[row], -middles)  # the first pile that reaches as high as the pixel
                 inside = layer < values.shape[1]
                 pixels[column - first, inside] = table[layer[inside]]
         return pygame.surfarray.make_surface(pixels)
+
+
+def _pile_colours(count: int) -> tuple[Colour, ...]:
+    """Colours of the kinetic energies of all beads and of what is stored, from below."""
+    return *bead_colours(count - 1), STEEL
 
 
 def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:

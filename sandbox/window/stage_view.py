@@ -10,8 +10,7 @@ import numpy as np
 import pygame
 
 from physics import Chain
-from sandbox.draw import shapes
-from sandbox.draw.loupes import Loupes, cap
+from sandbox.draw.loupes import Loupes
 from sandbox.draw.palette import INK, WARNING
 from sandbox.draw.scales import Scales, left_edges
 from sandbox.draw.shares import Shares
@@ -20,15 +19,7 @@ from sandbox.draw.track import Array, Track
 from sandbox.session.lanes import LiveLane
 from scenes import View
 
-MOST_SPRITES = 100  # of a kind: sliders and zooming make new ones all the time
 REACH = 9.0  # design pixels around a contact's bar that still mean it
-
-
-def trim_sprites() -> None:
-    """Forget the sprites of a kind of which there are many; those in use are drawn again."""
-    for cached in (shapes.bead, shapes.cylinder, shapes.piston, shapes.number, cap):
-        if cached.cache_info().currsize > MOST_SPRITES:
-            cached.cache_clear()
 
 
 @dataclass(frozen=True)
@@ -83,7 +74,6 @@ class StageView:
         scene: ShownScene,
         scales: Scales,
     ) -> None:
-        trim_sprites()
         self.number, self.unit, self.view, self.scales = number, unit, scene.view, scales
         self.stage = Stage(rects[0], unit, scene, number, scales)
         self.loupes = Loupes(rects[1], unit, self.stage, scales.deepest[number], scales) if rects[1].height else None
