@@ -8,6 +8,7 @@ The error of each method is estimated from the chain (below), the cost of a step
     yoshida4     the same:                       0.02 x**(1+a) + 0.06 x**4
     verlet       exponents below 1:              3 n times what `stable_step` is asked for, which grows with depth
     conserving   exponents below 1 or preload:   a tenth of what `stable_step` is asked for; else 0.15 x**2
+    conserving   bed friction or contacts with loss: a tenth of the step in units of the shortest contact, or the above
     accurate     its tolerance, within a factor of 3
 """
 
@@ -57,6 +58,10 @@ def choose(
     """The cheapest candidate for `error` relative to the closing speed; `known` costs instead of this machine's."""
     price = costs() if known is None else known
     found = sorted(_candidates(chain, velocity, duration, error, price), key=lambda choice: choice.seconds)
+    if not found:
+        raise ValueError(
+            f"no method holds an error of {error:g} where something rubs: ask for a tolerance of 1e-5 or more"
+        )
     best = found[0]
     told = ", ".join(f"{choice.method} {_time(choice.seconds)}" for choice in found)
     fineness = f"step {best.step:.3g} s" if best.step else f"tolerance {best.tolerance:.1g}"
@@ -72,6 +77,11 @@ def _candidates(
     contacts, kind = chain.contacts, kind_of(chain.contact)
     passing = passing_time(chain, velocity)
     span = passing if duration is None else duration
+    if chain.dry:
+        step = _dry_step(chain, velocity, error)
+        if span / step <= MOST_STEPS / contacts:
+            yield Choice("conserving", step, 0.0, price["conserving", kind].of(span / step, contacts))
+        return
     tolerance = accurate_tolerance(chain, error)
     steps = accurate_steps(chain, tolerance) * max(min(1.0, span / passing), 0.05)
     yield Choice("accurate", 0.0, tolerance, price["accurate", kind].of(steps, contacts))
@@ -102,21 +112,29 @@ def _fixed_steps(chain: Chain, velocity: ArrayLike, span: float, error: float) -
     yield "conserving", min(most, stable_step(chain, velocity, min(10.0 * error, 0.1)))
 
 
+def _dry_step(chain: Chain, velocity: ArrayLike, error: float) -> float:
+    """Step [s] of `conserving` where something rubs: a reversal within a step is of first order."""
+    contact_time = float(contact_scales(chain, velocity)[1].min())
+    return min(
+        contact_time / LEAST_STEPS, 10.0 * error * contact_time, stable_step(chain, velocity, min(10 * error, 0.1))
+    )
+
+
 def one_blow(chain: Chain) -> bool:
     """Whether the chain is of the kind that the estimates of fixed steps are for: beads that touch, left to themselves.
 
     Errors of a collision that follows another one are multiplied by it, and a wall sends every bead back for more.
     """
-    lossless = all(getattr(law, "loss", 0.0) == 0.0 for law in chain.contact)
-    free = not chain.walls and chain.drive is None and not getattr(chain, "friction", 0.0)
-    return free and lossless and not any(chain.gap)
+    return not chain.walls and chain.drive is None and not chain.dry and not any(chain.gap)
 
 
 def _left_out(chain: Chain, duration: float | None) -> str:
+    if chain.dry:
+        return "; the others carry neither bed friction nor contacts with loss"
     if duration is None:
         return "; fixed steps are left out: without a duration they may never see the end"
     if not one_blow(chain):
-        return "; fixed steps are left out: gaps, walls, drives and losses make collision after collision"
+        return "; fixed steps are left out: gaps, walls and drives make collision after collision"
     if any(law.preload > 0.0 for law in chain.contact):
         return "; explicit steps are left out: a contact with preload chatters"
     return ""

@@ -12,6 +12,7 @@ import pytest
 from physics import (
     METHODS,
     Chain,
+    Contact,
     State,
     Trajectory,
     advance,
@@ -108,6 +109,30 @@ def test_fixed_steps_are_left_out_where_collisions_follow_collisions(chain):
     found = list(auto._candidates(chain, [1.0, 0.5, 0.0], 3.0, 1e-3, EVEN))
     assert [choice.method for choice in found] == ["accurate"]
     assert "left out" in auto.choose(chain, [1.0, 0.5, 0.0], 3.0, 1e-3, EVEN).reason
+
+
+DRY = (
+    Chain([1.0] * 4, Contact(0.0, 1.0, 0.1, loss=0.3)),
+    Chain([1.0] * 6, Contact(0.0, 1.0, 1.5, loss=0.5)),
+    Chain([1.0] * 4, power_law(1.0, 0.1), friction=0.02),
+    Chain([1.0] * 5, Contact(1.0, 1.0, 1.0, loss=0.8)),
+)
+
+
+@pytest.mark.parametrize("chain", DRY)
+@pytest.mark.parametrize("error", [1e-2, 1e-3, 1e-4])
+def test_where_something_rubs_it_is_conserving(chain, error):
+    velocity, duration = np.eye(1, chain.contacts + 1)[0], 6.0
+    found = simulate(chain, velocity, duration, method="auto", tolerance=error)
+    truth = simulate(chain, velocity, duration, method="conserving", step=duration / 300_000, samples=2)
+    assert found.method == "conserving"
+    assert "carry neither" in found.choice
+    assert np.abs(found.final_velocity - truth.final_velocity).max() <= 3.0 * error
+
+
+def test_what_no_method_holds_is_refused():
+    with pytest.raises(ValueError, match="no method holds an error of 1e-10"):
+        simulate(DRY[0], [1, 0, 0, 0], 6.0, method="auto", tolerance=1e-10)
 
 
 def test_the_choice_follows_the_costs():

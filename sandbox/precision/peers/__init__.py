@@ -41,7 +41,7 @@ def missing() -> list[str]:
 
 def peers(case: Case) -> list[Solver]:
     """Every peer that is installed and can take the case: none where contacts lose energy or the bed rubs."""
-    if getattr(case.chain, "friction", 0.0) or any(getattr(law, "loss", 0.0) for law in case.chain.contact):
+    if case.chain.dry:
         return []
     absent = missing()
     modules = [import_module(f"{__name__}.{peer.module}") for peer in PEERS if peer.name not in absent]
