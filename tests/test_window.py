@@ -16,6 +16,7 @@ from sandbox.session.inputs import SetStep
 from sandbox.window.cards import RED
 from sandbox.window.gallery import Gallery
 from sandbox.window.plot_kinds import StackPlot
+from sandbox.window.records import at_frame
 from sandbox.window.stage_view import Pick
 from tests.windows import Driver
 
@@ -382,20 +383,45 @@ def test_help_covers_the_page_and_is_closed_by_a_key(driver: Driver) -> None:
 
 
 def test_every_plot_can_be_hidden_and_shown(driver: Driver) -> None:
-    kinds = ("velocities", "forces", "overlaps", "energy", "strip")
+    kinds = ("velocities", "forces", "overlaps", "energy", "strip", "kymograph")
     driver.key(pygame.K_SPACE)
     driver.frames(100)
     shown = set(driver.play.board.shown)
-    for key, kind in zip((pygame.K_1, pygame.K_2, pygame.K_3, pygame.K_4, pygame.K_5), kinds, strict=True):
+    keys = (pygame.K_1, pygame.K_2, pygame.K_3, pygame.K_4, pygame.K_5, pygame.K_7)
+    for key, kind in zip(keys, kinds, strict=True):
         driver.key(key)
         driver.frames(2)
         shown ^= {kind}
         assert set(driver.play.board.shown) == shown
-    assert shown == {"energy", "strip"}
+    assert shown == {"energy", "strip", "kymograph"}
     driver.key(pygame.K_b)
     assert driver.play.board.plots == []
     driver.key(pygame.K_b)
-    assert len(driver.play.board.plots) == 2
+    assert len(driver.play.board.plots) == 3
+
+
+def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
+    driver.key(pygame.K_7)
+    driver.key(pygame.K_SPACE)
+    driver.frames(150)
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    plot = next(plot for plot in driver.play.board.plots if plot.title.startswith("markers"))
+    session = driver.session
+    frame = session.frame - 20
+    values = plot.now(frame)
+    moment = session.history.moment(frame)
+    length = session.scene.view.length
+    overlap = at_frame(session.history, 0, frame).overlap[0]
+    assert np.diff(values) == pytest.approx(
+        length - overlap, abs=1e-9
+    )  # neighbours are a bead less their overlap apart
+    x = round(plot.span.x(moment.time))
+    column = pygame.surfarray.array3d(plot.sheet.surface)[x].sum(axis=1)
+    for place in plot.y(values):
+        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # ink
+    band = plot.y(values + 0.25 * length).round().astype(int)
+    assert all(300 < column[row] < 740 for row in band)  # the body's pale colour, no ink and no paper
 
 
 def test_plots_ink_the_curves_and_the_cursor_reads_them(driver: Driver) -> None:

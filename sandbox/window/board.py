@@ -59,7 +59,8 @@ class Board:
     def build(self, rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales) -> None:
         """Make the plots anew; their curves come back within some frames."""
         session, self.plots = self.session, []
-        setting = Setting(session.lanes, scales, session.history, self.span, self.logarithmic)
+        length = session.scene.view.length
+        setting = Setting(session.lanes, scales, session.history, self.span, self.logarithmic, length)
         for row, (kinds, places) in enumerate(zip(self.rows(), rects, strict=True)):
             lane = row if self.lanes > 1 else 0
             self.plots += [make_plot(kind, lane, rect, unit, setting) for kind, rect in zip(kinds, places, strict=True)]

@@ -80,6 +80,7 @@ BINDINGS: tuple[Binding, ...] = (
     Binding("overlaps", _keys(pygame.K_3), "Plots", "overlaps"),
     Binding("energy", _keys(pygame.K_4), "Plots", "energy split"),
     Binding("strip", _keys(pygame.K_5), "Plots", "space-time strip"),
+    Binding("kymograph", _keys(pygame.K_7), "Plots", "kymograph: markers of the beads over time"),
     Binding("difference", _keys(pygame.K_6), "Plots", "difference of two lanes"),
     Binding("logarithmic", _keys(pygame.K_o), "Plots", "overlaps: logarithmic or plain axis"),
     Binding("plots", _keys(pygame.K_b), "Plots", "hide or show all plots"),

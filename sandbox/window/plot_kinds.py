@@ -1,35 +1,38 @@
-"""The kinds of plots: curves, the energy split, the space-time strip, the difference of two lanes."""
+"""The kinds of plots: curves, the energy split, the space-time strip, the kymograph, the difference of two lanes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pygame
 
+from sandbox.draw.ink import FINE
 from sandbox.draw.numbers import index
-from sandbox.draw.palette import PAPER, STEEL, Colour, bead_colours, mix
+from sandbox.draw.palette import INK, PAPER, STEEL, Colour, bead_colours, mix
 from sandbox.draw.plots import Axis, decade_axis, linear_axis
 from sandbox.draw.scales import Scales
 from sandbox.draw.track import Array
 from sandbox.session.history import History
 from sandbox.session.lanes import LiveLane
-from sandbox.window.plots import Content, Plot, Source
+from sandbox.window.plots import THICK, Content, Plot, Source, strokes
 from sandbox.window.records import Rows, at_frame, stretches
 from sandbox.window.timespan import TimeSpan
 
-KINDS = ("velocities", "forces", "overlaps", "energy", "strip", "difference")
+KINDS = ("velocities", "forces", "overlaps", "energy", "strip", "kymograph", "difference")
 CHIPS = {
     "velocities": "velocities",
     "forces": "forces",
     "overlaps": "overlaps",
     "energy": "energy",
     "strip": "space-time",
+    "kymograph": "kymograph",
     "difference": "difference",
 }
 HEAT: tuple[Colour, ...] = (PAPER, (198, 222, 240), (86, 160, 211), (0, 94, 160), (10, 34, 82))
 SHADES = 256
+BODY_SEEN, PALE = 0.8, 0.45  # of a bead's length, and how much paper is in its colour, in a kymograph
 
 
 class StackPlot(Plot):
@@ -82,6 +85,29 @@ class StripPlot(Plot):
         return pygame.surfarray.make_surface(_heat()[image])
 
 
+class KymographPlot(Plot):
+    """The bodies over time, as a camera sees them from the side, with a marker on each: the paper's Fig. 4 (c)."""
+
+    marked = False
+    half = 0.5 * BODY_SEEN  # of the axis: set with the length of the beads
+
+    def ink(self, first: int, last: int) -> pygame.Surface:
+        """Bands with markers in columns `first` to `last`."""
+        size = (last - first) * FINE, self.area.height * FINE
+        fine = pygame.transform.scale(self.sheet.ground.subsurface((0, 0, 1, self.area.height)), size)
+        for time, values in self.curves(first, last):
+            across = (time / self.span.column - first + 0.5) * FINE
+            across[[0, -1]] += -FINE, FINE  # stretches join
+            low, high = ((self.y(values + side * self.half) + 0.5) * FINE for side in (-1.0, 1.0))
+            for k in range(min(values.shape[1], len(self.colours))):
+                edge = np.concatenate((across, across[::-1])), np.concatenate((low[:, k], high[::-1, k]))
+                if len(across) > 1:
+                    pygame.draw.polygon(fine, mix(self.colours[k], PAPER, PALE), np.column_stack(edge).tolist())
+            down = (self.y(values) + 0.5) * FINE
+            strokes(fine, [INK] * values.shape[1], across, down, THICK * self.unit * FINE)
+        return pygame.transform.smoothscale(fine, (last - first, self.area.height))
+
+
 class DifferencePlot(Plot):
     """The second lane less the first, bead by bead or contact by contact."""
 
@@ -118,6 +144,7 @@ class Setting:
     history: History
     span: TimeSpan
     logarithmic: bool
+    length: float  # of the beads [m]
 
     def names(self, lane: int) -> tuple[list[str], list[str]]:
         """Indices of the beads and of the contacts of a lane."""
@@ -127,7 +154,9 @@ class Setting:
 
 def make_plot(kind: str, lane: int, rect: pygame.Rect, unit: float, setting: Setting) -> Plot:
     """The plot `kind` of lane number `lane`."""
-    made = {"energy": StackPlot, "strip": StripPlot, "difference": DifferencePlot}.get(kind, Plot)
+    made = {"energy": StackPlot, "strip": StripPlot, "kymograph": KymographPlot, "difference": DifferencePlot}.get(
+        kind, Plot
+    )
     beads, contacts = setting.names(lane)
     palette = bead_colours(len(beads))
     names, colours, values = {
@@ -136,17 +165,31 @@ def make_plot(kind: str, lane: int, rect: pygame.Rect, unit: float, setting: Set
         "overlaps": (["δ" + name for name in contacts], palette[1:], _overlap),
         "energy": ([*("E" + name for name in beads), "stored"], (*palette, STEEL), _energies),
         "strip": (["f" + name for name in contacts], palette[1:], _force),
+        "kymograph": (["x" + name for name in beads], palette, _markers(setting.length)),
         "difference": (["Δv" + name for name in beads], palette, _velocity)
         if lane == 0
         else (["Δf" + name for name in contacts], palette[1:], _force),
     }[kind]
     source = Source(setting.history, lane, values, setting.scales.force)
     content = Content(_title(kind, setting, lane), _axis(kind, setting, lane), names, colours, source)
-    return made(rect, unit, content, setting.span)
+    plot = made(rect, unit, content, setting.span)
+    if isinstance(plot, KymographPlot):
+        plot.half *= setting.length
+    return plot
 
 
 def _velocity(rows: Rows) -> Array:
     return rows.velocity
+
+
+def _markers(length: float) -> Callable[[Rows], Array]:
+    """(T, n+1) where the middles of the beads are [m]."""
+
+    def middles(rows: Rows) -> Array:
+        places: Array = rows.position + length * (np.arange(rows.position.shape[1]) + 0.5)
+        return places
+
+    return middles
 
 
 def _force(rows: Rows) -> Array:
@@ -168,6 +211,7 @@ def _title(kind: str, setting: Setting, lane: int) -> str:
         "overlaps": "overlap (m)",
         "energy": "energy (J): beads, contacts grey",
         "strip": "contact forces, row by row",
+        "kymograph": "markers of the beads (m)",
         "difference": "second less first (m/s)" if lane == 0 else "second less first (N)",
     }
     label = setting.lanes[lane].label
@@ -185,6 +229,7 @@ def _axis(kind: str, setting: Setting, lane: int) -> Axis:
         "energy": (0.0, 1.05 * scales.energy),
         "overlaps": (0.0, 1.1 * (max(map(max, scales.deepest)) or 1.0)),
         "strip": (0.0, 1.0),
+        "kymograph": scales.window,
     }[kind]
     if kind == "strip":
         return _row_axis(setting.names(lane)[1])

@@ -24,7 +24,15 @@ SLOWEST = 1000.0
 STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST)
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart")
 LATE = 0.95  # clock ratio below which the page says that the clock is slow
-CHIP_WIDTHS = {"velocities": 74.0, "forces": 58.0, "overlaps": 70.0, "energy": 60.0, "strip": 84.0, "difference": 82.0}
+CHIP_WIDTHS = {
+    "velocities": 74.0,
+    "forces": 58.0,
+    "overlaps": 70.0,
+    "energy": 60.0,
+    "strip": 84.0,
+    "kymograph": 84.0,
+    "difference": 82.0,
+}
 
 
 class Transport:
