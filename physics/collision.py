@@ -16,15 +16,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
 from physics.measure import at, cluster_beads, dwell, energy_inside, impulses, restitution, rigidity
+from physics.methods import find_method
 from physics.simulation import simulate
 from physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
 
-def _measure(title: str, unit: str, meaning: str) -> Any:
-    """A field of a table of measures: its title, its unit and what it means."""
-    return field(metadata={"title": title, "unit": unit, "meaning": meaning})
+def _measure(title: str, unit: str, meaning: str, dry: bool = False) -> Any:
+    """A field of a table of measures: its title, its unit, what it means, and whether it tells something of chains
+    that rub alone.
+    """
+    return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dry": dry})
 
 
 @dataclass(frozen=True)
@@ -78,8 +81,8 @@ class CollisionMeasures:
     restitution: float | None = _measure(
         "restitution of the striker",
         "",
-        "speed at which the centres of mass of strikers and targets part over that at which they met: 1 for two rigid "
-        "bodies; in an elastic collision 1 less its square is the share of the energy of approach left inside",
+        "speed at which the centres of mass of strikers and targets part at detachment over that at which they met: 1 for "
+        "two rigid bodies; in an elastic collision 1 less its square is the share of the energy of approach left inside",
     )
     energy_inside_at_detachment: float | None = _measure(
         "energy inside at detachment",
@@ -89,6 +92,18 @@ class CollisionMeasures:
         'the compressive energies during the collision"',
     )
     energy_inside: float | None = _measure("energy inside at the end", "", "the same when all is over")
+    momentum_deficit: float | None = _measure(
+        "deficit of momentum",
+        "",
+        '"the relative deficits in the momentum and energy upon collision": share of the momentum at the first touch of '
+        "the struck contact that is missing at detachment",
+        dry=True,
+    )
+    energy_deficit: float | None = _measure("deficit of energy", "", "the same of the kinetic energy", dry=True)
+    absorbed_by_contacts: float | None = _measure(
+        "absorbed by contacts", "", "share of the energy at the start that contacts with loss have taken", dry=True
+    )
+    absorbed_by_bed: float | None = _measure("absorbed by the bed", "", "the same by friction on the bed", dry=True)
     detachment: float | None = _measure("detachment", "s", "time of the last opening of the struck contact")
     contact_time: float | None = _measure(
         "contact time", "s", "for how long the struck contact was closed; the paper's tau_dur"
@@ -120,17 +135,24 @@ def collide(
     chain: Chain,
     velocity: ArrayLike,
     duration: float | None = None,
-    method: str = "accurate",
+    method: str | None = None,
     step: float | None = None,
     tolerance: float = 1e-9,
     samples: int = 2001,
 ) -> Trajectory:
-    """:func:`physics.simulate`, sampled evenly and at every closing and opening too, as :func:`measured` likes it."""
+    """:func:`physics.simulate`, sampled as :func:`measured` likes it: evenly, also while contacts are closed, at switches.
+
+    `method` None is "accurate", where that carries the chain, else "conserving".
+    """
+    if method is None:
+        method = "conserving" if chain.dry and not find_method("accurate").dry else "accurate"
     first = simulate(chain, velocity, duration, method, step, 2, tolerance)
     end = float(first.time[-1]) if duration is None else duration
     switches = np.array([t for spans in first.contact_intervals for span in spans for t in span])
-    times = np.concatenate((np.linspace(0.0, end, samples), switches[switches <= end]))
-    return simulate(chain, velocity, duration, method, step, np.unique(times), tolerance)
+    switches = switches[switches <= end]
+    closed = np.linspace(switches.min(), switches.max(), samples) if switches.size else switches
+    times = np.unique(np.concatenate((np.linspace(0.0, end, samples), closed, switches)))
+    return simulate(chain, velocity, duration, method, step, times, tolerance)
 
 
 def measured(trajectory: Trajectory) -> CollisionMeasures:
@@ -144,6 +166,9 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
     opened = intervals[-1][1] if intervals and math.isfinite(intervals[-1][1]) else None
     targets = slice(struck + 1, None)
     inside = energy_inside(trajectory, struck)
+    deficits = _deficits(trajectory, intervals[0][0], opened) if opened is not None else (None, None)
+    taken = trajectory.absorbed_by_contacts[-1], trajectory.absorbed_by_bed[-1]
+    whole = float(trajectory.kinetic_energy[0] + trajectory.contact_energy[0]) or math.nan
     contacts = tuple(_contact_measures(trajectory, struck))
     own = contacts[struck]
     return CollisionMeasures(
@@ -155,9 +180,13 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
         if opened is None
         else _rigidity(trajectory.chain, targets, at(trajectory, trajectory.velocity, opened)),
         rigidity=_rigidity(trajectory.chain, targets, trajectory.final_velocity),
-        restitution=restitution(trajectory, struck),
+        restitution=None if opened is None else restitution(trajectory, struck, intervals[0][0], opened),
         energy_inside_at_detachment=None if opened is None else _finite(at(trajectory, inside, opened)),
         energy_inside=_finite(inside[-1]),
+        momentum_deficit=deficits[0],
+        energy_deficit=deficits[1],
+        absorbed_by_contacts=_finite(taken[0] / whole),
+        absorbed_by_bed=_finite(taken[1] / whole),
         peak_force=own.peak_force,
         peak_acceleration=own.peak_acceleration,
         momentum=own.momentum,
@@ -182,6 +211,15 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
         )
         for k in range(trajectory.chain.contacts)
     ]
+
+
+def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[float | None, float | None]:
+    """Shares of momentum and of kinetic energy at `touched` that are missing at `opened` [s]."""
+    found = []
+    for values in (trajectory.momentum, trajectory.kinetic_energy):
+        before, after = (float(at(trajectory, values, time)) for time in (touched, opened))
+        found.append(1.0 - after / before if before else None)
+    return found[0], found[1]
 
 
 def _rigidity(chain: Chain, side: slice, velocity: Array) -> float | None:

@@ -135,6 +135,8 @@ def only_contact(chain: Chain) -> Contact:
         raise ValueError("matching needs a chain whose contacts are all alike")
     if not (given.preload == 0.0 or (given.exponent == 1.0 and given.stiffness > 0.0)):
         raise ValueError("matching is between power laws (preload 0) and draft gears (exponent 1)")
+    if chain.dry:
+        raise ValueError("matching needs elastic contacts and a bed that does not rub")
     if chain.walls > 1 or chain.drive is not None:
         raise ValueError("matching needs a collision that ends: no drive and no second wall")
     return given

@@ -111,13 +111,14 @@ def at(trajectory: Trajectory, values: Array, time: float) -> Array:
     return row
 
 
-def restitution(trajectory: Trajectory, struck: int) -> float | None:
-    """Speed of parting over speed of approach of the two sides; None where they did not approach each other."""
+def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: float) -> float | None:
+    """Speed of parting at `detachment` over speed of approach at the `touch` [s]; None where the sides do not approach.
+
+    Nothing but the bed or a wall changes the centres of mass after the detachment.
+    """
     chain, sides = trajectory.chain, (slice(None, struck + 1), slice(struck + 1, None))
-    before, after = (
-        [_side_velocity(chain, side, row) for side in sides]
-        for row in (trajectory.velocity[0], trajectory.final_velocity)
-    )
+    rows = (at(trajectory, trajectory.velocity, time) for time in (touch, detachment))
+    before, after = ([_side_velocity(chain, side, row) for side in sides] for row in rows)
     approach = before[0] - before[1]
     return (after[1] - after[0]) / approach if approach > 0.0 else None
 
@@ -138,7 +139,7 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
 def impulses(trajectory: Trajectory) -> Array:
     """(n,) momentum that each contact has passed from left to right [N s], from the balance of the beads on one side.
 
-    Between two walls neither side has a balance; there the force is summed up over the samples.
+    Between two walls, or on a bed that rubs, there is no such balance: there the force is summed up over the samples.
     """
     chain, time = trajectory.chain, trajectory.time
     mass = np.array(chain.mass)
@@ -147,22 +148,25 @@ def impulses(trajectory: Trajectory) -> Array:
         gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
     summed = np.trapezoid(trajectory.force, time, axis=0)
+    if chain.friction:
+        return np.asarray(summed)
     passed: Array = np.where(np.isfinite(right), right, np.where(np.isfinite(left), left, summed))
     return passed
 
 
 def dwell(trajectory: Trajectory) -> Array:
-    """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch to the last sample.
+    """(n, 3) for how long each contact was open, touching and loaded [s], from the first push to the last sample.
 
     Closings and openings are exact, the change between touching and loaded is found to a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
+    pushes = np.flatnonzero((trajectory.force > 0.0).any(axis=1))
     starts = [spans[0][0] for spans in trajectory.contact_intervals if spans]
-    begin = min(starts, default=end)
+    begin = max(float(time[max(pushes[0] - 1, 0)]), min(starts)) if pushes.size and starts else end
     deepest = max(float(trajectory.overlap.max()), 0.0)
     rows = []
     for k, spans in enumerate(trajectory.contact_intervals):
-        closed = sum(min(last, end) - first for first, last in spans)
+        closed = sum(max(min(last, end) - max(first, begin), 0.0) for first, last in spans)
         loaded = closed
         if trajectory.chain.contact[k].preload > 0.0:
             pressed = trajectory.overlap[:, k] > LEAST_OVERLAP * deepest

@@ -27,8 +27,8 @@ def contact_from(text: str) -> Law:
     Raises:
         SceneError: it is none; one sentence.
 
-    >>> contact_from("power_law(1, alpha=1/10)")
-    Power(law='power', f0=1.0, alpha=0.1)
+    >>> contact_from("power_law(1, alpha=1/10)").contact() == physics.power_law(1.0, 0.1)
+    True
     """
     match = CALL.fullmatch(text)
     if match is None:
@@ -39,10 +39,12 @@ def contact_from(text: str) -> Law:
     names = _numbers_of(law)
     table: dict[str, Any] = {"law": law}
     words = [word.strip() for word in match[2].split(",")] if match[2].strip() else []
-    if len(words) > len(names):
-        raise SceneError([f"contact {text!r}: {match[1]} has {len(names)} numbers at most: {', '.join(names)}"])
     for position, word in enumerate(words):
         key, equals, number = (part.strip() for part in word.rpartition("="))
+        if not equals and position >= len(names):
+            raise SceneError(
+                [f"contact {text!r}: {match[1]} has {len(names)} numbers, {', '.join(names)}, and loss=..."]
+            )
         name = key if equals else names[position]
         if name in table:
             raise SceneError([f"contact {text!r}: {name} is there twice"])
@@ -63,13 +65,10 @@ def contact_text(law: Law | physics.Contact) -> str:
     if isinstance(law, physics.Contact):
         law = law_of(law)
     spelled = {value: key for key, value in SPELLED.items()}.get(law.law, law.law)
-    numbers = [law.model_dump()[name] for name in _numbers_of(law.law)]
-    needed = sum(field.is_required() for name, field in type(law).model_fields.items() if name != "law")
-    while (
-        len(numbers) > needed and numbers[-1] == type(law).model_fields[_numbers_of(law.law)[len(numbers) - 1]].default
-    ):
-        numbers.pop()
-    return f"{spelled}({', '.join(f'{number:.6g}' for number in numbers)})"
+    numbers = [f"{law.model_dump()[name]:.6g}" for name in _numbers_of(law.law)]
+    if law.loss:
+        numbers.append(f"loss={law.loss:.6g}")
+    return f"{spelled}({', '.join(numbers)})"
 
 
 def law_of(contact: physics.Contact) -> Law:
@@ -86,7 +85,7 @@ def law_of(contact: physics.Contact) -> Law:
         table = {"law": "draft_gear", "stiffness": stiffness, "precompression": preload / stiffness}
     else:
         table = {"law": "preloaded", "preload": preload, "stiffness": stiffness, "exponent": exponent}
-    found: Law = LAWS.validate_python(table)
+    found: Law = LAWS.validate_python(table | {"loss": contact.loss})
     return found
 
 
@@ -96,8 +95,8 @@ def _names() -> list[str]:
 
 
 def _numbers_of(law: str) -> list[str]:
-    """Names of a law's numbers, in the order of its constructor."""
-    return [name for name in MODELS[law].model_fields if name != "law"]
+    """Names of a law's numbers, in the order of its constructor; `loss` is always named."""
+    return [name for name in MODELS[law].model_fields if name not in ("law", "loss")]
 
 
 def _number(text: str) -> Any:

@@ -141,3 +141,42 @@ def test_between_samples():
     assert at(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
     assert at(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
     assert energy_inside(trajectory, 0) == pytest.approx(0.0)
+
+
+def test_loss_of_one_on_one_is_its_restitution():
+    chain = one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS)
+    found = measured(collide(chain, [1.0, 0.0]))
+    assert found.restitution == pytest.approx(0.6, abs=2e-3)  # sqrt(1 - loss)
+    assert found.absorbed_by_contacts == pytest.approx(0.5 * 0.64, rel=1e-2)  # of the energy of approach, half of all
+    assert found.absorbed_by_bed == 0.0
+    assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
+    assert found.energy_deficit == pytest.approx(found.absorbed_by_contacts, rel=1e-2)
+
+
+def test_the_bed_takes_momentum():
+    friction, speed, way = 0.2, 1.0, 0.05
+    chain = Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction)
+    trajectory = collide(chain, [speed, 0.0, 0.0, 0.0])
+    found = measured(trajectory)
+    left = 0.5 * MASS * (trajectory.velocity[-1] ** 2).sum() / (0.5 * MASS * speed**2)
+    assert found.absorbed_by_bed == pytest.approx(1.0 - left, rel=1e-9)
+    assert found.rigidity == pytest.approx(0.0, abs=1e-9)
+    assert found.contacts[1].touching == pytest.approx(found.contact_time, rel=2e-3)  # resting side by side is no touch
+    impact = math.sqrt(speed**2 - 2.0 * friction * 9.80665 * way)
+    free = measured(collide(one_on(3, GEAR, MASS), [impact, 0.0, 0.0, 0.0]))
+    assert found.contact_time == pytest.approx(free.contact_time, rel=0.2)
+    # the bed pulls at up to four beads while the striker touches
+    most = 4.0 * friction * 9.80665 * found.contact_time / impact
+    assert 0.2 * most < found.momentum_deficit < most
+    assert 0.0 < found.energy_deficit < 0.5
+    assert found.restitution < free.restitution
+    gained = 3.0 * MASS * at(trajectory, trajectory.velocity, found.detachment)[1]
+    taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # all three slide while they are pushed
+    assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
+
+
+def test_where_nothing_rubs_nothing_is_missing_but_what_contacts_store():
+    found = measured(collide(one_on(3, GEAR, MASS), [0.5, 0.0, 0.0, 0.0]))
+    assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
+    assert found.energy_deficit == pytest.approx(0.0, abs=1e-9)
+    assert (found.absorbed_by_contacts, found.absorbed_by_bed) == (0.0, 0.0)

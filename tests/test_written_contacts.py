@@ -16,6 +16,7 @@ WRITTEN = {
     "hooke(0.001)": physics.hooke(0.001),
     "step_force(2)": physics.step_force(2.0),
     "preloaded(1, 2, 0.5)": physics.Contact(1.0, 2.0, 0.5),
+    "draft_gear(5, 0.2, loss=0.8)": physics.draft_gear(5.0, 0.2, loss=0.8),
 }
 
 
@@ -51,7 +52,8 @@ def test_names_numbers_and_fractions(text):
         ("power_law(1, 1/0)", "must not divide by zero"),
         ("power_law(1, f0=2)", "f0 is there twice"),
         ("power_law(1, beta=2)", "unknown key 'beta'"),
-        ("hertz(1, 2, 3, 4)", "hertz has"),
+        ("hertz(1, 2)", "hertz has 1 numbers, stiffness, and loss=..."),
+        ("hertz(1, loss=1)", "loss must be less than 1"),
         ("draft_gear(true, 1)", "stiffness must be a number, not True"),
     ],
 )

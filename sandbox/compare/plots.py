@@ -108,7 +108,10 @@ def _laws(results: Sequence[Result]) -> str:
     curves = []
     for k, result in enumerate(results):
         law = result.trajectory.chain.contact[result.measures.struck]
-        curves.append(Curve(result.side.name, deep, np.asarray(law.force(deep)), f"s{k}"))
+        force = np.asarray(law.force(deep))
+        curves.append(Curve(result.side.name, deep, force, f"s{k}"))
+        if law.loss:
+            curves.append(Curve(f"{result.side.name}, unloading", deep, (1.0 - law.loss) * force, f"s{k}"))
     axes = Axes((0.0, deepest), span([curve.y for curve in curves]), "overlap (m)", "force (N)", clock=False)
     return chart("Law of the struck contact", curves, axes)
 

@@ -42,6 +42,8 @@ def collision_rows(results: Sequence[Result]) -> list[Row]:
     for field in fields(CollisionMeasures):
         if "title" not in field.metadata or field.name == "final_velocity":
             continue
+        if field.metadata["dry"] and not any(result.trajectory.chain.dry for result in results):
+            continue
         values = tuple(number(getattr(result.measures, field.name)) for result in results)
         rows.append(Row(_titled(field.metadata), field.metadata["meaning"], values))
     return rows
