@@ -27,7 +27,11 @@ _LOADED: set[str] = set()  # methods whose kernels are in memory
 
 
 def run(problem: Problem) -> Record:
-    """Run an adaptive method."""
+    """Run an adaptive method; where something rubs, phase after phase."""
+    if problem.chain.dry:
+        from physics import dry_adaptive
+
+        return dry_adaptive.run(problem, run)
     if not _LOADED:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
         _LOADED.add(problem.method)
@@ -104,6 +108,11 @@ def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.in
 
 def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float) -> None:
     """Move `state` on by `duration` in place; the scratch memory stays with the state."""
+    if chain.dry:
+        from physics import dry_adaptive
+
+        dry_adaptive.advance(chain, state, duration, method, tolerance, run)
+        return
     trial, book, samples = state.work.get("adaptive") or state.work.setdefault("adaptive", _live(chain.contacts))
     book.counter[:] = 0
     book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))

@@ -33,15 +33,11 @@ METHODS: tuple[Method, ...] = (
     Method("verlet", 2, False, False, "physics.fixed_step", "leapfrog"),
     Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs", False),
     Method("conserving", 2, False, True, "physics.fixed_step", "discrete gradient: energy exact at any step"),
-    Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law", False),
-    Method("dop853", 8, True, True, "physics.adaptive", "explicit, adaptive, for contacts that are not soft", False),
-    Method(
-        "accurate", 8, True, True, "physics.adaptive", "dop853 where no contact is stiff, radau where one is", False
-    ),
+    Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law"),
+    Method("dop853", 8, True, True, "physics.adaptive", "explicit, adaptive, for contacts that are not soft"),
+    Method("accurate", 8, True, True, "physics.adaptive", "dop853 where no contact is stiff, radau where one is"),
     Method("pymunk", 1, False, False, "physics.space", "bodies in a pymunk Space; the digits of euler"),
-    Method(
-        "scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches", False
-    ),
+    Method("scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches"),
 )
 
 
@@ -53,7 +49,7 @@ def refusal(method: Method) -> str:
     if method.dry:
         return ""
     reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
-    return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving'"
+    return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or 'accurate'"
 
 
 def find_method(name: str) -> Method:

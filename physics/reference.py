@@ -141,6 +141,10 @@ class _Run:
 
 def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
+    if problem.chain.dry:
+        from physics import dry_adaptive
+
+        return dry_adaptive.run(problem, run)
     chain, state = problem.chain, problem.state
     solved = _Run(chain, state, problem.tolerance)
     solved.until(np.inf if problem.duration is None else state.time + problem.duration)
@@ -164,6 +168,11 @@ def _end(solved: _Run) -> State:
 
 def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float) -> None:
     """Move `state` on by `duration` [s] in place."""
+    if chain.dry:
+        from physics import dry_adaptive
+
+        dry_adaptive.advance(chain, state, duration, method, tolerance, run)
+        return
     solved = _Run(chain, state, tolerance)
     solved.until(state.time + duration)
     end = _end(solved)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pymunk
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from physics import (
@@ -103,6 +104,8 @@ def test_a_bead_slides_to_rest(method, friction):
 @pytest.mark.parametrize("law", LAWS)
 def test_restitution_of_one_on_one(method, law):
     """What comes back is (1 - loss) of the energy: restitution sqrt(1 - loss), whatever the law."""
+    if method == "scipy" and law == "power law":
+        pytest.skip("a minute of the reference; draft gear, Hertz and step stand for it")
     chain = one_on(1, LAWS[law], [1.0, 3.0])
     found = simulate(chain, [1.0, 0.0], method=method, step=step_of(method, chain, [1.0, 0.0]))
     parting = found.final_velocity[1] - found.final_velocity[0]
@@ -167,6 +170,34 @@ def test_the_ledger_of_conserving_closes(seed, parts):
     found = simulate(chain, velocity, longest * min(20, 2000 / parts), "conserving", longest / parts, samples=41)
     assume(found.warnings == ())  # one in some hundred chains has a step that does not converge, and says so
     assert ledger_error(found) < 1e-10
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=12)
+def test_the_ledger_of_radau_closes(seed):
+    chain, velocity = random_dry(seed, 4)
+    longest = float(contact_scales(chain, velocity)[1].max())
+    longest = min(longest, np.ptp(velocity) / (chain.friction * GRAVITY))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = simulate(chain, velocity, 2.0 * longest, "radau", samples=21, tolerance=1e-11)
+    assume(found.warnings == ())
+    assert ledger_error(found) < 1e-10
+
+
+@pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
+def test_adaptive_methods_and_conserving_agree(method):
+    """Stops, reversals, a gear that is held, a bead that sticks and is carried off: two ways that share no step."""
+    chain = Chain([1.0, 2.0, 1.5, 1.0], draft_gear(300.0, 0.01, 0.6), gap=[0.005, 0.0, 0.002], friction=0.25)
+    velocity = [1.0, 0.0, 0.0, -0.5]
+    found = simulate(chain, velocity, 0.2, method, tolerance=1e-11)
+    other = simulate(chain, velocity, 0.2, "conserving", 1e-6)
+    assert np.abs(found.position - other.position).max() < 2e-7
+    assert np.abs(found.velocity - other.velocity).max() < 1e-5
+    assert np.abs(found.absorbed_by_bed - other.absorbed_by_bed).max() < 1e-6
+    assert np.abs(found.absorbed_by_contacts - other.absorbed_by_contacts).max() < 1e-6
+    assert ledger_error(found) < 1e-10
+    assert found.warnings == ()
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "pymunk"])
