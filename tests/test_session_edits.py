@@ -15,6 +15,7 @@ from sandbox.session import (
     Session,
     SetContact,
     SetDrive,
+    SetFriction,
     SetGap,
     SetKind,
     SetMass,
@@ -86,6 +87,19 @@ def test_a_drive_is_booked():
     assert session.lanes[0].books[0] > 0.5, "it was driven"
     assert session.health(0).energy_error < 1e-12
     assert session.health(0).momentum_error < 1e-12
+
+
+def test_a_bed_that_begins_to_rub_brings_all_to_rest():
+    """What it absorbs is booked: the badge has nothing to complain of, and momentum is not its business any more."""
+    session = mid_collision()
+    session.apply(SetFriction(0, 0.05))
+    session.step_frames(1200)
+    assert (session.lanes[0].velocity == 0.0).all()
+    assert session.health(0).energy_error < 1e-12
+    assert session.health(0).momentum_error is None
+    at_rest = session.lanes[0].position.copy()
+    session.step_frames(60)
+    assert (session.lanes[0].position == at_rest).all()
 
 
 def test_a_moving_wall_is_booked():
@@ -241,6 +255,7 @@ def test_no_step_is_so_small_that_a_frame_never_ends():
         (SetGap(0, 0, -1.0), "gap"),
         (SetMethod(0, "magic"), "unknown method"),
         (SetStep(0, -1.0), "step"),
+        (SetFriction(0, -0.1), "friction"),
         (AddBead(0, 9), "numbered 0 to 5"),
         (Place(0, 1, math.nan), "position"),
     ],

@@ -494,3 +494,44 @@ def test_late_physics_slows_the_clock_and_says_so(driver: Driver) -> None:
     driver.frames(60)
     assert driver.session.pace.clock_ratio < 0.95
     assert math.isfinite(driver.session.time)
+
+
+RUBBING = """
+title = "Rubbing"
+[[lanes]]
+beads = [1, 2]
+contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}
+velocity = 1.0
+friction = 0.1
+drive = [0.5, 0.0, 0.0]
+"""
+
+
+def test_bed_drive_and_loss_have_their_sliders_where_the_scene_has_them(tmp_path: Path) -> None:
+    (tmp_path / "rubbing.toml").write_text(RUBBING.replace("[[lanes]]", "duration = 5.0\n[[lanes]]"))
+    driver = Driver(str(tmp_path / "rubbing.toml"))
+    driver.click(driver.bead(0))
+    controls = driver.play.inspector.controls
+    for key, value in (("friction", 0.25), ("drive", 0.75)):
+        driver.click(controls[key].entry.rect.center)
+        controls[key].entry.set_text(f"{value}")
+        driver.key(pygame.K_RETURN)
+    chain = driver.session.lanes[0].chain
+    assert (chain.friction, chain.drive) == (0.25, (0.75, 0.0, 0.0))
+    driver.key(pygame.K_ESCAPE)  # out of the entry
+    driver.key(pygame.K_RIGHT)
+    assert driver.play.pick == Pick(0, "contact", 0)
+    slider = driver.play.inspector.controls["loss"].slider.sliding_button.rect
+    driver.drag(slider.center, (slider.centerx + 400, slider.centery))
+    driver.release((slider.centerx + 400, slider.centery))
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.contact[0].loss == 0.95
+    driver.key(pygame.K_SPACE)
+    driver.frames(120)
+    assert driver.session.health(0).energy_error < 1e-9
+    driver.close()
+
+
+def test_an_ordinary_bead_has_no_bed_and_no_drive(driver: Driver) -> None:
+    driver.click(driver.bead(0))
+    assert set(driver.play.inspector.controls) == {"mass", "velocity"}

@@ -57,9 +57,8 @@ class Shares:
         if not self.badged:
             return
         errors = (("energy error", track.energy_error[row]), ("momentum error", track.momentum_error[row]))
-        for k, (name, error) in enumerate(
-            errors[:1] if track.chain.walls or track.chain.friction else errors
-        ):  # these take up momentum
+        takers = track.chain.walls or track.chain.friction  # of momentum
+        for k, (name, error) in enumerate(errors[:1] if takers else errors):
             self._badge(surface, k, name, float(error))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:

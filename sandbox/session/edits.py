@@ -106,6 +106,13 @@ def _(item: inputs.SetDrive, setup: LaneSetup, state: State) -> Changed:
 
 
 @edited.register
+def _(item: inputs.SetFriction, setup: LaneSetup, state: State) -> Changed:
+    if not 0.0 <= item.friction <= LARGEST:
+        raise ValueError(f"friction must be a number from 0 to {LARGEST:g}, not {item.friction!r}")
+    return _with_chain(setup, state, replace(setup.chain, friction=float(item.friction)))
+
+
+@edited.register
 def _(item: inputs.SetMethod, setup: LaneSetup, state: State) -> Changed:
     return setup.with_method(item.method), state
 

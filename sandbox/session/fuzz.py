@@ -122,6 +122,7 @@ class Monkey:
                 inputs.Lock(lane, some, chance.random() < 0.5),
                 inputs.SetGap(lane, contact, chance.choice((0.0, chance.uniform(0.0, 1.0)))),
                 inputs.SetDrive(lane, bead, chance.choice((0.0, 0.0, chance.gauss(0.0, 1.0)))),
+                inputs.SetFriction(lane, chance.choice((0.0, 0.0, chance.random()))),
                 inputs.RemoveBead(lane, bead) if crowded else inputs.AddBead(lane, bead, mass, chance.random()),
                 inputs.RemoveBead(lane, bead),
                 inputs.SetMethod(chance.choice((lane, None)), chance.choice(METHODS)),

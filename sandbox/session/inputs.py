@@ -98,6 +98,14 @@ class SetDrive:
 
 
 @dataclass(frozen=True)
+class SetFriction:
+    """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is none."""
+
+    lane: int
+    friction: float
+
+
+@dataclass(frozen=True)
 class AddBead:
     """Insert a bead so that it becomes number `bead` (0 ... n+1), at the velocity of its neighbours.
 
@@ -149,8 +157,8 @@ class Resume:
 
 # what concerns one lane or all of them, and what concerns the session
 LaneInput = (
-    Place | SetVelocity | SetMass | SetContact | SetKind | Lock | SetGap | SetDrive | AddBead | RemoveBead
-    | SetMethod | SetStep
+    Place | SetVelocity | SetMass | SetContact | SetKind | Lock | SetGap | SetDrive | SetFriction | AddBead
+    | RemoveBead | SetMethod | SetStep
 )  # fmt: skip
 Input = LaneInput | Drag | Drop | SetSlow | Resume
 

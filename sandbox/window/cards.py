@@ -146,5 +146,5 @@ def _numbers(health: Health) -> list[tuple[str, str]]:
 
 def _error(error: float | None) -> str:
     if error is None:
-        return "a wall takes it up"
+        return "wall or bed takes it"
     return scientific(error) if error >= 1e-17 else "0"

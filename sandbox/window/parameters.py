@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 
 from physics import Contact
 from sandbox.draw.numbers import MINUS
-from sandbox.session.inputs import Input, SetContact, SetGap, SetMass, SetVelocity
+from sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from sandbox.session.lanes import LiveLane
 from sandbox.session.session import Session
 from sandbox.window.stage_view import Pick
 
 DECADES = 2.0  # that a logarithmic slider reaches on either side of the scene's own value
-LEAST_PRELOAD = 1e-6
+MOST_LOSS = 0.95  # of the slider; a gear absorbs 0.8 and more
+MOST_FRICTION = 1.0  # of the slider
 
 
 @dataclass(frozen=True)
@@ -87,12 +88,34 @@ def _of_bead(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
             live=True,
         )
     )
+    return found + _of_surroundings(session, lane, pick)
+
+
+def _of_surroundings(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
+    """The drive of a bead and the friction of the bed under all of them, where the scene or an edit has brought them."""
+    opened, chain, found = session.scene.lanes[pick.lane].chain(), lane.chain, []
+    if opened.drive or chain.drive:
+        drives = [abs(force) for row in (opened, chain) for force in row.drive or (0.0,)]
+        now, most = (chain.drive or (0.0,) * len(chain.mass))[pick.index], 2.0 * max(*drives, 1e-6)
+        found.append(
+            Parameter(
+                "drive", "steady force", "N", -most, most, False, now, lambda f: SetDrive(pick.lane, pick.index, f)
+            )
+        )
+    if opened.friction or chain.friction:
+        most = max(MOST_FRICTION, chain.friction)
+        found.append(
+            Parameter(
+                "friction", "friction of the bed", "", 0.0, most, False, chain.friction,
+                lambda coefficient: SetFriction(pick.lane, coefficient),
+            )
+        )  # fmt: skip
     return found
 
 
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
     law, length = lane.chain.contact[pick.index], session.scene.view.length
-    gap = max(-float(lane.state.overlap[pick.index]), 0.0)
+    gap = max(0.0, -float(lane.state.overlap[pick.index]))
     change = _changer(pick, law)
     gear = law.preload > 0.0
     alpha_name = "alpha (exponent)" if not gear else "exponent (1: spring)"
@@ -106,6 +129,7 @@ def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]
         found.append(Parameter("exponent", alpha_name, "", 0.01, 3.0, True, law.exponent, change("exponent")))
     force = max(2.0 * law.preload, _force(session, pick))
     found.append(Parameter("preload", "preload", "N", 0.0, force, False, law.preload, change("preload")))
+    found.append(Parameter("loss", "loss (0: elastic)", "", 0.0, MOST_LOSS, False, law.loss, change("loss")))
     found.append(
         Parameter(
             "gap",
