@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -12,6 +13,7 @@ from physics.chain import Chain
 from physics.kernels import trial as kernel
 from physics.kernels.adaptive import integrate
 from physics.kernels.march import OUT_OF_STEPS
+from physics.kernels.pace import PACES
 from physics.run import NO_TIMES, Problem, Record, empty_samples, run_to_end
 from physics.state import State
 from physics.time_scale import speed_scale
@@ -21,6 +23,10 @@ Array = NDArray[np.float64]
 MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
+FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is asked whether it agrees
+FINER, FINEST = 10.0, 1e-11  # so much finer, and the finest tolerance there is a use for
+AGREE, MOST_APART = 3.0, 3.0  # tolerances that two runs may lie apart; times this, a sentence says so
+MOST_CONFIRMING = 50_000  # steps of all runs of one motion: no finer run beyond
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
 KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
 _LOADED: set[str] = set()  # methods whose kernels are in memory
@@ -36,8 +42,47 @@ def run(problem: Problem) -> Record:
         _pass(problem, problem.state.time, NO_TIMES, False)
         _LOADED.add(problem.method)
     record = run_to_end(problem, _pass)
+    if problem.tolerance > FINEST and _sensitive(problem, record):
+        record = _confirmed(problem, record)
     record.warnings += _energy_warnings(problem, record)
     return record
+
+
+def _sensitive(problem: Problem, record: Record) -> bool:
+    """True where errors of single steps may grow: a contact bounces often, or a steady push brings it back to zero overlap,
+    where a change d of the overlap is one of sqrt(d) in velocity."""
+    switches = np.bincount(record.switch_contact, minlength=1)
+    soft = any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.contact)
+    driven = problem.state.external(problem.chain) is not None
+    return int(switches.max()) > 2 * FEW_BOUNCES or (driven and soft)
+
+
+def _confirmed(problem: Problem, record: Record) -> Record:
+    """A finer record that agrees with the one before it to the tolerance, or says that there is none."""
+    allowed = AGREE * problem.tolerance * _scale(problem.chain, problem.state)
+    tolerance = problem.tolerance
+    while not record.warnings:
+        tolerance = max(tolerance / FINER, FINEST)
+        finer = run_to_end(replace(problem, tolerance=tolerance), _pass)
+        finer.steps, finer.evaluations = finer.steps + record.steps, finer.evaluations + record.evaluations
+        finer.seconds += record.seconds
+        ends = finer.end.velocity(problem.chain), record.end.velocity(problem.chain)
+        apart = float(np.abs(ends[0] - ends[1]).max())
+        record = finer
+        if apart <= allowed:
+            break
+        if tolerance <= FINEST or record.steps > MOST_CONFIRMING:
+            if apart > MOST_APART * allowed:
+                record.warnings += (_apart(problem, tolerance, apart),)
+            break
+    return record
+
+
+def _apart(problem: Problem, tolerance: float, apart: float) -> str:
+    return (
+        f"the motion is so sensitive that {problem.method} at tolerance {tolerance:g} still moves final velocities by "
+        f"{apart:.1g} m/s, more than {problem.tolerance:g} promises: take a looser tolerance, or method 'conserving'"
+    )
 
 
 def _energy_warnings(problem: Problem, record: Record) -> tuple[str, ...]:
@@ -174,6 +219,7 @@ def _trial(contacts: int) -> kernel.Trial:
         of_anchor=np.zeros(12),
         opening=np.zeros(contacts),
         work=np.zeros((15, contacts + 1)),
+        pace=np.zeros(PACES),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -18,7 +19,6 @@ from physics import simulate as checked_simulate
 KERNELS = ("radau", "dop853", "accurate")
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 PROMISE = 10.0  # tolerances
-FEW_BOUNCES, RATTLE_PROMISE = 3, 30.0  # of a contact that bounces more often: so many tolerances a bounce
 CASES = ELASTIC + GEARS
 GEAR = draft_gear(770.0, 0.0177)
 
@@ -53,16 +53,22 @@ def test_error_stays_below_ten_tolerances(method, truth):
 
 @pytest.mark.parametrize(("chain", "velocity"), lanes())
 def test_error_in_every_scene(chain, velocity):
-    """Against a fine run. Where a contact rattles, each of its bounces is a collision of its own and the errors add up.
+    """Against a fine run that is sure of itself: `mixed` has none below 1e-9, where it rattles a thousand times.
 
-    Measured: 16 tolerances at 6 bounces of a pair in `mixed`, 1800 at 68 in `weak-contact`, at any tolerance.
+    Where a contact bounces often, errors of single steps are passed on and grow: finer runs confirm these.
     """
-    exact = simulate(chain, velocity, method="radau", tolerance=1e-10).final_velocity
+    exact = next(run.final_velocity for run in fine_runs(chain, velocity) if not run.warnings)
     for tolerance in TOLERANCES[:-2]:
         found = simulate(chain, velocity, tolerance=tolerance)
-        bounces = max(len(intervals) for intervals in found.contact_intervals)
-        bound = PROMISE if bounces <= FEW_BOUNCES else RATTLE_PROMISE * bounces
-        assert np.abs(found.final_velocity - exact).max() < bound * tolerance * closing(velocity)
+        assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance * closing(velocity)
+
+
+def fine_runs(chain, velocity):
+    """Runs at 1e-10 and 1e-9, with their warnings inside."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        for tolerance in (1e-10, 1e-9):
+            yield simulate(chain, velocity, method="radau", tolerance=tolerance)
 
 
 SMOOTH = {

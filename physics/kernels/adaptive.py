@@ -8,59 +8,30 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.curve import LOADED, OPEN, TOUCHING, flow_into, slope_at
+from physics.kernels.curve import LOADED, OPEN, TOUCHING, flow_into
 from physics.kernels.jit import jit
 from physics.kernels.march import DONE, OUT_OF_STEPS, SEPARATED
 from physics.kernels.modes import CLOSES, OPENS, YIELDS, continued, set_modes
 from physics.kernels.openings import find_openings, note_switches
+from physics.kernels.pace import LAST, NEXT, begin, first_step, learn, next_step, onset_step
 from physics.kernels.rescue import rescue
 from physics.kernels.trial import (
+    DOP853,
     NEWTON_PART,
     REJECTED,
-    SAFETY,
     SAMPLE,
     STEP,
     attempt,
-    explicit_fits,
-    opening_limit,
     sample_flight,
     sample_inside,
     settle,
 )
 
-TOLERANCE_PART = 0.25  # of the tolerance: to this each step is held
+TOLERANCE_PART = 0.1  # of the tolerance: to this each step is held
+SWINGING_PART = 0.25  # of dop853 alone, where errors of soft contacts that swing average out
 SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
 STILL_PART = 1e-3  # of a step's tolerance: a gap that closes slower than this counts as not closing
 RESCUE_PART = 0.25  # of a step at which Newton fails: so long the step of `conserving` in its place may be
-GROW = 8.0  # times the step before, at the most
-
-
-@jit
-def onset_step(given, i, speed, wanted):
-    """First step after contact i closes at `speed`: its impulse L K (v h)**a h / (1+a) is the error; inf if smooth."""
-    exponent, stiffness = given.law[i, 2], given.law[i, 1]
-    if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
-        return math.inf
-    weight = (given.inverse_mass[i] + given.inverse_mass[i + 1]) * stiffness * speed**exponent
-    return ((1.0 + exponent) * wanted / weight) ** (1.0 / (1.0 + exponent))
-
-
-@jit
-def first_step(given, moving, scale):
-    """A step to begin with where no onset gives one: a hundredth of the fastest local period or crossing."""
-    fastest = 0.0
-    for i in range(moving.mode.size):
-        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
-        preload, stiffness, exponent = given.law[i, 0], given.law[i, 1], given.law[i, 2]
-        if moving.mode[i] == LOADED and moving.overlap[i] > 0.0:
-            slope = slope_at(preload, stiffness, exponent, moving.overlap[i], moving.force[i])
-            fastest = max(fastest, math.sqrt(weight * slope))
-        if moving.mode[i] != OPEN:
-            push = max(moving.force[i], preload)
-            fastest = max(fastest, weight * push / scale, 1e-3 * math.sqrt(weight * stiffness))
-        if given.external.size:
-            fastest = max(fastest, abs(given.external[i]) / scale)
-    return 0.01 / fastest if fastest > 0.0 else 1.0
 
 
 @jit
@@ -160,16 +131,16 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
     `scale` is the velocity [m/s] that `tolerance` is relative to. Returns the status and the time reached.
     """
     n = moving.mode.size
-    wanted = TOLERANCE_PART * tolerance * scale
+    wanted = (SWINGING_PART if given.kind == DOP853 else TOLERANCE_PART) * tolerance * scale
     slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, 1e-15 * scale)
-    time, h_next = start, math.inf
-    last_step, last_error, past_step = 0.0, wanted, 0.0
+    time, past_step, first, pace = start, 0.0, math.inf, trial.pace
     for i in range(n):
         moving.held[i] = 0
     set_all_modes(given, moving, slow, trial)
     for i in range(n):
         if moving.mode[i] == LOADED and moving.overlap[i] == 0.0:
-            h_next = min(h_next, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
+            first = min(first, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
+    begin(pace, first)
     note_switches(time, time, moving, trial.opening, book)
     while True:
         sample_flight(time, time, given, moving, samples, book)
@@ -189,13 +160,14 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
                 continue
             moving.overlap[closing] = 0.0
             set_all_modes(given, moving, slow, trial)
-            h_next, past_step, last_step = onset_step(given, closing, moving.rate[closing], wanted), 0.0, 0.0
-        h = opening_limit(min(h_next, end - time), given, moving, wanted)
-        if not math.isfinite(h):
-            h = first_step(given, moving, scale)
-        explicit = explicit_fits(h, given, moving)
-        tried = h
-        h, error, landing, kind = settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps)
+            begin(pace, onset_step(given, closing, moving.rate[closing], wanted))
+            past_step = 0.0
+        if not math.isfinite(pace[NEXT]):
+            begin(pace, first_step(given, moving, scale))
+        explicit, tried, near = next_step(pace, end - time, given, moving, wanted)
+        h, error, landing, kind = settle(
+            time, tried, explicit, given, moving, wanted, past_step, trial, book, most_steps
+        )
         if h == 0.0:
             if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
@@ -203,14 +175,10 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
             set_all_modes(given, moving, slow, trial)
             before, time = time, time + h
             note_switches(before, time, moving, trial.opening, book)
-            h_next, last_step, past_step = 4.0 * h, 0.0, 0.0
+            begin(pace, 4.0 * h)
+            past_step = 0.0
             continue
-        power = 0.125 if explicit else 0.2
-        grow = min(GROW, SAFETY * (wanted / max(error, 1e-300)) ** power)
-        if h < last_step and landing < 0:  # steps that shrink go on shrinking (Gustafsson)
-            grow = min(grow, SAFETY * (h / last_step) * (wanted * last_error / max(error * error, 1e-300)) ** power)
-        last_step, last_error = (h, max(error, 1e-3 * wanted)) if landing < 0 else (0.0, wanted)
-        h_next = max(h_next, h * grow) if landing >= 0 and math.isfinite(h_next) else h * grow
+        learn(pace, h, explicit, error, near and h == tried, landing, wanted)
         precision = NEWTON_PART * wanted
         lost = find_openings(h, explicit, given, moving, wanted, past_step, trial, book)
         if book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
@@ -223,11 +191,12 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         past_step = 0.0 if explicit else h
         book.counter[STEP] += 1
         if open_passed(landing, given, moving, slow):
-            last_step = 0.0
+            pace[LAST] = 0.0
         note_switches(before, time, moving, trial.opening, book)
         if landing >= 0:
             past_step = 0.0
             if kind == CLOSES:
-                h_next = min(h_next, onset_step(given, landing, moving.rate[landing], wanted))
+                first = min(pace[NEXT], onset_step(given, landing, moving.rate[landing], wanted))
+                begin(pace, first)
             switch(landing, kind, given, moving, slow, trial)
             note_switches(time, time, moving, trial.opening, book)

@@ -10,15 +10,30 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.curve import LOADED, NODES, OPEN, TOUCHING, cubic, flow_into, move_along, signed_force, slope_at
+from physics.kernels.curve import (
+    LOADED,
+    NODES,
+    OPEN,
+    SMALLEST,
+    TOUCHING,
+    cubic,
+    flow_into,
+    move_along,
+    signed_force,
+    slope_at,
+)
 from physics.kernels.jit import jit
 from physics.kernels.law import power
 from physics.kernels.radau_tableau import SQUARE_INVERSE
 
 MOST_NEWTON = 15
 DIVERGED = 1e30  # [m] an overlap so large tells that Newton has lost its way
-FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps no force counts, yet the next begins from it
+FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps none counts, yet the next begins from it
 FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
+SOFT_FOLLOW = 1.3  # nor of soft contacts,
+SUDDEN = 0.2  # nor one of this part of the time since an onset, or until an opening: powers of that time then go on
+LEAST_LEFT = 0.01  # of an overlap that shrinks, in a guess
+MOST_GROWTH = math.log(3.0)  # of a guessed force
 
 
 @jit
@@ -27,10 +42,12 @@ def first_guess(
 ):  # fmt: skip
     """Stages to begin Newton from: the cubics of the step before, where there was one of like size, go on.
 
-    `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts keep their force,
-    others fly on.
+    `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts go on as a power of the
+    time since an onset, d (1 + t/T)**(w T/d), or keep their force where `past_step` is negative; others fly on.
     """
     follows = past_step > 0.0 and h < FOLLOW * past_step
+    soft_follows = past_step > 0.0 and h < SOFT_FOLLOW * past_step
+    since = time_since_onset(law, mode, overlap, rate, force)
     for i in range(overlap.size):
         preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
         for k in range(3):
@@ -44,7 +61,21 @@ def first_guess(
                     stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
             elif exponent < 1.0 and force[i] > preload:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
-                if follows:
+                weight = inverse_mass[i] + inverse_mass[i + 1]
+                stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
+                own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
+                time = overlap[i] / rate[i] if own else since
+                if past_step >= 0.0 and (not soft_follows or h > SUDDEN * abs(time)) and overlap[i] > SMALLEST:
+                    growth = math.log(max(1.0 + h * NODES[k] / time, LEAST_LEFT))
+                    if own and flown <= 0.0 and preload == 0.0:
+                        stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+                        continue
+                    if not own:
+                        growth *= rate[i] * time / overlap[i]
+                    growth = min(max(growth, -MOST_GROWTH / exponent), MOST_GROWTH / exponent)
+                    stage_overlap[k, i] = overlap[i] * math.exp(growth)
+                    stage_force[k, i] = preload + (force[i] - preload) * math.exp(exponent * growth)
+                elif soft_follows:
                     excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
                     if 0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload):
                         stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
@@ -65,6 +96,16 @@ def first_guess(
                 if external.size and external[i] > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
                     push = external[i] / (inverse_mass[i] + inverse_mass[i + 1])
                     set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
+
+
+@jit
+def time_since_onset(law, mode, overlap, rate, force):
+    """Time since the overlap of the soft contact that pushes most was zero, if its rate was what it is; negative until then."""
+    largest, since = 0.0, 1e30
+    for i in range(overlap.size):
+        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0 and force[i] > largest and rate[i] != 0.0:
+            largest, since = force[i], overlap[i] / rate[i]
+    return since
 
 
 @jit
@@ -160,7 +201,8 @@ def eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stag
 
 @jit
 def solve_stages(
-    h, law, inverse_mass, external, mode, overlap, rate, precision, stage_overlap, stage_force, along, across, block, z
+    h, law, inverse_mass, external, mode, overlap, rate, force, precision, stage_overlap, stage_force, along, across,
+    block, z,
 ):  # fmt: skip
     """Newton on all stages from the guess in `stage_*`; `precision` is the velocity [m/s] to converge to.
 
@@ -168,11 +210,13 @@ def solve_stages(
     iterations used, 0 where they did not converge.
     """
     n = overlap.size
-    before = math.inf
+    before, strongest = math.inf, 0.0
+    for i in range(n):
+        strongest = max(strongest, force[i])
     for iteration in range(MOST_NEWTON):
         directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, across)
         eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stage_force, along, across, block, z)
-        size, changed, largest = 0.0, 0.0, 0.0
+        size, changed, largest = 0.0, 0.0, strongest
         for i in range(n):
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):

