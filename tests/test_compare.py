@@ -185,6 +185,18 @@ def test_film_report_and_numbers_at_once(capsys, tmp_path):
     assert (tmp_path / "report.html").read_text().count("<video") == 1
 
 
+def test_the_film_goes_by_the_method_that_is_wished(tmp_path, monkeypatch):
+    asked = {}
+
+    def kept(scene, path, size, **wishes):
+        asked.update(wishes)
+        raise UserError("enough")
+
+    monkeypatch.setattr("sandbox.compare.output.render_scene", kept)
+    assert main(["compare", *PAIR, "-o", str(tmp_path / "x.mp4"), "--method", "verlet", "--step", "0.002"]) == 2
+    assert (asked["method"], asked["step"]) == ("verlet", 0.002)
+
+
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """A report as a file, its text, and its results."""

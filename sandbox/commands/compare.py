@@ -53,7 +53,7 @@ def main(args: argparse.Namespace) -> int:
     if args.match:
         matchable(comparison)
     paths, found = _paths(args), None
-    wishes = Wishes(args.size, args.slow)
+    wishes = Wishes(args.size, args.slow, args.method, args.step)
     checked_outputs(paths, comparison, wishes)
     with ExitStack() as stack:
         places = opened(stack, paths)  # before the work: an unwritable place is said at once

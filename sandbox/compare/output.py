@@ -29,10 +29,12 @@ FILMS = (".mp4", ".gif", ".webp", ".avif")
 
 @dataclass(frozen=True)
 class Wishes:
-    """Pixels of the film, and seconds of film for one of motion; None leaves it to us."""
+    """Pixels of the film, seconds of film for one of motion, and its method and step; None leaves it to us."""
 
     size: tuple[int, int] | None = None
     slow: float | None = None
+    method: str | None = None
+    step: float | None = None
 
     def pixels(self, comparison: Comparison) -> tuple[int, int]:
         """Size of the film: a row a side."""
@@ -90,7 +92,9 @@ class Report:
     def film(self, path: Path) -> RenderReport:
         """Write the film, or a picture of its strongest moment."""
         scene = self._scene()
-        return render_scene(scene, path, self.wishes.pixels(self.comparison), slow=self._pace(scene))
+        wishes = self.wishes
+        size, slow = wishes.pixels(self.comparison), self._pace(scene)
+        return render_scene(scene, path, size, slow=slow, method=wishes.method, step=wishes.step)
 
     def _scene(self) -> Scene:
         return self.comparison.film(ends(self.results))
