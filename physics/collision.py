@@ -47,7 +47,9 @@ class ContactMeasures:
         "peak force over the mass accelerated: the common A of Eq. (4), one number for all contacts of a rigid cluster",
     )
     momentum: float = _measure("momentum passed", "N s", 'integral of the force over time; "the flow rate of momentum"')
-    open: float = _measure("open", "s", "for how long apart, from the first touch of any contact to the end of the run")
+    open: float = _measure(
+        "open", "s", "for how long apart, from the first touch of the struck contact to the end of the run"
+    )
     touching: float = _measure(
         "touching", "s", "for how long at overlap 0 with a force between 0 and the preload, Eq. (C1)"
     )
@@ -198,7 +200,7 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
     mass = np.array(trajectory.chain.mass)
     beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
     accelerated = np.where(np.arange(trajectory.chain.contacts) >= struck, beyond, before)
-    peak, passed, times = trajectory.force.max(axis=0), impulses(trajectory), dwell(trajectory)
+    peak, passed, times = trajectory.force.max(axis=0), impulses(trajectory, struck), dwell(trajectory, struck)
     return [
         ContactMeasures(
             peak_force=float(peak[k]),

@@ -136,10 +136,11 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
     return share
 
 
-def impulses(trajectory: Trajectory) -> Array:
+def impulses(trajectory: Trajectory, struck: int) -> Array:
     """(n,) momentum that each contact has passed from left to right [N s], from the balance of the beads on one side.
 
-    Between two walls, or on a bed that rubs, there is no such balance: there the force is summed up over the samples.
+    Between two walls, or on a bed that rubs, there is no such balance: there the force is summed up over the samples from
+    the first touch of the contact `struck` on, for what beads at rest on a bed press on each other is not determined.
     """
     chain, time = trajectory.chain, trajectory.time
     mass = np.array(chain.mass)
@@ -147,29 +148,34 @@ def impulses(trajectory: Trajectory) -> Array:
     with np.errstate(invalid="ignore"):
         gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
-    summed = np.trapezoid(trajectory.force, time, axis=0)
+    late = time >= first_touch(trajectory, struck)
+    summed = np.trapezoid(trajectory.force[late], time[late], axis=0)
     if chain.friction:
         return np.asarray(summed)
     passed: Array = np.where(np.isfinite(right), right, np.where(np.isfinite(left), left, summed))
     return passed
 
 
-def dwell(trajectory: Trajectory) -> Array:
-    """(n, 3) for how long each contact was open, touching and loaded [s], from the first push to the last sample.
+def first_touch(trajectory: Trajectory, struck: int) -> float:
+    """Time at which the contact `struck` first closes [s]; the end where it never does."""
+    spans = trajectory.contact_intervals[struck]
+    return spans[0][0] if spans else float(trajectory.time[-1])
+
+
+def dwell(trajectory: Trajectory, struck: int) -> Array:
+    """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch of `struck` to the end.
 
     Closings and openings are exact, the change between touching and loaded is found to a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
-    pushes = np.flatnonzero((trajectory.force > 0.0).any(axis=1))
-    starts = [spans[0][0] for spans in trajectory.contact_intervals if spans]
-    begin = max(float(time[max(pushes[0] - 1, 0)]), min(starts)) if pushes.size and starts else end
+    begin = first_touch(trajectory, struck)
     deepest = max(float(trajectory.overlap.max()), 0.0)
     rows = []
     for k, spans in enumerate(trajectory.contact_intervals):
         closed = sum(max(min(last, end) - max(first, begin), 0.0) for first, last in spans)
         loaded = closed
         if trajectory.chain.contact[k].preload > 0.0:
-            pressed = trajectory.overlap[:, k] > LEAST_OVERLAP * deepest
+            pressed = (trajectory.overlap[:, k] > LEAST_OVERLAP * deepest) & (time >= begin)
             loaded = min(closed, float(np.diff(time)[pressed[1:] | pressed[:-1]].sum()))
         rows.append((end - begin - closed, closed - loaded, loaded))
     return np.array(rows)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.measure import LEAST_OVERLAP, energy_inside
+from physics.measure import LEAST_OVERLAP, energy_inside, first_touch
 from sandbox.compare.charts import Axes, Curve, Span, bars, chart, span
 from sandbox.compare.results import Result
 from sandbox.draw.numbers import index, time_unit
@@ -135,7 +135,9 @@ def _stretches(result: Result, contact: int, clock: Clock) -> list[tuple[str, fl
         if trajectory.chain.contact[contact].preload == 0.0:
             found.append(("loaded", begin / unit, end / unit))
             continue
-        found.append(("touching", begin / unit, end / unit))
+        begun = max(begin, first_touch(trajectory, result.measures.struck))  # lying side by side before it is no touch
+        if begun < end:
+            found.append(("touching", begun / unit, end / unit))
         found += [("loaded", a / unit, b / unit) for a, b in _runs(trajectory.time, pressed, begin, end)]
     return found
 
