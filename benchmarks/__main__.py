@@ -32,6 +32,13 @@ def precision() -> Iterator[Report]:
     return reports()
 
 
+def errors() -> Iterator[Report]:
+    """Error against tolerance, over all scenes."""
+    from benchmarks.errors import reports
+
+    return reports()
+
+
 def callbacks() -> Iterator[Report]:
     """Contacts in pymunk, compiled and in Python."""
     from benchmarks import callbacks
@@ -82,7 +89,7 @@ def window() -> Iterator[Report]:
 
 
 PARTS: dict[str, Callable[[], Iterator[Report]]] = {
-    part.__name__: part for part in (steps, precision, callbacks, render, window)
+    part.__name__: part for part in (steps, precision, errors, callbacks, render, window)
 }
 
 
