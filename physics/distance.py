@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Distance = Literal["force", "outcome"]
 
 DISTANCES: tuple[Distance, ...] = ("force", "outcome")
-TOLERANCE = 1e-8
+TOLERANCE = 1e-6  # far below any distance; very soft chains need thousands of steps for more
 FAR = 1e3  # distance of what cannot be simulated
 # places of samples within a contact time, dense at both ends, where forces leap; the very ends belong to no one
 GRADED = np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 801)), 1e-9, 1.0 - 1e-9)

@@ -60,7 +60,7 @@ def test_a_linear_spring_is_in_both_families():
     assert as_gear.ends == ("precompression",)  # 0 is no number of the search
 
 
-@pytest.mark.parametrize("alpha", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("alpha", [0.1, 0.3, 1.0])
 def test_there_and_back(alpha):
     there = soft_match(alpha)
     back = match(one_on(4, there.contact), [1, 0, 0, 0, 0], family="power_law")
