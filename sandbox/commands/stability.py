@@ -79,6 +79,7 @@ def _spots(scans: Sequence[Scan]) -> list[Spot]:
 
 
 def _print(spots: Sequence[Spot]) -> None:
+    from physics.methods import find_method
     from physics.trust import TRUSTED_ERROR
     from sandbox.stability.scans import KEPT
     from sandbox.stability.verdicts import verdicts
@@ -88,7 +89,8 @@ def _print(spots: Sequence[Spot]) -> None:
         first = "-" if found.first is None else f"{found.first.fineness:.2g} at {found.scan} = {found.first.value:.2g}"
         how = ", ".join(f"{kind} {count}" for kind, count in found.kinds) or "-"
         failed = f"{found.failed} of {found.runs}"
-        made.add_row(found.scan, found.method, failed, how, first, str(found.unsafe), str(found.silent))
+        unsafe = "-" if find_method(found.method).adaptive else str(found.unsafe)
+        made.add_row(found.scan, found.method, failed, how, first, unsafe, str(found.silent))
     to = console()
     to.print(made)
     to.print(
