@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
-from physics.cost import Costs, costs, kind_of
+from physics.cost import SOFT, Costs, costs, kind_of
 from physics.time_scale import contact_scales
 from physics.trust import stable_step
 
@@ -32,6 +32,10 @@ FINEST = 1e-13  # tolerance: what double precision has room for
 LEAST_STEPS = 20  # to the shortest contact, so that a fixed step sees every contact
 MOST_STEPS = 20_000_000  # a fixed step that needs more is no candidate
 LOOSE = 1e-5  # wanted error down to which `accurate` on soft contacts is five times as exact as its tolerance
+YIELDING = (
+    1e-7  # tolerance of radau near a critical speed, where a contact yields for a moment that long steps pass over
+)
+NEAR = (0.9, 1.15)  # times a critical speed
 
 
 @dataclass(frozen=True)
@@ -65,9 +69,8 @@ def choose(
     best = found[0]
     told = ", ".join(f"{choice.method} {_time(choice.seconds)}" for choice in found)
     fineness = f"step {best.step:.3g} s" if best.step else f"tolerance {best.tolerance:.1g}"
-    reason = (
-        f"{best.method}, {fineness}, for a wanted error of {error:g}; expected cost: {told}{_left_out(chain, duration)}"
-    )
+    why = _left_out(chain, duration, best.method == "radau")
+    reason = f"{best.method}, {fineness}, for a wanted error of {error:g}; expected cost: {told}{why}"
     return Choice(best.method, best.step, best.tolerance, best.seconds, reason)
 
 
@@ -81,6 +84,10 @@ def _candidates(
         step = _dry_step(chain, velocity, error)
         if span / step <= MOST_STEPS / contacts:
             yield Choice("conserving", step, 0.0, price["conserving", kind].of(span / step, contacts))
+        return
+    if nearly_yields(chain, velocity):
+        tolerance = max(min(0.5 * error, YIELDING), FINEST)
+        yield Choice("radau", 0.0, tolerance, price["accurate", SOFT].of(accurate_steps(chain, tolerance), contacts))
         return
     tolerance = accurate_tolerance(chain, error)
     steps = accurate_steps(chain, tolerance) * max(min(1.0, span / passing), 0.05)
@@ -112,6 +119,27 @@ def _fixed_steps(chain: Chain, velocity: ArrayLike, span: float, error: float) -
     yield "conserving", min(most, stable_step(chain, velocity, min(10.0 * error, 0.1)))
 
 
+def nearly_yields(chain: Chain, velocity: ArrayLike) -> bool:
+    """Whether a preloaded contact inside a cluster comes so near its preload that it may yield for a moment only.
+
+    The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``, contact i inside has to pass on the part r_i of
+    it (:func:`physics.measure.loads`); it yields above the speed at which this is its own F_i.
+    """
+    preload, stiffness, _ = chain.parameters.law.T
+    speed = -np.diff(np.asarray(velocity, dtype=np.float64))
+    struck = int(np.argmax(speed))
+    if chain.walls or preload[struck] == 0.0 or stiffness[struck] == 0.0 or speed[struck] <= 0.0:
+        return False
+    mass = np.array(chain.mass)
+    first, second = mass[: struck + 1].sum(), mass[struck + 1 :].sum()
+    above = stiffness[struck] * first * second / (first + second) * speed[struck] ** 2 / preload[struck] ** 2
+    beyond, before = np.cumsum(mass[::-1])[::-1][1:] / second, np.cumsum(mass)[:-1] / first
+    share = np.delete(np.where(np.arange(chain.contacts) > struck, beyond, before), struck)
+    needed = (np.delete(preload, struck) / (share * preload[struck])) ** 2 - 1.0
+    ratio = np.sqrt(above / needed[needed > 0.0])
+    return bool(((ratio > NEAR[0]) & (ratio < NEAR[1])).any())
+
+
 def _dry_step(chain: Chain, velocity: ArrayLike, error: float) -> float:
     """Step [s] of `conserving` where something rubs: a reversal within a step is of first order."""
     contact_time = float(contact_scales(chain, velocity)[1].min())
@@ -128,9 +156,11 @@ def one_blow(chain: Chain) -> bool:
     return not chain.walls and chain.drive is None and not chain.dry and not any(chain.gap)
 
 
-def _left_out(chain: Chain, duration: float | None) -> str:
+def _left_out(chain: Chain, duration: float | None, near: bool) -> str:
     if chain.dry:
         return "; the others carry neither bed friction nor contacts with loss"
+    if near:
+        return "; the others step over a contact that yields for a moment, as it may near this critical speed"
     if duration is None:
         return "; fixed steps are left out: without a duration they may never see the end"
     if not one_blow(chain):

@@ -25,6 +25,7 @@ from physics import (
     power_law,
     simulate,
 )
+from physics.closed_forms import critical_speed
 from physics.cost import Cost
 from sandbox.cli import main
 from sandbox.precision.cases import RECIPES
@@ -128,6 +129,26 @@ def test_where_something_rubs_it_is_conserving(chain, error):
     assert found.method == "conserving"
     assert "carry neither" in found.choice
     assert np.abs(found.final_velocity - truth.final_velocity).max() <= 3.0 * error
+
+
+@pytest.mark.parametrize("error", ERRORS)
+@pytest.mark.parametrize("ratio", [0.95, 0.99, 1.014, 1.1])
+def test_a_gear_that_yields_for_a_moment_is_not_taken_for_rigid(error, ratio):
+    gear = draft_gear(1.0, 1.0)
+    velocity = ratio * critical_speed(gear, np.ones(5), 1) * np.eye(1, 5)[0]
+    truth = simulate(one_on(4, gear), velocity, 4.0, method="radau", tolerance=1e-11).final_velocity
+    found = simulate(one_on(4, gear), velocity, 4.0, method="auto", tolerance=error)
+    assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
+    assert "critical speed" in found.choice
+
+
+def test_near_a_critical_speed_is_said_of_what_is_near():
+    gear = draft_gear(1.0, 1.0)
+    critical = critical_speed(gear, np.ones(5), 1)
+    near = [auto.nearly_yields(one_on(4, gear), ratio * critical * np.eye(1, 5)[0]) for ratio in (0.8, 0.95, 1.1, 1.3)]
+    assert near == [False, True, True, False]
+    assert not auto.nearly_yields(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0])
+    assert not auto.nearly_yields(one_on(4, gear), np.zeros(5))
 
 
 def test_what_no_method_holds_is_refused():
