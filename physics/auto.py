@@ -158,7 +158,7 @@ def one_blow(chain: Chain) -> bool:
 
 def _left_out(chain: Chain, duration: float | None, near: bool) -> str:
     if chain.dry:
-        return "; the others carry neither bed friction nor contacts with loss"
+        return "; where something rubs the others are dear"
     if near:
         return "; the others step over a contact that yields for a moment, as it may near this critical speed"
     if duration is None:

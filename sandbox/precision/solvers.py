@@ -83,7 +83,7 @@ def step_counts(most: float = 8e6) -> list[float]:
 def ours(case: Case) -> list[Solver]:
     """Every method of METHODS, the adaptive ones over tolerances, the others over numbers of steps; and what auto takes."""
     auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_adaptive, case, AUTO), True)
-    return [*(_ours(case, method) for method in METHODS), auto]
+    return [*(_ours(case, method) for method in METHODS if method.dry or not case.chain.dry), auto]
 
 
 def _ours(case: Case, method: Method) -> Solver:
