@@ -34,6 +34,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("chart", "sandbox.commands.chart", "speed against accuracy, beside other integrators"),
     Command("stability", "sandbox.commands.stability", "map where each method breaks, and how"),
     Command("maps", "sandbox.commands.maps", "map where a struck cluster moves like a rigid body"),
+    Command("experiment", "sandbox.commands.experiment", "fit the bed of the paper's experiment to what it lost"),
     Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
 )
 

@@ -50,7 +50,7 @@ def test_every_scene_can_be_read_aloud_and_ends_by_itself(name):
     assert scene.source
     assert 2 <= scene.text.count(". ") + scene.text.count(": ") + 1 <= 6
     assert len(scene.text) < 500
-    assert scene.method is None
+    assert scene.method is None or name.startswith("train-")  # dozens of stops and reversals: fixed steps are faster
     assert all(lane.chain().walls == 0 and not lane.drive for lane in scene.lanes) == (scene.duration is None)
     assert all(lane.label for lane in scene.lanes)
 

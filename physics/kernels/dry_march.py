@@ -131,7 +131,8 @@ def dry_march(
             closed, absorbed, work, beads, counter,
         )  # fmt: skip
         rested &= at_rest(rate, anchor) and bed.size > 0
-        before, time = time, min(end, start + counter[STEP] * h)
+        time = min(end, start + counter[STEP] * h)
+        before = time - length  # the switch is in the last step
         still = note_switches(before, time, overlap, rate, force, closed, switch_contact, switch_time, counter)
         if not whole_step:
             return DONE, end

@@ -64,6 +64,7 @@ FIGURES: tuple[Figure, ...] = (
     Figure("exchange", "App. A (i)", "striker and target exchanged", "variants", "exchange", "draw_exchange"),
     Figure("interface", "App. A (iii), not shown", "Hooke interface", "variants", "interface", "draw_interface"),
     Figure("roads", "Secs. I, V", "evanescent mode, stiff springs, prestress", "waves", "roads", "draw_roads"),
+    Figure("train", "App. C, draft gears", "in-train forces of a shunting blow", "train", "history", "draw"),
     Figure("pulse", "Sec. V", "the solitary pulse of the usual cradle", "waves", "pulse", "draw_pulse"),
 )
 
