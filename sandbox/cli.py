@@ -35,7 +35,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("stability", "sandbox.commands.stability", "map where each method breaks, and how"),
     Command("maps", "sandbox.commands.maps", "map where a struck cluster moves like a rigid body"),
     Command("experiment", "sandbox.commands.experiment", "fit the bed of the paper's experiment to what it lost"),
-    Command("claims", "sandbox.commands.claims", "check what the paper states: a table of claims and measurements"),
+    Command("claims", "sandbox.commands.claims", "check what the paper states: claims and measurements"),
 )
 
 

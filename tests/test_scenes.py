@@ -51,7 +51,8 @@ def test_every_scene_can_be_read_aloud_and_ends_by_itself(name):
     assert 2 <= scene.text.count(". ") + scene.text.count(": ") + 1 <= 6
     assert len(scene.text) < 500
     assert scene.method is None or name.startswith("train-")  # dozens of stops and reversals: fixed steps are faster
-    assert all(lane.chain().walls == 0 and not lane.drive for lane in scene.lanes) == (scene.duration is None)
+    endless = any(lane.chain().walls or lane.drive for lane in scene.lanes) or name.startswith("train-")
+    assert endless == (scene.duration is not None)
     assert all(lane.label for lane in scene.lanes)
 
 
