@@ -25,6 +25,13 @@ def steps() -> Iterator[Report]:
     return reports()
 
 
+def floor() -> Iterator[Report]:
+    """Steps of verlet against the bare powers that they take, up to a million contacts; ensembles."""
+    from benchmarks.floor import reports
+
+    return reports()
+
+
 def precision() -> Iterator[Report]:
     """Time to reach an accuracy, and the same of the peers."""
     from benchmarks.precision import reports
@@ -89,7 +96,7 @@ def window() -> Iterator[Report]:
 
 
 PARTS: dict[str, Callable[[], Iterator[Report]]] = {
-    part.__name__: part for part in (steps, precision, errors, callbacks, render, window)
+    part.__name__: part for part in (steps, floor, precision, errors, callbacks, render, window)
 }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import steps
+from benchmarks import floor, steps
 from benchmarks.report import against
 from physics import State
 
@@ -47,3 +47,19 @@ def test_the_state_amid_a_collision_moves():
     assert state.time == pytest.approx(steps.MIDDLE)
     assert state.velocity(chain).sum() == pytest.approx(1.0)
     assert not np.allclose(state.rate, State.at_start(chain, np.eye(1, 5)[0]).rate)
+
+
+def test_the_floor_stands_beside_the_bare_powers():
+    row = next(floor.rows((70,), rounds=2))
+    assert set(row["powers"]) == set(floor.POWERS)
+    assert min(row["powers"].values()) > 0.0
+    assert row["over_best_power"] * min(row["powers"].values()) == pytest.approx(row["nanoseconds"])
+    assert 57 <= row["bytes"] < 200  # law, mass, overlap, rate, force, flag at the least
+
+
+def test_every_way_takes_the_same_power():
+    base, exponent = np.array([0.01, 0.5]), np.array([0.1, 0.2])
+    for take in floor.POWERS.values():
+        result = np.empty(2)
+        take(base, exponent, result)
+        assert result == pytest.approx(base**exponent, rel=1e-15)

@@ -35,6 +35,8 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
         """The function itself, uncompiled."""
         return function
 
+    inlined = jit
+
 else:
     _FOLDER = str(cache_folder())
 
@@ -53,3 +55,7 @@ else:
         Kernels touch nothing of Python's, so other threads run on beside them.
         """
         return _compiled(function)
+
+    def inlined(function: Kernel) -> Kernel:
+        """`jit`, put into the loop of its caller, so that the loop can be vectorised; products and sums may be fused."""
+        return _compiled(function, forceinline=True, fastmath={"contract"})

@@ -11,6 +11,7 @@ import math
 from physics.kernels.conserving import conserving_steps
 from physics.kernels.explicit import split_steps
 from physics.kernels.jit import jit
+from physics.kernels.long import LONG, long_steps
 
 # what `march` returns
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
@@ -33,9 +34,14 @@ def steps(
         return conserving_steps(
             most, h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed, work, counter
         )  # fmt: skip
-    taken = split_steps(
-        most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
-    )  # fmt: skip
+    if overlap.size < LONG:
+        taken = split_steps(
+            most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
+        )  # fmt: skip
+    else:
+        taken = long_steps(
+            most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
+        )  # fmt: skip
     counter[EVALUATION] += taken * kicks.size
     return taken
 
