@@ -313,3 +313,18 @@ def test_a_gap_between_clusters_counts_from_the_first_touch():
             assert intervals[0][0] == pytest.approx(0.3, abs=1e-12)
             assert all(math.isfinite(time) for interval in intervals for time in interval)
         assert separating(found.final_velocity, 1e-7)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("method", ["radau", "dop853", "accurate"])
+@pytest.mark.parametrize(("n", "ratio"), [(4, 1.005), (4, 1.014), (10, 1.005), (10, 1.014)])
+def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
+    """Just above the critical speed an inner contact passes its preload by a part in a thousand, between the nodes of a step."""
+    chain = one_on(n, GEAR)
+    speed = ratio * critical_speed(n)
+    start = [speed] + [0.0] * n
+    reference = simulate(chain, start, method="radau", tolerance=1e-12, samples=2)
+    found = simulate(chain, start, method=method, tolerance=tolerance, samples=2)
+    assert np.abs(found.final_velocity - reference.final_velocity).max() < 10.0 * tolerance * speed
+    assert np.ptp(found.final_velocity[1:]) > 1e-5
+    assert len(found.contact_intervals[1]) == len(reference.contact_intervals[1])

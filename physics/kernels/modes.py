@@ -10,6 +10,11 @@ from physics.kernels.jit import jit
 
 NOTHING, CLOSES, OPENS, YIELDS = 0, 1, 2, 3  # kinds of event: yields = a touching contact reaches its preload
 FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches
+NEAR_YIELD, POSSIBLE_YIELD = (
+    0.9,
+    0.5,
+)  # of the preload: a peak between the nodes that is looked at; nodes that allow one
+PEAK_PARTS = 32  # of a step, in which a peak is sought; nearer to an end than one of them it needs no look
 UNIT_STEP = math.sqrt(2.0)  # the step whose h²/2 is 1
 
 
@@ -120,6 +125,30 @@ def find_event(law, mode, skip, overlap, rate, force, stage_overlap, stage_rate,
                 if x < part:
                     contact, kind, part = i, YIELDS, x
     return contact, kind, part
+
+
+@jit
+def passing_yield(law, mode, force, stage_force):
+    """The part of the step at which a touching contact comes near to its preload, perhaps beyond it, and goes back again; 1
+    where none does. The nodes of a long step may lie on either side of the peak, and the cubic is not fine enough to tell."""
+    part = 1.0
+    for i in range(mode.size):
+        if mode[i] != TOUCHING:
+            continue
+        y0, y1, y2, y3 = force[i], stage_force[0, i], stage_force[1, i], stage_force[2, i]
+        if max(y0, y1, y2, y3) < POSSIBLE_YIELD * law[i, 0]:
+            continue
+        best, at = y0, 0
+        for p in range(1, PEAK_PARTS + 1):
+            y = cubic(p / PEAK_PARTS, y0, y1, y2, y3)
+            if y > best:
+                best, at = y, p
+        if 0 < at < PEAK_PARTS and best > NEAR_YIELD * law[i, 0]:
+            before, after = cubic((at - 1) / PEAK_PARTS, y0, y1, y2, y3), cubic((at + 1) / PEAK_PARTS, y0, y1, y2, y3)
+            bend = before - 2.0 * best + after
+            shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+            part = min(part, (at + shift) / PEAK_PARTS)
+    return part
 
 
 @jit

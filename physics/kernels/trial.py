@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from physics.kernels.curve import LOADED, TOUCHING
 from physics.kernels.dop853 import dop853_step, window
 from physics.kernels.jit import jit
-from physics.kernels.modes import NOTHING, OPENS, continued, find_event, first_crossing, miss_of
+from physics.kernels.modes import NOTHING, OPENS, continued, find_event, first_crossing, miss_of, passing_yield
 from physics.kernels.radau import MOST_NEWTON, first_guess, solve_stages
 from physics.kernels.radau_finish import embedded_errors, move_anchor, stage_rates
 
@@ -168,7 +168,7 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
 
     Returns its length (0: Newton does not settle, or out of steps), error, and the contact and kind of the event.
     """
-    landing, kind, tries, failures, ceiling = -1, NOTHING, 0, 0, h
+    landing, kind, tries, failures, ceiling, peaked = -1, NOTHING, 0, 0, h, False
     while book.counter[STEP] + book.counter[REJECTED] < most_steps:
         error = attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book)
         if error < 0.0 or not math.isfinite(error):
@@ -202,6 +202,10 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
             continue
         early = opened_early(h, given, moving, trial, wanted) if given.kind != DOP853 else 1.0
         if (error <= wanted and early == 1.0) or time + h <= time:
+            peak = 1.0 if peaked else passing_yield(given.law, moving.mode, moving.force, trial.force)
+            if peak < 1.0:  # end there: a multiplier at the end of a step is exact
+                peaked, landing, tries, h = True, -1, 0, peak * h
+                continue
             return h, error, landing, kind
         book.counter[REJECTED] += 1
         if early < 1.0 and error <= 10.0 * wanted:
