@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,8 +10,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from physics import METHODS, Chain, Contact, Trajectory, one_on, power_law, simulate, stable_step
+from physics import METHODS, Chain, Contact, Trajectory, one_on, power_law, stable_step
 from physics.methods import Method
+from physics.simulation import solve
 from physics.trust import TRUSTED_ERROR
 
 Array = NDArray[np.float64]
@@ -141,9 +141,7 @@ def _truth(chain: Chain) -> tuple[Array, Trajectory]:
 
 def quietly(chain: Chain, velocity: Array, duration: float | None, method: str, **fineness: float) -> Trajectory:
     """A run whose warnings are heard in the trajectory alone."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return simulate(chain, velocity, duration, method, samples=101, **fineness)
+    return solve(chain, velocity, duration, method, fineness.get("step"), 101, fineness.get("tolerance", FINE))
 
 
 def _switches(found: Trajectory) -> int:
