@@ -15,17 +15,8 @@ from physics.kernels.modes import CLOSES, OPENS, YIELDS, continued, set_modes
 from physics.kernels.openings import find_openings, note_switches
 from physics.kernels.pace import LAST, NEXT, begin, first_step, learn, next_step, onset_step
 from physics.kernels.rescue import rescue
-from physics.kernels.trial import (
-    DOP853,
-    NEWTON_PART,
-    REJECTED,
-    SAMPLE,
-    STEP,
-    attempt,
-    sample_flight,
-    sample_inside,
-    settle,
-)
+from physics.kernels.sampling import sample_flight, sample_inside
+from physics.kernels.trial import DOP853, NEWTON_PART, REJECTED, SAMPLE, STEP, attempt, settle
 
 TOLERANCE_PART = 0.1  # of the tolerance: to this each step is held
 SWINGING_PART = 0.25  # of dop853 alone, where errors of soft contacts that swing average out
@@ -165,7 +156,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         if not math.isfinite(pace[NEXT]):
             begin(pace, first_step(given, moving, scale))
         explicit, tried, near = next_step(pace, end - time, given, moving, wanted)
-        h, error, landing, kind = settle(
+        h, error, landing, kind, refused = settle(
             time, tried, explicit, given, moving, wanted, past_step, trial, book, most_steps
         )
         if h == 0.0:
@@ -178,7 +169,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
             begin(pace, 4.0 * h)
             past_step = 0.0
             continue
-        learn(pace, h, explicit, error, near and h == tried, landing, wanted)
+        learn(pace, h, explicit, error, near and h == tried, landing, refused, wanted)
         precision = NEWTON_PART * wanted
         lost = find_openings(h, explicit, given, moving, wanted, past_step, trial, book)
         if book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:

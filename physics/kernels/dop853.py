@@ -3,14 +3,14 @@
     d_s = d0 + c_s h w0 + h² sum_k (A²)_sk a_k,   a_k = e - L f(d_k),   s = 1..12
 
 Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal system.
-Only a window of contacts takes part; beyond it nothing pushes, and overlaps go on at their rates.
+Only stretches of contacts take part; between them nothing pushes that matters, and overlaps go on at their rates.
 """
 
 from __future__ import annotations
 
 import math
 
-from physics.kernels.curve import LOADED, OPEN, TOUCHING, signed_force, slope_at
+from physics.kernels.curve import LOADED, TOUCHING, signed_force, slope_at
 from physics.kernels.curve import NODES as OUTPUT_NODES
 from physics.kernels.dop853_tableau import (
     FIFTH,
@@ -25,36 +25,14 @@ from physics.kernels.dop853_tableau import (
 )
 from physics.kernels.jit import jit
 from physics.kernels.law import power
+from physics.kernels.stretches import stretch
 
-NEGLIGIBLE = 1e-22  # of the largest force: contacts that push less wait beyond the window
 KINK = 0.01  # of the impulse of a force that begins or ends in a step like (t - t_o)**a, a > 1: so much its nodes miss
-MARGIN = 4  # contacts around those that push; a front runs one or two a step
-
-
-@jit
-def window(mode, overlap, rate, force, external):
-    """The range [first, last), first < last, of contacts in a step: those that push or are about to, and a margin."""
-    n = mode.size
-    if external.size:
-        return 0, n
-    largest = 0.0
-    for i in range(n):
-        largest = max(largest, force[i])
-    first, last = n, 0
-    for i in range(n):
-        if mode[i] != OPEN and (force[i] > NEGLIGIBLE * largest or (rate[i] > 0.0 and largest == 0.0)):
-            first, last = min(first, i), i + 1
-    for i in range(n):
-        if mode[i] != OPEN and overlap[i] == 0.0 and rate[i] > NEGLIGIBLE:
-            first, last = min(first, i), max(last, i + 1)
-    if first >= last:
-        return 0, n
-    return max(first - MARGIN, 0), min(last + MARGIN, n)
 
 
 @jit
 def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, acceleration, upper):
-    """Forces (n,) and overlap accelerations (n,) in the window, from the overlaps of one stage."""
+    """Forces (n,) and overlap accelerations (n,) in a stretch, from the overlaps of one stage."""
     touching = False
     for i in range(first, last):
         force[i] = 0.0
@@ -107,31 +85,68 @@ def anchor_acceleration(inverse_mass, external, anchor_bead, force):
 
 @jit
 def dop853_step(
-    h, law, inverse_mass, external, anchor_bead, mode, overlap, rate, anchor,
-    stage_overlap, stage_rate, stage_force, first, last, acceleration, of_anchor, trial, force, upper, end_anchor,
+    h, idle, law, inverse_mass, external, anchor_bead, mode, overlap, rate, anchor, held_force,
+    stage_overlap, stage_rate, stage_force, acceleration, of_anchor, trial, force, upper, end_anchor,
 ):  # fmt: skip
     """One step: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`, into `stage_*`.
 
-    `acceleration` (12, n), `of_anchor` (12,), `trial`, `force`, `upper` (n,) scratch; `end_anchor` (2,). Returns the error as a
-    velocity [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
+    `held_force` (n,) at the start; `idle` [m/s] is what contacts that wait may do; `acceleration` (12, n), `of_anchor` (12,),
+    `trial`, `force`, `upper` (n,) scratch; `end_anchor` (2,). Returns the error as a velocity [m/s], of order 8:
+    err5² / sqrt(err5² + 0.01 err3²).
     """
     n = overlap.size
-    square = h * h
-    touching, rough, kink = False, False, 0.0
+    touching, worst = False, 0.0
     for i in range(n):
         force[i] = 0.0
+        stage_overlap[2, i], stage_rate[2, i] = overlap[i] + h * rate[i], rate[i]
+        for k in range(2):
+            stage_overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
         touching |= mode[i] == TOUCHING
+    for s in range(STAGES):
+        of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
+    last = 0
+    while last < n:
+        first, last = stretch(last, h, idle, law, inverse_mass, external, mode, overlap, rate, held_force)
+        if first == n:
+            break
+        worst = max(worst, step_of_stretch(
+            h, first, last, law, inverse_mass, external, anchor_bead, mode, overlap, rate,
+            stage_overlap, stage_rate, acceleration, of_anchor, trial, force, upper,
+        ))  # fmt: skip
+    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
+    for k in range(STAGES):
+        end_anchor[0] += h * h * WEIGHTS_SQUARE[k] * of_anchor[k]
+        end_anchor[1] += h * WEIGHTS[k] * of_anchor[k]
+    for i in range(n):
+        stage_force[2, i] = force[i]
+        if force[i] == 0.0 and mode[i] == LOADED and stage_overlap[2, i] > 0.0:  # it waits
+            stage_force[2, i] = force_at(law, i, stage_overlap[2, i])
+    if touching:
+        for k in range(2):
+            for i in range(n):
+                stage_force[k, i] = 0.0
+            accelerate(0, n, law, inverse_mass, external, mode, stage_overlap[k], stage_force[k], trial, upper)
+    return worst
+
+
+@jit
+def step_of_stretch(
+    h, first, last, law, inverse_mass, external, anchor_bead, mode, overlap, rate,
+    stage_overlap, stage_rate, acceleration, of_anchor, trial, force, upper,
+):  # fmt: skip
+    """The step of contacts [first, last): the forces of their end stay in `force`. Returns the error as `dop853_step`."""
+    square, moves_anchor = h * h, first <= anchor_bead <= last
     for s in range(STAGES):
         for i in range(first, last):
             trial[i] = overlap[i] + NODES[s] * h * rate[i]
         for k in range(s):
             add_scaled(square * SQUARE[s, k], acceleration[k], first, last, trial)
         accelerate(first, last, law, inverse_mass, external, mode, trial, force, acceleration[s], upper)
-        of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
+        if moves_anchor:
+            of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
     end_overlap, end_rate, fifth, third = stage_overlap[2], stage_rate[2], stage_overlap[0], stage_overlap[1]
     fifth_overlap, third_overlap = stage_rate[0], stage_rate[1]
-    for i in range(n):
-        end_overlap[i], end_rate[i] = overlap[i] + h * rate[i], rate[i]
+    for i in range(first, last):
         fifth[i], third[i], fifth_overlap[i], third_overlap[i] = 0.0, 0.0, 0.0, 0.0
     for k in range(STAGES):
         add_scaled(square * WEIGHTS_SQUARE[k], acceleration[k], first, last, end_overlap)
@@ -143,6 +158,25 @@ def dop853_step(
     for i in range(first, last):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = 0.0, 0.0
+    worst = error_of_stretch(
+        h, first, last, law, inverse_mass, mode, overlap, force, end_overlap, fifth, third, fifth_overlap, third_overlap
+    )
+    accelerate(first, last, law, inverse_mass, external, mode, end_overlap, force, trial, upper)
+    for k in range(2):
+        for i in range(first, last):
+            stage_overlap[k, i] = hermite(
+                OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], trial[i]
+            )  # fmt: skip
+    return worst
+
+
+@jit
+def error_of_stretch(
+    h, first, last, law, inverse_mass, mode, overlap, force, end_overlap, fifth, third, fifth_overlap, third_overlap
+):  # fmt: skip
+    """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins or ceases to push in it."""
+    rough, worst = False, 0.0
+    for i in range(first, last):
         if mode[i] == LOADED and law[i, 2] != 1.0:
             opens = end_overlap[i] < 0.0 < overlap[i]
             if opens or overlap[i] <= 0.0 < force[i]:
@@ -150,8 +184,7 @@ def dop853_step(
                     rough = True
                 else:
                     push = force_at(law, i, overlap[i] if opens else end_overlap[i])
-                    kink = max(kink, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
-    worst = kink
+                    worst = max(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     for i in range(first, last):
         worst = max(worst, abs(fifth[i]) if rough else combined(fifth[i], third[i]))
         if mode[i] == LOADED and overlap[i] > 0.0:
@@ -161,25 +194,6 @@ def dop853_step(
             stiff = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * slope)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             worst = max(worst, stiff * of_overlap)
-    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
-    for k in range(STAGES):
-        end_anchor[0] += square * WEIGHTS_SQUARE[k] * of_anchor[k]
-        end_anchor[1] += h * WEIGHTS[k] * of_anchor[k]
-    accelerate(first, last, law, inverse_mass, external, mode, end_overlap, force, trial, upper)
-    for i in range(n):
-        stage_force[2, i] = force[i]
-    for k in range(2):
-        for i in range(n):
-            stage_overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
-        for i in range(first, last):
-            stage_overlap[k, i] = hermite(
-                OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], trial[i]
-            )  # fmt: skip
-    if touching:
-        for k in range(2):
-            for i in range(n):
-                stage_force[k, i] = 0.0
-            accelerate(first, last, law, inverse_mass, external, mode, stage_overlap[k], stage_force[k], trial, upper)
     return worst
 
 
@@ -191,7 +205,7 @@ def force_at(law, i, overlap):
 
 @jit
 def add_scaled(factor, source, first, last, target):
-    """``target += factor * source`` in the window."""
+    """``target += factor * source`` in a stretch."""
     if factor != 0.0:
         for i in range(first, last):
             target[i] += factor * source[i]

@@ -38,13 +38,16 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
     inlined = jit
 
 else:
+    COUNTED = False  # references to arrays: no kernel makes any, and counting those of views took half of the time
     _FOLDER = str(cache_folder())
 
     def _compiled(function: Kernel, **options: object) -> Kernel:
         before = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = _FOLDER  # read while decorating; other users of numba keep their own folder
         try:
-            compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+            compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=COUNTED, **options)(
+                function
+            )
         finally:
             numba.config.CACHE_DIR = before
         return compiled

@@ -94,7 +94,18 @@ def first_crossing(y0, y1, y2, y3, upwards, most):
 
 
 @jit
-def find_event(law, mode, skip, overlap, rate, force, stage_overlap, stage_rate, stage_force):
+def closes_idly(law, inverse_mass, i, idle, rate, end_rate, end_overlap):
+    """True where a contact comes so slowly, and has so little energy at the end, that it need not be met: `idle` [m/s]."""
+    if law[i, 0] > 0.0 or max(rate, end_rate) > idle or end_overlap <= 0.0:
+        return False
+    push = (inverse_mass[i] + inverse_mass[i + 1]) * signed_force(law[i, 0], law[i, 1], law[i, 2], end_overlap)
+    return push * end_overlap <= idle * idle
+
+
+@jit
+def find_event(
+    law, inverse_mass, idle, mode, skip, overlap, rate, force, stage_overlap, stage_rate, stage_force
+):  # fmt: skip
     """The earliest change of mode within the step: (contact, kind, part of the step); contact -1 where there is none."""
     contact, kind, part = -1, NOTHING, 1.0
     for i in range(mode.size):
@@ -104,6 +115,8 @@ def find_event(law, mode, skip, overlap, rate, force, stage_overlap, stage_rate,
         if mode[i] == OPEN:
             if max(d[0, i], d[1, i], d[2, i]) <= 0.0 and not rate[i] > 0.0 > stage_rate[2, i]:
                 continue  # no crossing, nor one and back
+            if closes_idly(law, inverse_mass, i, idle, rate[i], stage_rate[2, i], d[2, i]):
+                continue
             x = first_crossing(overlap[i], d[0, i], d[1, i], d[2, i], True, part)
             if x < part:
                 contact, kind, part = i, CLOSES, x

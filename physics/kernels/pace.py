@@ -13,9 +13,9 @@ from physics.kernels.jit import jit
 from physics.kernels.trial import ACCURATE, DOP853
 
 # entries of the pace array: longest next step, and of radau; the last step (0: none like it), its error; the time left to
-# an opening at its start, and the next step had nothing come near; the longest step of dop853
-NEXT, RADAU, LAST, ERROR, LEFT, PLAIN, REACH = 0, 1, 2, 3, 4, 5, 6
-PACES = 7
+# an opening at its start, and the next step had nothing come near; the longest step of dop853; the longest after a refusal
+NEXT, RADAU, LAST, ERROR, LEFT, PLAIN, REACH, CEILING = 0, 1, 2, 3, 4, 5, 6, 7
+PACES = 8
 
 SAFETY = 0.9
 GROW_RADAU, GROW_DOP853 = 8.0, 30.0  # times the step before, at the most; the latter between steps of radau
@@ -24,13 +24,18 @@ LEAST_ERROR = 1e-3  # of a step's tolerance: smaller ones foretell nothing
 STIFF = 9.0  # (step times local frequency)², above which a soft contact is left to radau
 CHEAPER = 0.4  # of the time of a step of radau one of dop853 takes
 PROBE = 1.5  # steps of dop853 that only stiffness holds back raise what is asked of radau by this
+WARY, FORGET, LIFTED = (
+    0.9,
+    1.02,
+    1.5,
+)  # of a step refused: no longer one soon; a step later; but where errors fall so far
 LAST_PUSH = 0.05  # of a step's tolerance: what a contact still pushes is passed over below
 
 
 @jit
 def begin(pace, h):
     """Forget the past; the next step is `h` at the most (inf: not known)."""
-    pace[NEXT], pace[RADAU], pace[LAST], pace[LEFT] = h, h, 0.0, math.inf
+    pace[NEXT], pace[RADAU], pace[LAST], pace[LEFT], pace[CEILING] = h, h, 0.0, math.inf, math.inf
 
 
 @jit
@@ -113,7 +118,7 @@ def next_step(pace, rest, given, moving, wanted):
 
 
 @jit
-def learn(pace, h, explicit, error, near, landing, wanted):
+def learn(pace, h, explicit, error, near, landing, refused, wanted):
     """Set the next step from the error of this one, of length `h`. One cut short by an opening or an event tells little."""
     power = 0.125 if explicit else 0.2
     most = GROW_DOP853 if explicit and math.isfinite(pace[REACH]) else GROW_RADAU
@@ -131,5 +136,12 @@ def learn(pace, h, explicit, error, near, landing, wanted):
         elif math.isfinite(pace[REACH]):
             grow = min(most, grow * min(max(foretold, 1.0), FORETOLD))
     pace[LAST], pace[ERROR], pace[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
+    if explicit:
+        if refused < math.inf:
+            pace[CEILING] = max(h, WARY * refused)
+        elif grow > LIFTED:
+            pace[CEILING] = math.inf
+        pace[NEXT] = min(pace[NEXT], pace[CEILING])
+        pace[CEILING] *= FORGET
     if not explicit:
         pace[RADAU] = h * grow

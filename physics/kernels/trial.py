@@ -1,4 +1,4 @@
-"""One step tried, and the search for one that holds the error and ends at an event; samples inside it."""
+"""One step tried, and the search for one that holds the error and ends at an event."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.kernels.curve import LOADED, TOUCHING
-from physics.kernels.dop853 import dop853_step, window
+from physics.kernels.curve import LOADED, OPEN, TOUCHING
+from physics.kernels.dop853 import KINK, dop853_step
 from physics.kernels.jit import jit
 from physics.kernels.modes import NOTHING, OPENS, continued, find_event, first_crossing, miss_of, passing_yield
 from physics.kernels.radau import MOST_NEWTON, first_guess, solve_stages
@@ -25,8 +25,9 @@ COUNTERS = 6
 
 RATIO = 3.0  # error taken of radau = fine error times this times fine over coarse
 NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
+IDLE = 10.0  # times that: contacts that neither come nor push with more wait beside the stretches of dop853
 SHRINK, SAFETY = 0.1, 0.9
-LANDING_TRIES = 20
+LANDING_TRIES, SLOW_TRIES = 20, 3  # to hit an event; one that moves nothing
 EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one
 PLAIN_GUESS = -1.0  # as length of the step before: nothing is known of it
 LATE = 0.95  # part of a step: a contact that opens after it has pushed through the step
@@ -99,12 +100,11 @@ class Book(NamedTuple):
 def attempt(h, explicit, given, moving, precision, past_step, trial, book):
     """Try one step; returns its error as a velocity [m/s], negative where Newton does not converge."""
     if explicit:
-        first, last = window(moving.mode, moving.overlap, moving.rate, moving.force, given.external)
         book.counter[EVALUATION] += 15
         return dop853_step(
-            h, given.law, given.inverse_mass, given.external, given.anchor_bead, moving.mode, moving.overlap, moving.rate,
-            moving.anchor, trial.overlap, trial.rate, trial.force, first, last, trial.acceleration, trial.of_anchor,
-            trial.z[0], trial.z[1], trial.z[2], trial.anchor,
+            h, IDLE * precision, given.law, given.inverse_mass, given.external, given.anchor_bead, moving.mode, moving.overlap,
+            moving.rate, moving.anchor, moving.force, trial.overlap, trial.rate, trial.force, trial.acceleration,
+            trial.of_anchor, trial.z[0], trial.z[1], trial.z[2], trial.anchor,
         )  # fmt: skip
     used, guess = 0, past_step
     for _ in range(2):
@@ -146,18 +146,17 @@ def turned_back(landing, kind, moving, trial):
 
 @jit
 def opened_early(h, given, moving, trial, wanted):
-    """The part of the step at which a soft contact opens that still pushes enough to matter; 1 where none does.
+    """The part of the step at which a contact opens that still pushes enough to matter; 1 where none does.
 
     An error estimate knows nothing of a force that ends between its nodes.
     """
     part = 1.0
     for i in range(moving.mode.size):
-        soft = moving.mode[i] == LOADED and given.law[i, 2] < 1.0 and not continued(given.law, i)
-        if soft and moving.overlap[i] > 0.0 > trial.overlap[2, i]:
-            d = trial.overlap
+        if moving.mode[i] == LOADED and moving.overlap[i] > 0.0 > trial.overlap[2, i] and not continued(given.law, i):
+            d, soft = trial.overlap, given.law[i, 2] < 1.0
             x = first_crossing(moving.overlap[i], d[0, i], d[1, i], d[2, i], False, 1.0)
-            push = (given.inverse_mass[i] + given.inverse_mass[i + 1]) * moving.force[i] * x * h
-            if x < LATE * part and push > wanted:
+            push = (given.inverse_mass[i] + given.inverse_mass[i + 1]) * moving.force[i] * h
+            if x < part and ((soft and x < LATE and x * push > wanted) or (not soft and KINK * push > wanted)):
                 part = x
     return part
 
@@ -166,8 +165,10 @@ def opened_early(h, given, moving, trial, wanted):
 def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, most_steps):
     """Find the step that holds the error and ends at the first event in it, if any.
 
-    Returns its length (0: Newton does not settle, or out of steps), error, and the contact and kind of the event.
+    Returns its length (0: Newton does not settle, or out of steps), error, the contact and kind of the event, and the length
+    of the last step refused for its error (inf: none).
     """
+    refused, idle = math.inf, IDLE * NEWTON_PART * wanted
     landing, kind, tries, failures, ceiling, peaked = -1, NOTHING, 0, 0, h, False
     while book.counter[STEP] + book.counter[REJECTED] < most_steps:
         error = attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book)
@@ -176,20 +177,23 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
             failures += 1
             landing, h = -1, 0.25 * h
             if failures > MOST_FAILURES or time + h <= time:
-                return 0.0, 0.0, -1, NOTHING
+                return 0.0, 0.0, -1, NOTHING, refused
             continue
         if landing >= 0 and turned_back(landing, kind, moving, trial):
             landing, tries = -1, tries + 1
         found, its_kind, part = find_event(
-            given.law, moving.mode, landing, moving.overlap, moving.rate, moving.force, trial.overlap, trial.rate, trial.force
+            given.law, given.inverse_mass, idle, moving.mode, landing, moving.overlap, moving.rate, moving.force,
+            trial.overlap, trial.rate, trial.force,
         )  # fmt: skip
         if landing >= 0:
             miss = miss_of(given.law, moving.mode, landing, kind, h, trial.overlap, trial.rate, trial.force)
-            if tries < LANDING_TRIES and found >= 0 and part * h < h + min(miss, 0.0):
+            waits = moving.mode[landing] == OPEN and abs(trial.rate[2, landing]) <= idle
+            most_tries = SLOW_TRIES if waits else LANDING_TRIES
+            if tries < most_tries and found >= 0 and part * h < h + min(miss, 0.0):
                 landing, kind, h = found, its_kind, part * h
                 tries += 1
                 continue
-            if tries < LANDING_TRIES and abs(miss) > LANDED * h and time + miss != time:
+            if tries < most_tries and abs(miss) > LANDED * h and time + miss != time:
                 h = min(max(h + miss, 0.1 * h), ceiling)
                 tries += 1
                 continue
@@ -206,46 +210,12 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
             if peak < 1.0:  # end there: a multiplier at the end of a step is exact
                 peaked, landing, tries, h = True, -1, 0, peak * h
                 continue
-            return h, error, landing, kind
+            return h, error, landing, kind, refused
         book.counter[REJECTED] += 1
         if early < 1.0 and error <= 10.0 * wanted:
             h, landing = 0.9 * early * h, -1
             continue
+        refused = h if early == 1.0 else refused
         h *= max(SHRINK, SAFETY * (wanted / error) ** (0.125 if explicit else 0.2))
         landing = -1
-    return 0.0, 0.0, -1, NOTHING
-
-
-@jit
-def sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book):
-    """Samples within the step to come, each a shorter step; the trial of the whole step is lost.
-
-    Where Newton does not settle on a sample, it is looked for a little earlier and drifts the rest.
-    """
-    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
-        k = book.counter[SAMPLE]
-        wished = samples.time[k] - time
-        length = wished
-        while (
-            attempt(length, explicit, given, moving, precision, past_step, trial, book) < 0.0 and time + length > time
-        ):
-            length *= 0.9
-        for i in range(moving.mode.size):
-            samples.overlap[k, i] = trial.overlap[2, i] + (wished - length) * trial.rate[2, i]
-            samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
-        samples.anchor[k, 0] = trial.anchor[0] + (wished - length) * trial.anchor[1]
-        samples.anchor[k, 1] = trial.anchor[1]
-        book.counter[SAMPLE] += 1
-
-
-@jit
-def sample_flight(time, until, given, moving, samples, book):
-    """Samples from `time` to `until` while nothing pushes; at `time` itself also while something does."""
-    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] <= until:
-        k = book.counter[SAMPLE]
-        beyond = samples.time[k] - time
-        for i in range(moving.mode.size):
-            samples.overlap[k, i] = moving.overlap[i] + beyond * moving.rate[i]
-            samples.rate[k, i], samples.force[k, i] = moving.rate[i], max(moving.force[i], 0.0)
-        samples.anchor[k, 0], samples.anchor[k, 1] = moving.anchor[0] + beyond * moving.anchor[1], moving.anchor[1]
-        book.counter[SAMPLE] += 1
+    return 0.0, 0.0, -1, NOTHING, refused

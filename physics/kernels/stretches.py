@@ -1,0 +1,38 @@
+"""Stretches of the chain that take part in a step of `dop853`; between them nothing pushes enough to matter."""
+
+from __future__ import annotations
+
+from physics.kernels.curve import OPEN
+from physics.kernels.jit import jit
+
+MARGIN = 4  # contacts around those that push; a front runs one or two a step
+
+
+@jit
+def busy(i, h, idle, law, inverse_mass, mode, overlap, rate, force):
+    """False for a contact that comes no faster than `idle` [m/s], holds no more energy, and would not change velocities by
+    more in this step."""
+    if mode[i] == OPEN:
+        return False
+    push = (inverse_mass[i] + inverse_mass[i + 1]) * max(force[i], law[i, 0])
+    return rate[i] > idle or push * h > idle or push * max(overlap[i], 0.0) > idle * idle
+
+
+@jit
+def stretch(after, h, idle, law, inverse_mass, external, mode, overlap, rate, force):
+    """The next range [first, last) from contact `after` on of those that are busy, and a margin; (n, n) where none is."""
+    n = mode.size
+    if external.size:
+        return after, n
+    first = after
+    while first < n and not busy(first, h, idle, law, inverse_mass, mode, overlap, rate, force):
+        first += 1
+    if first == n:
+        return n, n
+    last = first + 1
+    for i in range(first + 1, n):
+        if i >= last + 2 * MARGIN:
+            break
+        if busy(i, h, idle, law, inverse_mass, mode, overlap, rate, force):
+            last = i + 1
+    return max(first - MARGIN, after), min(last + MARGIN, n)

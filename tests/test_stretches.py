@@ -1,0 +1,82 @@
+"""Parts of a chain that move apart from each other are stepped apart; what idles between them waits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from physics import Chain, hertz, one_on, simulate
+from physics.kernels.curve import LOADED, OPEN
+from physics.kernels.modes import closes_idly
+from physics.kernels.stretches import MARGIN, stretch
+
+N = 60
+NOTHING = np.zeros(0)
+
+
+def _stretches(mode, overlap, rate, force, idle=1e-9, external=NOTHING):
+    law, inverse_mass = np.tile([0.0, 1.0, 1.5], (N, 1)), np.ones(N + 1)
+    found, last = [], 0
+    while last < N:
+        first, last = stretch(last, 0.1, idle, law, inverse_mass, external, mode, overlap, rate, force)
+        if first < N:
+            found.append((first, last))
+    return found
+
+
+def _pushing(*contacts):
+    mode, overlap, force = np.full(N, OPEN, dtype=np.int8), np.full(N, -1.0), np.zeros(N)
+    for i in contacts:
+        mode[i], overlap[i], force[i] = LOADED, 0.01, 0.001
+    return mode, overlap, np.zeros(N), force
+
+
+def test_contacts_that_push_far_apart_are_stretches_of_their_own():
+    assert _stretches(*_pushing(10, 12, 40)) == [(10 - MARGIN, 13 + MARGIN), (40 - MARGIN, 41 + MARGIN)]
+
+
+def test_near_ones_share_a_stretch_and_margins_never_overlap():
+    assert _stretches(*_pushing(2, 2 + 2 * MARGIN)) == [(0, 3 + 3 * MARGIN)]
+    (_, end), (begin, _) = _stretches(*_pushing(2, 4 + 2 * MARGIN))
+    assert end <= begin
+
+
+def test_what_idles_waits_and_what_is_pushed_from_outside_does_not():
+    mode, overlap, rate, force = _pushing(30)
+    assert _stretches(mode, overlap, rate, force, idle=0.1) == []
+    rate[30] = 0.2
+    assert _stretches(mode, overlap, rate, force, idle=0.1) == [(30 - MARGIN, 31 + MARGIN)]
+    assert _stretches(*_pushing(), external=np.zeros(N + 1)) == [(0, N)]
+
+
+@pytest.mark.parametrize(
+    ("preload", "exponent", "rate", "overlap", "idly"),
+    [
+        (0.0, 1.5, 1e-7, 1e-7, True),
+        (0.0, 1.5, 1e-5, 1e-7, False),  # too fast
+        (0.0, 1.5, 1e-7, 1e-3, False),  # too deep
+        (0.0, 0.1, 1e-7, 1e-7, False),  # a soft contact holds more energy at the same depth
+        (1.0, 1.5, 1e-7, 1e-13, False),  # gears come to rest by an event
+        (0.0, 1.5, 1e-7, 0.0, False),  # and back again
+    ],
+)
+def test_only_closings_of_no_consequence_are_passed_over(preload, exponent, rate, overlap, idly):
+    law = np.array([[preload, 1.0, exponent]])
+    assert closes_idly(law, np.ones(2), 0, 1e-6, rate, rate, overlap) is idly
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
+def test_two_impacts_on_one_chain_do_what_each_does_alone(tolerance):
+    """Struck at both ends, before the waves meet: the left half is that of a chain struck once, the right its mirror."""
+    both = simulate(
+        Chain(np.ones(41), [hertz(1.0)] * 40),
+        np.r_[1.0, np.zeros(39), -1.0],
+        15.0,
+        method="accurate",
+        tolerance=tolerance,
+    )
+    alone = simulate(one_on(40, hertz(1.0)), np.r_[1.0, np.zeros(40)], 15.0, method="accurate", tolerance=tolerance)
+    end = both.final_velocity
+    np.testing.assert_allclose(end, -end[::-1], atol=2.0 * tolerance)
+    np.testing.assert_allclose(end[:18], alone.final_velocity[:18], atol=2.0 * tolerance)
+    assert abs(end.sum()) <= 1e-12
