@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from time import perf_counter
 
@@ -24,8 +23,9 @@ MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is asked whether it agrees
-FINER, FINEST = 10.0, 1e-11  # so much finer, and the finest tolerance there is a use for
-AGREE, MOST_APART = 3.0, 3.0  # tolerances that two runs may lie apart; times this, a sentence says so
+CONFIRMED = 1e-11  # finer than that nothing is confirmed: round-off has a say
+FINER, FINEST = 10.0, 1e-13  # so much finer, and the finest tolerance there is a use for
+AGREE, MOST_APART = 1.0, 9.0  # tolerances that two runs may lie apart; times this, a sentence says so
 MOST_CONFIRMING = 50_000  # steps of all runs of one motion: no finer run beyond
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
 KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
@@ -42,7 +42,7 @@ def run(problem: Problem) -> Record:
         _pass(problem, problem.state.time, NO_TIMES, False)
         _LOADED.add(problem.method)
     record = run_to_end(problem, _pass)
-    if problem.tolerance > FINEST and _sensitive(problem, record):
+    if problem.most_steps is None and problem.tolerance > CONFIRMED and _sensitive(problem, record):
         record = _confirmed(problem, record)
     record.warnings += _energy_warnings(problem, record)
     return record
@@ -116,7 +116,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
     began = perf_counter()
     status, time = integrate(
-        state.time, end, stop, MOST_STEPS, _scale(chain, state), problem.tolerance,
+        state.time, end, stop, problem.most_steps or MOST_STEPS, _scale(chain, state), problem.tolerance,
         given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
     )  # fmt: skip
     seconds = perf_counter() - began
@@ -127,20 +127,16 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     kept = min(used, size)
     rows = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
     samples = times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows]
-    sentences = _warnings(problem, status, time, counter, kept)
+    gave_up = _gave_up(problem.method, problem.most_steps or MOST_STEPS, time) if status == OUT_OF_STEPS else ""
+    sentences = _warnings(problem, gave_up, counter, kept)
     return Record(
         *samples, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), sentences, seconds,
+        int(counter[kernel.EVALUATION]), sentences, seconds, gave_up=gave_up,
     )  # fmt: skip
 
 
-def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
-    found = []
-    if status == OUT_OF_STEPS:
-        found.append(
-            f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: the contacts rattle on; take method "
-            "'conserving', or a looser tolerance"
-        )
+def _warnings(problem: Problem, gave_up: str, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
+    found = [f"{gave_up}; take method 'conserving', or a looser tolerance"] if gave_up else []
     if counter[kernel.RESCUE]:
         found.append(
             f"Newton did not settle in {counter[kernel.RESCUE]} places, where {problem.method} took a small conserving "
@@ -151,27 +147,29 @@ def _warnings(problem: Problem, status: int, time: float, counter: NDArray[np.in
     return tuple(found)
 
 
-def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float) -> None:
-    """Move `state` on by `duration` in place; the scratch memory stays with the state."""
+def _gave_up(method: str, steps: int, time: float) -> str:
+    return f"{method} gave up after {steps} steps at t = {time:.6g} s: the contacts rattle on"
+
+
+def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float, most_steps: int) -> str:
+    """Move `state` on by `duration` in place; the scratch memory stays with the state.
+
+    Returns why it stopped before, in a sentence without an end; empty where it did not.
+    """
     if chain.dry:
         from physics import dry_adaptive
 
-        dry_adaptive.advance(chain, state, duration, method, tolerance, run)
-        return
+        return dry_adaptive.advance(chain, state, duration, method, tolerance, most_steps, run)
     trial, book, samples = state.work.get("adaptive") or state.work.setdefault("adaptive", _live(chain.contacts))
     book.counter[:] = 0
     book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
     end = state.time + duration
     status, reached = integrate(
-        state.time, end, False, MOST_STEPS, _scale(chain, state), tolerance,
+        state.time, end, False, most_steps, _scale(chain, state), tolerance,
         _given(chain, state, method), _moving(state), trial, samples, book,
     )  # fmt: skip
-    if status == OUT_OF_STEPS:
-        warnings.warn(
-            f"{method} gave up after {MOST_STEPS} steps, {end - reached:.3g} s too early: take method 'conserving'",
-            RuntimeWarning, stacklevel=3,
-        )  # fmt: skip
-    state.time = end
+    state.time = reached
+    return _gave_up(method, most_steps, reached) if status == OUT_OF_STEPS else ""
 
 
 def _scale(chain: Chain, state: State) -> float:

@@ -29,6 +29,7 @@ LOOKS = 16  # at the margins in a window
 HALVINGS = 60  # of the interval in which a margin runs out
 SHORT, LONG = 1.0 / 64.0, 8.0  # windows, of the longest contact time
 MOST_WINDOWS = 20_000
+STEPS_A_WINDOW = 250  # where steps are counted: a window costs as much as so many
 ROUND_OFF = 1e-12  # of the largest speed: a bead or contact this slow at an event stands still
 
 
@@ -37,6 +38,8 @@ class _Walk:
 
     def __init__(self, problem: Problem, runner: Runner, times: Array) -> None:
         self.problem, self.runner, self.times = problem, runner, times
+        most = problem.most_steps
+        self.most_windows = max(1, most // STEPS_A_WINDOW) if most else MOST_WINDOWS
         self.chain = problem.chain
         self.state = problem.state.copy()
         velocity = self.state.velocity(self.chain)
@@ -50,18 +53,17 @@ class _Walk:
         for i in np.flatnonzero(self.closed):
             self.switches.append((self.state.time, int(i)))
         self.warnings: tuple[str, ...] = ()
+        self.gave_up = ""
         self.groups = self._settled()
 
     def until(self, end: float, stop: bool) -> _Walk:
         """Go to `end`, or with `stop` until nothing can meet again or everything rests."""
-        while self.state.time < end and not (stop and self._over()):
-            if self.windows >= MOST_WINDOWS:
-                self.warnings += (
-                    f"{self.problem.method} gave up at t = {self.state.time:.6g} s: friction changes its mode without end; "
-                    "take method 'conserving'",
-                )
-                break
-            self._one_window(end)
+        while self.state.time < end and not (stop and self._over()) and not self.gave_up:
+            most = self.problem.most_steps
+            if self.windows >= self.most_windows or (most and self.steps > most):
+                self._give_up("friction changes its mode without end")
+            else:
+                self._one_window(end)
         while self.taken < self.times.size and self.times[self.taken] <= self.state.time + 1e-12 * self.unit:
             self._take(self.state)
         return self
@@ -76,6 +78,10 @@ class _Walk:
             tuple(dict.fromkeys(self.warnings)), absorbed=absorbed,
         )  # fmt: skip
 
+    def _give_up(self, why: str) -> None:
+        self.gave_up = f"{self.problem.method} gave up at t = {self.state.time:.6g} s: {why}"
+        self.warnings += (f"{self.gave_up}; take method 'conserving'",)
+
     def _one_window(self, end: float) -> None:
         self.windows += 1
         length = min(self.window, end - self.state.time)
@@ -84,6 +90,11 @@ class _Walk:
         states, switches = self._run(looks)
         margins = [self.groups.margin(state) for state in states]
         broken = next((k for k, margin in enumerate(margins) if margin < 0.0), None)
+        if broken is None and len(states) < LOOKS:  # the frictionless part gave up on its way
+            if states:
+                self._accept(states[-1], switches)
+            self._give_up("the contacts rattle on between changes of friction")
+            return
         if broken is None:
             self._accept(states[-1], switches)
             self.window = min(2.0 * self.window, LONG * self.unit)
@@ -92,6 +103,9 @@ class _Walk:
         low = self.state.time if broken == 0 else looks[broken - 1]
         event = self._locate(low, float(looks[broken]))
         states, switches = self._run(np.array([event]))
+        if not states:
+            self._give_up("the contacts rattle on between changes of friction")
+            return
         self._accept(states[-1], switches)
         self.window = max(0.25 * self.window, SHORT * self.unit)
         self.groups = self._settled()
@@ -102,15 +116,18 @@ class _Walk:
             middle = 0.5 * (low + high)
             if high - low <= 4e-16 * max(abs(high), self.unit) or not low < middle < high:
                 break
-            (state,), _switches = self._run(np.array([middle]))
-            low, high = (low, middle) if self.groups.margin(state) < 0.0 else (middle, high)
+            states, _switches = self._run(np.array([middle]))
+            if not states:
+                break
+            low, high = (low, middle) if self.groups.margin(states[0]) < 0.0 else (middle, high)
         return high
 
     def _run(self, times: Array) -> tuple[list[State], list[tuple[float, int]]]:
-        """States of all beads at `times`, all after now, in the present modes; switches of contacts on the way."""
+        """States of all beads at `times`, all after now, in the present modes, as far as it comes; switches of contacts."""
         groups, begin = self.groups, self.groups.begin
         if groups.reduced is None:
             return [self._glide(float(t)) for t in times], []
+        most = self.problem.most_steps
         part = Problem(
             groups.reduced,
             begin,
@@ -119,13 +136,15 @@ class _Walk:
             0.0,
             self.problem.tolerance,
             times,
+            most and max(1, most - self.steps),
         )
         found = self.runner(part)
         self.steps += found.steps
         self.evaluations += found.evaluations
-        self.warnings += tuple(said for said in found.warnings if "energy" not in said)
+        self.warnings += tuple(said for said in found.warnings if "energy" not in said and "gave up" not in said)
         rows = zip(found.time, found.overlap, found.rate, found.anchor, found.force, strict=True)
-        states = [groups.whole(float(t), *row) for t, *row in rows]
+        last = found.end.time if found.gave_up else np.inf  # rows beyond repeat where it stopped
+        states = [groups.whole(float(t), *row) for t, *row in rows if t <= last]
         both = zip(found.switch_time.tolist(), found.switch_contact.tolist(), strict=True)
         return states, [(t, int(groups.between[i])) for t, i in both]
 
@@ -203,11 +222,14 @@ def run(problem: Problem, runner: Runner) -> Record:
     return run_to_end(problem, once)
 
 
-def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float, runner: Runner) -> None:
-    """Move `state` on by `duration` [s] in place."""
-    problem = Problem(chain, state, method, duration, 0.0, tolerance, np.array([state.time + duration]))
+def advance(
+    chain: Chain, state: State, duration: float, method: str, tolerance: float, most_steps: int, runner: Runner
+) -> str:
+    """Move `state` on by `duration` [s] in place. Returns why it stopped before, empty where it did not."""
+    problem = Problem(chain, state, method, duration, 0.0, tolerance, np.array([state.time + duration]), most_steps)
     found = _Walk(problem, runner, np.zeros(0)).until(state.time + duration, False)
     for name in ("overlap", "rate", "anchor", "force", "absorbed"):
         getattr(state, name)[:] = getattr(found.state, name)
     state.switches += len(found.switches)
-    state.time += duration
+    state.time = found.state.time if found.gave_up else state.time + duration
+    return found.gave_up

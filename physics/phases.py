@@ -51,7 +51,7 @@ class System:
         self.inverse_mass = 1.0 / np.array(chain.mass)
         self.stiff = bool((self.stiffness * (self.exponent < 1.0)).any())
         self.push = np.zeros(self.n + 1) if push is None else push
-        self.evaluations = 0
+        self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
         # an overlap of energy F d is felt in velocities as its square root
         self.depth, self.least_overlap = depth, depth * tolerance**2
         self.least_rate = 1e-3 * tolerance * speed
@@ -118,7 +118,7 @@ class Phase:
         """Right-hand side: (2n+2,) time derivative of y."""
         system, n = self.system, self.system.n
         system.evaluations += 1
-        if system.evaluations > MOST_EVALUATIONS:
+        if system.evaluations > system.most_evaluations:
             raise OutOfEvaluationsError
         acceleration = system.bead_acceleration(self.force(y[:n]))
         change = np.empty_like(y)

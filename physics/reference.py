@@ -21,6 +21,8 @@ from physics.time_scale import contact_scales, speed_scale
 
 Array = NDArray[np.float64]
 
+EVALUATIONS_A_STEP = 3  # at the most, where steps are counted
+
 SMOOTH, STIFF = "DOP853", "Radau"  # contacts of exponent >= 1 are never stiff; below it stiffness has no bound
 ROOT = 4e-15  # of a contact time: what a located switch may be early or late (scipy asks brentq for 4 ulp of 1)
 MOST_PHASES = 20_000  # a run with more is given up: the contacts chatter
@@ -40,12 +42,14 @@ class _Segment:
 class _Run:
     """Phase after phase from a start state; keeps what samples and switches need."""
 
-    def __init__(self, chain: Chain, state: State, tolerance: float) -> None:
+    def __init__(self, chain: Chain, state: State, tolerance: float, most: int | None = None) -> None:
         velocity = state.velocity(chain)
         speed = speed_scale(chain, velocity)
         depth, contact_time = contact_scales(chain, velocity)
         self.scale = float(contact_time.max())
         self.system = System(chain, state.external(chain), speed, depth, tolerance)
+        if most:
+            self.system.most_evaluations = EVALUATIONS_A_STEP * most
         self.time = state.time
         self.y = np.concatenate((state.overlap, state.rate, state.anchor))
         self.phase = Phase.of(self.system, first_modes(self.system, self.y))
@@ -54,20 +58,22 @@ class _Run:
         self.switches: list[tuple[float, int]] = []
         self.steps = 0
         self.warnings: tuple[str, ...] = ()
+        self.gave_up = ""
 
     def until(self, end: float) -> None:
         """Integrate to `end`; with an infinite end until no contact pushes or can come to push."""
         try:
             while self.time < end and not self.warnings and not (np.isinf(end) and self._apart()):
-                if len(self.segments) >= MOST_PHASES:
+                if len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations):
                     raise OutOfEvaluationsError
                 self._one_phase(end)
             self._note(self.closed & ~self._carries())
         except OutOfEvaluationsError:
-            self.warnings = (
+            self.gave_up = (
                 f"scipy gave up at t = {self.time:.6g} s after {self.system.evaluations} evaluations and "
-                f"{len(self.segments)} changes of contacts; what follows repeats the state at that time: take 'radau'",
+                f"{len(self.segments)} changes of contacts"
             )
+            self.warnings = (f"{self.gave_up}; what follows repeats the state at that time: take 'radau'",)
 
     def _apart(self) -> bool:
         n = self.system.n
@@ -100,7 +106,8 @@ class _Run:
         if found.status == 1:
             self._switch()
         elif found.status < 0:
-            self.warnings = (f"scipy failed at t = {self.time:.6g} s: {found.message}",)
+            self.gave_up = f"scipy failed at t = {self.time:.6g} s: {found.message}"
+            self.warnings = (self.gave_up,)
 
     def _switch(self) -> None:
         margins = self.phase.margins(self.y)
@@ -146,7 +153,7 @@ def run(problem: Problem) -> Record:
 
         return dry_adaptive.run(problem, run)
     chain, state = problem.chain, problem.state
-    solved = _Run(chain, state, problem.tolerance)
+    solved = _Run(chain, state, problem.tolerance, problem.most_steps)
     solved.until(np.inf if problem.duration is None else state.time + problem.duration)
     times = problem.sample_times(solved.time)
     if times.size and times[-1] > solved.time and not solved.warnings:
@@ -157,7 +164,7 @@ def run(problem: Problem) -> Record:
         times, states[:, :n], states[:, n : 2 * n], states[:, 2 * n :], forces,
         np.array([contact for _, contact in solved.switches], dtype=np.int64),
         np.array([time for time, _ in solved.switches]),
-        _end(solved), solved.steps, solved.system.evaluations, solved.warnings,
+        _end(solved), solved.steps, solved.system.evaluations, solved.warnings, gave_up=solved.gave_up,
     )  # fmt: skip
 
 
@@ -166,17 +173,17 @@ def _end(solved: _Run) -> State:
     return State(solved.time, y[:n], y[n : 2 * n], y[2 * n :], solved.phase.force(y[:n]))
 
 
-def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float) -> None:
-    """Move `state` on by `duration` [s] in place."""
+def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float, most_steps: int) -> str:
+    """Move `state` on by `duration` [s] in place. Returns why it stopped before, empty where it did not."""
     if chain.dry:
         from physics import dry_adaptive
 
-        dry_adaptive.advance(chain, state, duration, method, tolerance, run)
-        return
-    solved = _Run(chain, state, tolerance)
+        return dry_adaptive.advance(chain, state, duration, method, tolerance, most_steps, run)
+    solved = _Run(chain, state, tolerance, most_steps)
     solved.until(state.time + duration)
     end = _end(solved)
-    state.time += duration
+    state.time = end.time
     for target, source in ((state.overlap, end.overlap), (state.rate, end.rate), (state.anchor, end.anchor)):
         target[:] = source
     state.force[:] = end.force
+    return solved.gave_up

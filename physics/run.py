@@ -25,6 +25,7 @@ class Problem:
         step: fixed step [s]; 0 for adaptive methods.
         tolerance: wanted error; 0 for fixed steps.
         samples: number of evenly spaced samples, or their times (T,) [s].
+        most_steps: what an adaptive method may take for a frame of live use; None: a whole motion, as long as it takes.
     """
 
     chain: Chain
@@ -34,6 +35,7 @@ class Problem:
     step: float
     tolerance: float
     samples: int | Array
+    most_steps: int | None = None
 
     def sample_times(self, end: float) -> Array:
         """(T,) sample times [s] for a run that ends at `end`."""
@@ -54,6 +56,7 @@ class Record:
         warnings: sentences on what may be wrong.
         absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing rubs.
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
+        gave_up: why the run stopped before its end, a sentence without an end; empty where it did not.
     """
 
     time: Array
@@ -69,6 +72,7 @@ class Record:
     warnings: tuple[str, ...] = ()
     seconds: float = 0.0
     absorbed: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    gave_up: str = ""
 
 
 def empty_samples(count: int, contacts: int) -> tuple[Array, Array, Array, Array]:

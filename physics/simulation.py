@@ -21,6 +21,12 @@ from physics.trust import coarse_warnings, explicit_warnings
 
 Array = NDArray[np.float64]
 
+MOST_STEPS = 200_000  # of an adaptive method in one `advance`
+FINISHES, FINISHING_STEPS = (
+    find_method("conserving"),
+    100,
+)  # what moves on where an adaptive method gives up, in so many steps
+
 
 def simulate(
     chain: Chain,
@@ -108,18 +114,40 @@ def advance(
     method: str = "verlet",
     step: float | None = None,
     tolerance: float = 1e-8,
+    most_steps: int = MOST_STEPS,
 ) -> None:
     """Move `state` on by `duration` [s] in place, for live use; fixed-step kernels allocate nothing.
 
     Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along, with the chain's drive. A
-    duration that is not a whole number of steps ends in a shorter step.
+    duration that is not a whole number of steps ends in a shorter step. Where an adaptive method is not through after
+    `most_steps` (contacts that rattle), `conserving` moves on to the end; a warning and ``state.trouble`` say so.
     """
+    move(chain, state, duration, method, step, tolerance, most_steps)
+    if state.trouble:
+        warnings.warn(state.trouble, RuntimeWarning, stacklevel=2)
+
+
+def move(
+    chain: Chain, state: State, duration: float, method: str, step: float | None, tolerance: float, most_steps: int
+) -> None:
+    """What :func:`advance` does, with what failed in ``state.trouble`` alone."""
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
     _refuse_dry(chain, chosen)
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
-    fineness = tolerance if chosen.adaptive else _step(chain, state.velocity(chain), chosen, step)
-    import_module(chosen.module).advance(chain, state, duration, method, fineness)
+    _require(most_steps > 0, f"most_steps must be at least 1, not {most_steps!r}")
+    runner, state.trouble = import_module(chosen.module), ""
+    if not chosen.adaptive:
+        runner.advance(chain, state, duration, method, _step(chain, state.velocity(chain), chosen, step))
+        return
+    end = state.time + duration
+    said = runner.advance(chain, state, duration, method, tolerance, most_steps)
+    if said:
+        rest = end - state.time
+        if rest > 0.0:
+            import_module(FINISHES.module).advance(chain, state, rest, FINISHES.name, rest / FINISHING_STEPS)
+        state.time = end
+        state.trouble = f"{said}; {FINISHES.name} moved on from there"
 
 
 def _refuse_dry(chain: Chain, method: Method) -> None:

@@ -27,6 +27,7 @@ class State:
             it adds to the chain's drive.
         switches: how often contacts have closed or opened in all `advance` of a fixed-step method so far.
         absorbed: (2,) energy [J] that contacts with loss and the bed have absorbed so far.
+        trouble: what the last `advance` could not do and did instead, in a sentence; empty where it did as asked.
         work: scratch memory of the methods, theirs alone.
     """
 
@@ -38,6 +39,7 @@ class State:
     push: Array | None = None
     switches: int = 0
     absorbed: Array = field(default_factory=lambda: np.zeros(2))
+    trouble: str = ""
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod

@@ -301,7 +301,7 @@ def test_giving_up_is_a_value(monkeypatch):
         assert len(found.warnings) == 1
         assert np.isfinite(found.velocity).all()
         with pytest.warns(RuntimeWarning, match=f"{method} gave up after 20 steps"):
-            advance(chain, State.at_start(chain, start), 10.0, method)
+            advance(chain, State.at_start(chain, start), 10.0, method, most_steps=20)
 
 
 def test_a_gap_between_clusters_counts_from_the_first_touch():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from physics.kernels.copying import copy_into
 from physics.kernels.dry import bead_velocities, dry_steps
 from physics.kernels.dry_explicit import dry_split_steps
 from physics.kernels.jit import jit
@@ -96,15 +97,21 @@ def dry_march(
         while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE):
             k = counter[SAMPLE]
             counter[SAMPLE] += 1
-            spare_overlap[:], spare_rate[:], spare_force[:] = overlap, rate, force
-            spare_anchor[:], spare_absorbed[:] = anchor, absorbed
+            copy_into(spare_overlap, overlap)
+            copy_into(spare_rate, rate)
+            copy_into(spare_force, force)
+            copy_into(spare_anchor, anchor)
+            copy_into(spare_absorbed, absorbed)
             if sample_time[k] - time > h * GRID_TOLERANCE:
                 steps(
                     1, sample_time[k] - time, drifts, kicks, law, loss, inverse_mass, push, bed, anchor_bead, spare_overlap,
                     spare_rate, spare_anchor, spare_force, closed, spare_absorbed, work, beads, counter,
                 )  # fmt: skip
-            sample_overlap[k], sample_rate[k], sample_force[k] = spare_overlap, spare_rate, spare_force
-            sample_anchor[k], sample_absorbed[k] = spare_anchor, spare_absorbed
+            copy_into(sample_overlap[k], spare_overlap)
+            copy_into(sample_rate[k], spare_rate)
+            copy_into(sample_force[k], spare_force)
+            copy_into(sample_anchor[k], spare_anchor)
+            copy_into(sample_absorbed[k], spare_absorbed)
         if time > end - h * GRID_TOLERANCE:
             return DONE, end
         free = still == 0 and push.size == 0

@@ -22,7 +22,7 @@ def solve_lossy_row(
         work[SOLVER_ROWS + 2],
         work[SOLVER_ROWS + 3],
     )
-    coupling = work[SOLVER_ROWS + 4 : SOLVER_ROWS + 6].ravel()
+    coupling = work[SOLVER_ROWS + 4 : SOLVER_ROWS + 6].reshape(2 * n)
     beads = work[SOLVER_ROWS + 6 :]
     nothing = coupling[:0]
     for i in range(n):

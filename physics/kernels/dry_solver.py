@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 
 from physics.kernels.conserving import MOST_NEWTON, MOST_WARM, NEGLIGIBLE, ROUND_OFF
+from physics.kernels.copying import copy_into
 from physics.kernels.jit import jit
 from physics.kernels.law import power
 from physics.kernels.resolvent import mean_force, resolvent
@@ -240,7 +241,7 @@ def dry_forces(h, law, loss, diagonal, coupling, pushed, bed, free, start, rate,
             return iteration + 1
         if worst < least:  # what is given back if all fails
             least = worst
-            work[9, :] = s
+            copy_into(work[9], s)
         if total > max(best, ROUND_OFF * terms) and damping > 1e-3:  # Newton jumped over a kink: half the way back
             damping *= 0.5
             for i in range(n):
@@ -251,7 +252,7 @@ def dry_forces(h, law, loss, diagonal, coupling, pushed, bed, free, start, rate,
         newton_shift(h, law, loss, diagonal, coupling, bed, start, rate, largest, beads, work)
         for i in range(n):
             s[i] += shift[i]
-    s[:] = work[9]
+    copy_into(s, work[9])
     for i in range(n):
         contact_at(h, i, law, loss, diagonal, start, rate, overlap, force, work)
     for j in range(bed.size):

@@ -117,7 +117,7 @@ def solve_row(h, law, mobility, expected, velocity, direction, outside, overlap,
         work[SOLVER_ROWS + 2],
         work[SOLVER_ROWS + 3],
     )
-    coupling = work[SOLVER_ROWS + 4 :].ravel()
+    coupling = work[SOLVER_ROWS + 4 : SOLVER_ROWS + 6].reshape(2 * n)
     for i in range(n):
         diagonal[i] = along(i, direction, i, mobility[i]) + along(i, direction, i, mobility[i + 1])
         coupling[i] = along(i - 1, direction, i, mobility[i]) if i > 0 else 0.0

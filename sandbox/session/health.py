@@ -52,8 +52,9 @@ class Health:
     sentence: str
 
 
-def health_of(series: Series, setup: LaneSetup, frame_time: float, pace: Pace) -> Health:
-    """The health of a lane at the end of `series`, its last :data:`WINDOW` frames."""
+def health_of(series: Series, setup: LaneSetup, frame_time: float, pace: Pace, trouble: str = "") -> Health:
+    """The health of a lane at the end of `series`, its last :data:`WINDOW` frames; `trouble` is what its method could not
+    do of late."""
     chain = setup.chain
     books = series.ledger[-1]
     walls = series.velocity[-1][np.isinf(chain.mass)]
@@ -64,6 +65,8 @@ def health_of(series: Series, setup: LaneSetup, frame_time: float, pace: Pace) -
     steps = contact_time(chain, setup.speed) / step if step else math.inf
     chatter = _chatter(series, setup)
     level, sentence = _verdict(setup, (energy or 0.0, momentum or 0.0), chatter, steps)
+    if trouble and level != BAD:
+        level, sentence = BAD, trouble
     if level == GOOD and pace.clock_ratio < ON_TIME:
         level, sentence = FAIR, f"{_share(pace.clock_ratio)} of the speed asked for: a frame takes too long"
     return Health(energy, momentum, chatter, steps, pace.milliseconds, level, sentence)

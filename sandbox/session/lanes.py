@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.chain import Chain
-from physics.simulation import advance
+from physics.simulation import move
 from physics.state import State
 from sandbox.session import ledger
 from sandbox.session.edits import edited, edited_start
@@ -20,6 +20,8 @@ from sandbox.session.setup import LaneSetup
 
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
+LIVE_STEPS = 5_000  # of an adaptive method in one frame: some 20 ms
+TROUBLE_FRAMES = 60  # in which what a method could not do is still told
 Hand = tuple[float, float, float]  # lane (-1: empty), bead, position of the pointer [m]
 
 
@@ -29,11 +31,16 @@ class BlownUpError(Exception):
 
 @dataclass
 class LiveLane:
-    """One lane as it is now: the immutable `setup`, the moving `state`, the `books` of its energy and momentum."""
+    """One lane as it is now: the immutable `setup`, the moving `state`, the `books` of its energy and momentum.
+
+    `trouble` is what its method could not do of late, in a sentence, `troubled` the frames since.
+    """
 
     setup: LaneSetup
     state: State
     books: Array
+    trouble: str = ""
+    troubled: int = 0
 
     @classmethod
     def at_start(cls, setup: LaneSetup) -> LiveLane:
@@ -81,7 +88,10 @@ class LiveLane:
         before, closed, switches = self.position, is_closed(state.overlap, state.force), state.switches
         absorbed = state.absorbed.copy()
         state.push = self._push(bead, pointer, quickness)
-        advance(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance)
+        move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
+        self.trouble, self.troubled = (state.trouble, 0) if state.trouble else (self.trouble, self.troubled + 1)
+        if self.troubled >= TROUBLE_FRAMES:
+            self.trouble = ""
         if not all(
             (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
         ):

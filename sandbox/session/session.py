@@ -66,7 +66,7 @@ class Session(Player):
     def health(self, lane: int) -> Health:
         """The badge of a lane at the moment shown."""
         series = self.series(lane, WINDOW)
-        return health_of(series, self.setup.lanes[lane], self.setup.frame_time, self.pace)
+        return health_of(series, self.setup.lanes[lane], self.setup.frame_time, self.pace, self.lanes[lane].trouble)
 
     def verdict(self) -> tuple[str, str]:
         """The worst level of any lane, 'good', 'fair' or 'bad', and its sentence."""
