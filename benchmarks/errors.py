@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 TOLERANCES = 10.0 ** (-0.25 * np.arange(12, 41))  # quarter decades, 1e-3 to 1e-10
 METHODS = ("accurate", "radau")
-FINEST, FINER = 1e-12, 1e-11  # the truth is by radau, where these two agree so well,
+FINEST, FINER = 1e-13, 1e-12  # the truth is by radau, where these two agree so well,
 SURE = 1e-7  # [m/s]
 CONFIRMED = (1e-10, 1e-9)  # else the finer of these that does not warn
 PROMISE = 10.0

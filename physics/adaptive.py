@@ -23,6 +23,7 @@ MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is asked whether it agrees
+TIGHT, FEWER_BOUNCES = 9e-10, 3  # and at tolerances below, where errors have more decades to grow through
 CONFIRMED = 1e-11  # finer than that nothing is confirmed: round-off has a say
 FINER, FINEST = 10.0, 1e-13  # so much finer, and the finest tolerance there is a use for
 AGREE, MOST_APART = 1.0, 9.0  # tolerances that two runs may lie apart; times this, a sentence says so
@@ -52,9 +53,10 @@ def _sensitive(problem: Problem, record: Record) -> bool:
     """True where errors of single steps may grow: a contact bounces often, or a steady push brings it back to zero overlap,
     where a change d of the overlap is one of sqrt(d) in velocity."""
     switches = np.bincount(record.switch_contact, minlength=1)
+    few = FEWER_BOUNCES if problem.tolerance < TIGHT else FEW_BOUNCES
     soft = any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.contact)
     driven = problem.state.external(problem.chain) is not None
-    return int(switches.max()) > 2 * FEW_BOUNCES or (driven and soft)
+    return int(switches.max()) > 2 * few or (driven and soft)
 
 
 def _confirmed(problem: Problem, record: Record) -> Record:

@@ -60,7 +60,7 @@ def test_error_in_deep_clusters(n):
     """One on 5 bounces six times at 1e-6 of its speed before it is over: there one part in 1e10 is a bounce."""
     chain, start = one_on(n, power_law(1.0, DEEP[n])), np.eye(1, n + 1)[0]
     exact = simulate(chain, start, method="radau", tolerance=1e-12).final_velocity
-    for tolerance in TOLERANCES[:25]:
+    for tolerance in TOLERANCES:
         found = simulate(chain, start, tolerance=tolerance)
         assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
 
@@ -73,7 +73,7 @@ def test_error_in_every_scene(chain, velocity):
     """
     exact = next(run for run in fine_runs(chain, velocity) if not run.warnings)
     often = max(len(intervals) for intervals in exact.contact_intervals) > 2
-    for tolerance in RATTLING if often else TOLERANCES[:21]:
+    for tolerance in RATTLING if often else TOLERANCES:
         found = simulate(chain, velocity, tolerance=tolerance)
         assert np.abs(found.final_velocity - exact.final_velocity).max() < PROMISE * tolerance * closing(velocity)
 
@@ -82,8 +82,8 @@ def test_error_under_a_steady_push():
     """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity."""
     scene = scenes.load("driven-cluster")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
-    exact = simulate(chain, velocity, scene.duration, "radau", tolerance=1e-12).final_velocity
-    for tolerance in RATTLING:
+    exact = simulate(chain, velocity, scene.duration, "radau", tolerance=1e-13).final_velocity
+    for tolerance in (*RATTLING, 1e-10):
         found = simulate(chain, velocity, scene.duration, tolerance=tolerance)
         assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
 
