@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from sandbox.session.inputs import AddBead, RemoveBead
 from tests.window_fuzz import Fuzz, run
+from tests.windows import Driver
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -17,3 +19,19 @@ def test_random_hands_meet_no_exception_and_no_number_that_is_none(
     fuzz = Fuzz(seed, tmp_path)
     run(fuzz, 1800)
     assert fuzz.driver.app.running
+
+
+def test_the_cursor_reads_frames_from_before_beads_were_removed():
+    """There are then more values than names, and more than are listed: found by random hands."""
+    driver = Driver("one-on-ten")
+    for _ in range(3):
+        driver.session.apply(AddBead(0, 1))
+    driver.session.step_frames(60)
+    for _ in range(3):
+        driver.session.apply(RemoveBead(0, 1))
+    driver.session.step_frames(5)
+    driver.frames(2)
+    for plot in driver.play.board.plots:
+        for x in range(plot.area.left, plot.area.right, 7):
+            driver.play.board.paint_reading(driver.app.surface, (x, plot.area.centery))
+    driver.close()

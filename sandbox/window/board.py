@@ -146,7 +146,7 @@ class Board:
         names = plot.names
         chosen = list(range(min(len(values), len(names), len(plot.colours))))
         if len(chosen) > MOST_READ:
-            heights = plot.area.top + plot.y(plot.axis.on(np.array(values)))
+            heights = plot.area.top + plot.y(plot.axis.on(np.array(values[: len(chosen)])))
             chosen = sorted(np.argsort(abs(heights - point[1]))[:MOST_READ].tolist())
         size, name = self.span.unit()
         head = f"t = {fixed(time / size, 3)} {name}"
