@@ -29,7 +29,8 @@ LOOKS = 16  # at the margins in a window
 HALVINGS = 60  # of the interval in which a margin runs out
 SHORT, LONG = 1.0 / 64.0, 8.0  # windows, of the longest contact time
 MOST_WINDOWS = 20_000
-STEPS_A_WINDOW = 250  # where steps are counted: a window costs as much as so many
+STEPS_A_WINDOW = 250  # where steps are counted: a window costs as much as so many,
+STEPS_A_RUN, EVALUATIONS_A_STEP = 10, 10  # a run as so many at the least, and what it refused counts too
 ROUND_OFF = 1e-12  # of the largest speed: a bead or contact this slow at an event stands still
 
 
@@ -47,6 +48,7 @@ class _Walk:
         self.unit = float(contact_scales(self.chain, velocity)[1].max())
         self.window = SHORT * self.unit
         self.rows = *empty_samples(times.size, self.chain.contacts), np.zeros((times.size, 2))
+        self.spent = 0  # steps, as far as they are counted
         self.taken = self.steps = self.evaluations = self.windows = 0
         self.switches: list[tuple[float, int]] = []
         self.closed = self._closed(self.state)
@@ -60,7 +62,7 @@ class _Walk:
         """Go to `end`, or with `stop` until nothing can meet again or everything rests."""
         while self.state.time < end and not (stop and self._over()) and not self.gave_up:
             most = self.problem.most_steps
-            if self.windows >= self.most_windows or (most and self.steps > most):
+            if self.windows >= self.most_windows or (most and self.spent > most):
                 self._give_up("friction changes its mode without end")
             else:
                 self._one_window(end)
@@ -136,11 +138,12 @@ class _Walk:
             0.0,
             self.problem.tolerance,
             times,
-            most and max(1, most - self.steps),
+            most and max(1, most - self.spent),
         )
         found = self.runner(part)
         self.steps += found.steps
         self.evaluations += found.evaluations
+        self.spent += max(STEPS_A_RUN, found.steps, found.evaluations // EVALUATIONS_A_STEP)
         self.warnings += tuple(said for said in found.warnings if "energy" not in said and "gave up" not in said)
         rows = zip(found.time, found.overlap, found.rate, found.anchor, found.force, strict=True)
         last = found.end.time if found.gave_up else np.inf  # rows beyond repeat where it stopped
