@@ -13,7 +13,7 @@ from physics.kernels.jit import jit
 from physics.kernels.march import DONE, OUT_OF_STEPS, SEPARATED
 from physics.kernels.modes import CLOSES, OPENS, YIELDS, continued, set_modes
 from physics.kernels.openings import find_openings, note_switches
-from physics.kernels.pace import NEXT, begin, first_step, learn, next_step, onset_step, resume
+from physics.kernels.pace import LAST, NEXT, begin, first_step, learn, next_step, onset_step
 from physics.kernels.rescue import rescue
 from physics.kernels.sampling import sample_flight, sample_inside
 from physics.kernels.trial import DOP853, NEWTON_PART, REJECTED, SAMPLE, STEP, attempt, settle
@@ -182,7 +182,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         past_step = 0.0 if explicit else h
         book.counter[STEP] += 1
         if open_passed(landing, given, moving, slow):
-            resume(pace)
+            pace[LAST] = 0.0
         note_switches(before, time, moving, trial.opening, book)
         if landing >= 0:
             past_step = 0.0

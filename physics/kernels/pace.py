@@ -13,10 +13,9 @@ from physics.kernels.jit import jit
 from physics.kernels.trial import ACCURATE, DOP853
 
 # entries of the pace array: longest next step, and of radau; the last step (0: none like it), its error; the time left to
-# an opening at its start, and the next step had nothing come near; the longest step of dop853; the longest after a refusal;
-# the last step that no opening was near to
-NEXT, RADAU, LAST, ERROR, LEFT, PLAIN, REACH, CEILING, FREE = 0, 1, 2, 3, 4, 5, 6, 7, 8
-PACES = 9
+# an opening at its start, and the next step had nothing come near; the longest step of dop853; the longest after a refusal
+NEXT, RADAU, LAST, ERROR, LEFT, PLAIN, REACH, CEILING = 0, 1, 2, 3, 4, 5, 6, 7
+PACES = 8
 
 SAFETY = 0.9
 GROW_RADAU, GROW_DOP853 = 8.0, 30.0  # times the step before, at the most; the latter between steps of radau
@@ -30,10 +29,6 @@ WARY, FORGET, LIFTED = (
     1.02,
     1.5,
 )  # of a step refused: no longer one soon; a step later; but where errors fall so far
-NEAR, NOT_TINY = (
-    0.3,
-    0.1,
-)  # of the time left to an opening: steps so long feel it; of a free step: the one over the opening is less
 LAST_PUSH = 0.05  # of a step's tolerance: what a contact still pushes is passed over below
 
 
@@ -41,13 +36,6 @@ LAST_PUSH = 0.05  # of a step's tolerance: what a contact still pushes is passed
 def begin(pace, h):
     """Forget the past; the next step is `h` at the most (inf: not known)."""
     pace[NEXT], pace[RADAU], pace[LAST], pace[LEFT], pace[CEILING] = h, h, 0.0, math.inf, math.inf
-    pace[FREE] = 0.0
-
-
-@jit
-def resume(pace):
-    """A contact has opened: what made steps short is over, the next may be as long as before it came near."""
-    pace[LAST], pace[NEXT], pace[LEFT] = 0.0, max(pace[NEXT], pace[FREE]), math.inf
 
 
 @jit
@@ -136,8 +124,6 @@ def learn(pace, h, explicit, error, near, landing, refused, wanted):
     most = GROW_DOP853 if explicit and math.isfinite(pace[REACH]) else GROW_RADAU
     grow = min(most, SAFETY * (wanted / max(error, 1e-300)) ** power)
     pace[PLAIN] = h * grow
-    if NOT_TINY * pace[FREE] <= h < NEAR * pace[LEFT]:
-        pace[FREE] = h
     if landing >= 0 or near:
         pace[LAST] = 0.0
         pace[NEXT] = max(pace[NEXT], h * grow) if math.isfinite(pace[NEXT]) else h * grow
