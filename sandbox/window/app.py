@@ -56,7 +56,7 @@ class App:
             "open": self.ask_for_file,
         }
         self.page: Page = self._gallery()
-        self.rebuild()
+        self._build()
         if start is not None:
             self.open(start)
 
@@ -73,11 +73,17 @@ class App:
             self.page.close()
         self.prompt = None
         self.page = page
-        self.rebuild()
+        self._build()
+        gc.unfreeze()
         gc.collect()  # the old page and its history go in circles: they would stay for minutes
+        gc.freeze()  # what is left stays: not to be searched in the middle of play
 
     def rebuild(self) -> None:
-        """Make all widgets anew: the page, the size or the scale has changed."""
+        """Make all widgets anew: the size or the scale has changed."""
+        self._build()
+        gc.collect()  # the old widgets and their surfaces go in circles, too
+
+    def _build(self) -> None:
         before, self.unit = self.unit, self._unit()
         if self.unit == before:  # a new manager would have to draw the shapes of all widgets again
             self.manager.set_window_resolution(self.size)
@@ -158,6 +164,7 @@ class App:
         """Let go of the page, the thread and the display."""
         self.page.close()
         self.warmer.stop()
+        gc.unfreeze()
         pygame.display.quit()
 
     def frame(self, seconds: float, events: Iterable[pygame.Event] | None = None) -> None:
