@@ -61,10 +61,14 @@ class State:
         return from_anchor(self.rate, self.anchor[1], chain.anchor)
 
     def external(self, chain: Chain) -> Array | None:
-        """(n+1,) external force on each bead [N], the chain's drive and the push; None where there is neither."""
-        if chain.drive_force is None or self.push is None:
-            return chain.drive_force if self.push is None else self.push
-        total: Array = chain.drive_force + self.push
+        """(n+1,) external force on each bead [N], the chain's drive and the push; None where there is neither.
+
+        An array that can be written to: to a kernel one that cannot is of another type, for which all of it would be
+        compiled anew.
+        """
+        if chain.drive_force is None:
+            return self.push
+        total: Array = chain.drive_force + (0.0 if self.push is None else self.push)
         return total
 
     def copy(self) -> State:

@@ -9,6 +9,8 @@ import pytest
 
 import scenes
 from physics import METHODS, Chain, State, Trajectory, advance, hooke, power_law, simulate
+from physics.kernels.adaptive import integrate
+from physics.kernels.march import march
 from physics.time_scale import speed_scale
 from scenes import SceneError
 
@@ -106,3 +108,23 @@ def test_a_scene_may_drive():
 def test_a_bad_drive_in_a_scene_is_refused(change, sentence):
     with pytest.raises(SceneError, match=sentence):
         scenes.parse(SCENE.replace(*change))
+
+
+def test_kernels_see_one_type_of_force_from_outside():
+    """A read-only array is another type to them: all of a method would be compiled once more, in the middle of play."""
+    chain = Chain([1.0, 1.0], power_law(1.0, 0.1), drive=[1.0, 0.0])
+    state = State.at_start(chain, [0.0, 0.0])
+    force = state.external(chain)
+    assert force.flags.writeable
+    assert not np.shares_memory(force, chain.drive_force)
+    for method in ("conserving", "radau"):
+        advance(Chain([1.0, 1.0], power_law(1.0, 0.1)), State.at_start(chain, [0.0, 0.0]), 1e-3, method=method)
+    before = [_signatures(kernel) for kernel in (march, integrate)]
+    for method in ("conserving", "radau"):
+        advance(chain, State.at_start(chain, [0.0, 0.0]), 1e-3, method=method)
+    assert [_signatures(kernel) for kernel in (march, integrate)] == before
+
+
+def _signatures(kernel: object) -> int:
+    """Types that `kernel` is compiled for; 0 where it runs as plain Python."""
+    return len(getattr(kernel, "signatures", ()))
