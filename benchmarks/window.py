@@ -80,7 +80,7 @@ def frames(seconds: float) -> dict[str, Any]:
         path = Path(folder) / "fifty.toml"
         path.write_text(SCENE)
         app = App(start=str(path))
-    app.warmer.ready.wait()
+    app.warmer.complete.wait()
     app.frame(FRAME)
     page = app.page
     assert isinstance(page, Play)

@@ -67,11 +67,11 @@ def simulate(
 def solve(
     chain: Chain,
     velocity: ArrayLike,
-    duration: float | None,
-    method: str,
-    step: float | None,
-    samples: int | ArrayLike,
-    tolerance: float,
+    duration: float | None = None,
+    method: str = "accurate",
+    step: float | None = None,
+    samples: int | ArrayLike = 201,
+    tolerance: float = 1e-8,
 ) -> Trajectory:
     """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
     if method == AUTO:

@@ -16,7 +16,8 @@ import pygame
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-import physics
+from physics.simulation import solve
+from physics.trajectory import Trajectory
 from sandbox.codecs import check
 from sandbox.draw import Picture, Track, longest_lead, track_of
 from sandbox.draw.track import Array
@@ -142,34 +143,45 @@ def simulated(
     Raises UserError where the method or the step does not suit the scene, or where there would be too many rows;
     `rows_per_second` are those of the motion. What may be wrong with it is said by RuntimeWarnings.
     """
-    lanes = range(len(scene.lanes))
+    tracks, sentences = simulated_quietly(scene, rows_per_second, method, step)
+    for sentence in sentences:
+        warnings.warn(sentence, RuntimeWarning, stacklevel=2)
+    return tracks
+
+
+def simulated_quietly(
+    scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None
+) -> tuple[list[Track], tuple[str, ...]]:
+    """What :func:`simulated` does, with the sentences that it warns with: Python's warnings are not for threads."""
     try:
         settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step)
         times = _times(scene, motion_end(scene, method, step), rows_per_second)
         moving = times[times >= 0.0]
         settings |= {"duration": float(moving[-1]), "samples": moving}
-        tracks = [track_of(_simulate(scene, k, settings), times[times < 0.0]) for k in lanes]
+        found = [_solve(scene, k, settings) for k in range(len(scene.lanes))]
     except ValueError as error:
         raise UserError(str(error)) from error
+    tracks = [track_of(trajectory, times[times < 0.0]) for trajectory in found]
+    _require_finite(tracks)
+    return tracks, tuple(sentence for trajectory in found for sentence in trajectory.warnings)
+
+
+def _require_finite(tracks: Sequence[Track]) -> None:
     if not all(np.isfinite(track.position).all() and np.isfinite(track.force).all() for track in tracks):
         raise UserError(f"the motion by {tracks[0].method} did not stay finite: choose a smaller step")
-    return tracks
 
 
 def motion_end(scene: Scene, method: str | None = None, step: float | None = None) -> float:
     """Time at which the last lane of `scene` is over, or what the scene says [s]. UserError as in :func:`simulated`."""
     try:
         settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step, samples=2)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # they are said where the samples are taken
-            lanes = range(len(scene.lanes))
-            return float(scene.duration or max(_simulate(scene, k, settings).time[-1] for k in lanes))
+        return float(scene.duration or max(_solve(scene, k, settings).time[-1] for k in range(len(scene.lanes))))
     except ValueError as error:
         raise UserError(str(error)) from error
 
 
-def _simulate(scene: Scene, lane: int, settings: dict[str, Any]) -> physics.Trajectory:
-    return physics.simulate(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
+def _solve(scene: Scene, lane: int, settings: dict[str, Any]) -> Trajectory:
+    return solve(scene.lanes[lane].chain(), scene.lanes[lane].velocity, **settings)
 
 
 def _times(scene: Scene, end: float, rows_per_second: float) -> Array:

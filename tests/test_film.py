@@ -1,6 +1,5 @@
 """Films read back frame by frame; refusals before any work; whole files or none."""
 
-from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -211,7 +210,7 @@ def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
         trajectory.force[-1] = np.nan
         return trajectory
 
-    monkeypatch.setattr(render, "physics", SimpleNamespace(simulate=broken))
+    monkeypatch.setattr(render, "solve", broken)
     with pytest.raises(UserError, match="did not stay finite"):
         simulated(SCENE, FPS)
 

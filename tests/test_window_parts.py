@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pygame
 import pytest
 
 import scenes
+from physics import METHODS
 from sandbox.hanging import LAWS, Hanging
+from sandbox.render import simulated, simulated_quietly
 from sandbox.session import Session
-from sandbox.session.inputs import AddBead
+from sandbox.session.inputs import AddBead, SetFriction
 from sandbox.window import thumbnails
 from sandbox.window.geometry import geometry
 from sandbox.window.hanging import HangingPage
@@ -20,6 +24,7 @@ from sandbox.window.records import stretches
 from sandbox.window.sheet import Sheet
 from sandbox.window.sound import RATE, click
 from sandbox.window.timespan import TimeSpan
+from sandbox.window.warm import Warmer
 from tests.windows import Driver
 
 
@@ -149,6 +154,56 @@ def test_a_cache_that_cannot_be_written_is_done_without(tmp_path, monkeypatch):
     assert thumbnails.read(scene) is None
     thumbnails.keep(scene, pygame.Surface((4, 4)))
     assert thumbnails.read(scene) is None
+
+
+def test_a_look_ahead_leaves_the_warning_filters_alone(monkeypatch):
+    """It runs on a thread; filters are those of all threads. What a film says of the same motion is not lost."""
+    scene = scenes.load("one-on-four").model_copy(update={"method": "euler", "step": 1e-3})
+    with pytest.warns(RuntimeWarning):
+        told = simulated(scene, 2000.0)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a thread has touched the warnings")
+
+    for name in ("catch_warnings", "simplefilter", "filterwarnings", "warn"):
+        monkeypatch.setattr(warnings, name, refuse)
+    tracks, sentences = simulated_quietly(scene, 2000.0)
+    assert sentences
+    assert np.array_equal(tracks[0].position, told[0].position)
+    assert thumbnails.motion(scene)
+
+
+def test_a_scene_waits_for_the_kernels_of_what_rubs():
+    warmer = Warmer()
+    smooth, rough = Session(scenes.load("one-on-four")).lanes, Session(scenes.load("train-cut")).lanes
+    assert rough[0].chain.dry
+    assert not warmer.can_move(smooth)
+    warmer.start()
+    assert warmer.complete.wait(300.0)
+    warmer.stop()
+    assert warmer.can_move(smooth)
+    assert warmer.can_move(rough)
+    warmer._warm.discard((rough[0].setup.method, True))
+    assert warmer.can_move(smooth)
+    assert not warmer.can_move(rough)
+    assert warmer.can_move(rough, "yoshida4"), "what is refused is not waited for"
+
+
+def test_what_comes_to_rub_while_kernels_are_compiled_pauses_the_clock():
+    driver = Driver("one-on-four")
+    driver.app.warmer._warm -= {(method.name, True) for method in METHODS}
+    driver.session.apply(SetFriction(0, 0.1))
+    driver.session.play()
+    driver.frames(3)
+    assert driver.play.waiting
+    frame = driver.session.frame
+    driver.frames(3)
+    assert driver.session.frame == frame
+    driver.app.warmer._warm |= {(method.name, True) for method in METHODS}
+    driver.frames(3)
+    assert not driver.play.waiting
+    assert driver.session.frame > frame
+    driver.close()
 
 
 def test_click_is_a_short_sound_that_dies_away():

@@ -20,7 +20,7 @@ class Driver:
 
     def __init__(self, start: str | None = None, size: tuple[int, int] = (1280, 720)) -> None:
         self.app = App(size, start)
-        assert self.app.warmer.ready.wait(120.0)
+        assert self.app.warmer.complete.wait(300.0)
         self.frames(2)
 
     @property

@@ -37,7 +37,7 @@ class Play:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
         self.side, self.title_room = True, 0.0
         self.pick: Pick | None = None
-        self.waiting = not host.warmer.ready.is_set()
+        self.waiting = not host.warmer.can_move(session.lanes)
         self._setup = session.setup
         self.board = Board(session, [*USUAL_PLOTS, "difference"] if len(session.lanes) == 2 else USUAL_PLOTS)
         self.scenery = Scenery(self)
@@ -119,7 +119,8 @@ class Play:
         if self.waiting:
             self.host.messages.say(PREPARING)
             return False
-        if isinstance(item, SetMethod) and item.method != AUTO and not self.host.warmer.has(item.method):
+        warmer = self.host.warmer
+        if isinstance(item, SetMethod) and item.method != AUTO and not warmer.can_move(self.session.lanes, item.method):
             self.host.messages.say(f"method {item.method} is still being prepared: try again in some seconds")
             self.host.rebuild()  # the menu goes back to the method there is
             return False
@@ -186,7 +187,7 @@ class Play:
 
     def _await(self) -> None:
         """The physics may have become ready."""
-        if self.waiting and self.host.warmer.ready.is_set():
+        if self.waiting and self.host.warmer.can_move(self.session.lanes):
             self.waiting = False
             if self.host.warmer.problem:
                 self.host.messages.say(self.host.warmer.problem, trouble=True)
@@ -202,6 +203,7 @@ class Play:
             self.board.respan()
             self.scenery.redraw()
         old, new = ([(lane.chain, lane.locked) for lane in setup.lanes] for setup in (before, self._setup))
+        self.waiting = not self.host.warmer.can_move(self.session.lanes)  # something may rub now that did not
         if old != new:
             self._reselect()
             self.scenery.rebuild()

@@ -43,7 +43,7 @@ class Scenery:
 
     def _first_scales(self) -> Scales:
         scene = self.session.scene
-        if self.page.host.warmer.ready.is_set():
+        if not self.page.waiting:
             try:
                 return scales_of(scene, motion(scene))
             except (UserError, ValueError, RuntimeError, ArithmeticError):

@@ -35,7 +35,7 @@ def keep(app: App, folder: Path, name: str) -> None:
 def shoot(folder: Path) -> None:
     """Take all of them."""
     app = App()
-    app.warmer.ready.wait(PATIENCE)
+    app.warmer.complete.wait(PATIENCE)
     page = app.page
     assert isinstance(page, Gallery)
     while len(page.pictures) < len(page.names):

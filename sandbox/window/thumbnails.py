@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import warnings
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -73,13 +72,12 @@ def keep(scene: Scene, thumbnail: pygame.Surface) -> None:
 
 def motion(scene: Scene) -> list[Track]:
     """What a thumbnail is drawn from: the motion of each lane. Takes some milliseconds; runs behind the window."""
-    from sandbox.render import simulated
+    from sandbox.render import simulated_quietly
 
     rate = ROWS / (scene.duration or 1.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # whoever plays the scene has a badge for that
-        method = QUICK if scene.method in (None, AUTO) else scene.method
-        return simulated(scene, max(rate, 60.0 * scene.view.slow), method=method)
+    method = QUICK if scene.method in (None, AUTO) else scene.method
+    tracks, _ = simulated_quietly(scene, max(rate, 60.0 * scene.view.slow), method=method)
+    return tracks  # whoever plays the scene has a badge for what it warns of
 
 
 def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from sandbox.window.thumbnails import QUICK as AHEAD
+
+if TYPE_CHECKING:
+    from physics.methods import Method
+    from sandbox.session.lanes import LiveLane
 
 FIRST = "physics.fixed_step"  # module of the methods that scenes are played and looked ahead with
 LOADED_LATER = ("pymunk", "scipy")  # no kernels of their own: they load when they are chosen
@@ -15,14 +21,16 @@ class Warmer:
     """A daemon thread that first readies the physics and then works off jobs; results are fetched, never pushed.
 
     Attributes:
-        ready: set when scenes can be played without a wait.
+        ready: set when scenes in which nothing rubs can be played without a wait.
+        complete: set when every method is loaded.
         problem: why a method cannot be loaded, or None.
     """
 
     def __init__(self) -> None:
         self.ready = threading.Event()
+        self.complete = threading.Event()
         self.problem: str | None = None
-        self._warm: set[str] = set()
+        self._warm: set[tuple[str, bool]] = set()
         self._jobs: queue.SimpleQueue[tuple[Any, Callable[[], Any]] | None] = queue.SimpleQueue()
         self._done: queue.SimpleQueue[tuple[Any, Any]] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="warm", daemon=True)
@@ -46,21 +54,36 @@ class Warmer:
         except queue.Empty:
             return None
 
-    def has(self, method: str) -> bool:
-        """Whether that method can run without a wait; those without kernels of their own always can."""
-        return method in self._warm or method in LOADED_LATER
+    def has(self, method: str, dry: bool = False) -> bool:
+        """Whether that method can run without a wait, on a chain that rubs if `dry`, which takes kernels of its own.
+
+        Methods without any always can.
+        """
+        return (method, dry) in self._warm or method in LOADED_LATER
+
+    def can_move(self, lanes: Iterable[LiveLane], method: str | None = None) -> bool:
+        """Whether all `lanes` can be moved without a wait, by `method`; None: by their own, and by that of a look ahead."""
+        return self.ready.is_set() and all(
+            self.has(name, lane.chain.dry)
+            for lane in lanes
+            for name in ((lane.setup.method, AHEAD) if method is None else (method,))
+        )
 
     def _run(self) -> None:
         from physics import METHODS
 
-        first = [method.name for method in METHODS if method.module == FIRST]
-        later = [method.name for method in METHODS if method.name not in (*first, *LOADED_LATER)]
-        for name in first:
-            self._load(name)
+        own = [method for method in METHODS if method.name not in LOADED_LATER]
+        first = [method for method in own if method.module == FIRST]
+        rest = [method for method in own if method not in first]
+        for method in first:
+            self._load(method, dry=False)
         self.ready.set()
+        later = [(method, True) for method in first] + [(method, dry) for method in rest for dry in (False, True)]
         while self._work(wait=not later):
             if later and self._jobs.empty():
-                self._load(later.pop(0))
+                self._load(*later.pop(0))
+            if not later:
+                self.complete.set()
 
     def _work(self, wait: bool) -> bool:
         """Do the next job, if there is one; False at the end of all."""
@@ -77,18 +100,19 @@ class Warmer:
             self._done.put((key, error))
         return True
 
-    def _load(self, method: str) -> None:
+    def _load(self, method: Method, dry: bool) -> None:
         try:
-            warm(method)
+            if method.dry or not dry:  # where it is refused, nobody has to wait for that
+                warm(method.name, dry)
         except Exception as error:
-            self.problem = f"method {method} cannot be loaded: {error}"
-        self._warm.add(method)
+            self.problem = f"method {method.name} cannot be loaded: {error}"
+        self._warm.add((method.name, dry))
 
 
-def warm(method: str) -> None:
-    """Call every compiled kernel of a method once, with the types that the window calls it with."""
+def warm(method: str, dry: bool) -> None:
+    """Call every compiled kernel of a method once, with the types that the window calls it with; see :meth:`Warmer.has`."""
     from physics import Chain, State, advance, power_law, simulate
 
-    chain, velocity = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1)), [1.0, 0.0, 0.0]
+    chain, velocity = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1 if dry else 0.0), [1.0, 0.0, 0.0]
     advance(chain, State.at_start(chain, velocity), 1e-3, method=method)
     simulate(chain, velocity, duration=1e-3, method=method, samples=2)
