@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from sandbox.codecs import pixels_of
 from sandbox.draw import Picture, draw, longest_lead, scales_of
-from sandbox.draw.kept import kept
+from sandbox.draw.kept import forget, kept
 from sandbox.draw.numbers import decades, factor, fixed, index, power_of_ten, round_down, round_step, scientific, ticks
 from sandbox.draw.palette import OKABE_ITO, PAPER, STEEL, bead_colours
 from sandbox.draw.plots import spread
@@ -385,3 +385,7 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_goes_first():
     square(2000)  # more than all of it is kept until the next
     assert square(2000) is square(2000)
     assert drawn == [*sides, 400, 255, 2000]
+    forget()
+    for side in sides * 2:  # room for three again: what was forgotten does not count
+        square(side)
+    assert drawn == [*sides, 400, 255, 2000, *sides]

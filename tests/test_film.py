@@ -1,6 +1,5 @@
 """Films read back frame by frame; refusals before any work; whole files or none."""
 
-
 import av
 import numpy as np
 import pygame

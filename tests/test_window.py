@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -74,6 +75,39 @@ def test_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
     assert page.selected == 1 + page.columns
     gallery.key(pygame.K_RETURN)
     assert gallery.session.scene == page.scenes[page.selected]
+
+
+def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
+    page = gallery.app.page
+    assert isinstance(page, Gallery)
+    gallery.drag(page.place(0).center, page.place(1).center)
+    gallery.release(page.place(1).center)
+    gallery.click((page.place(0).centerx, 8))  # the header
+    assert gallery.app.page is page
+    page.scroll_to(page.pitch)
+    gallery.click((page.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
+    assert gallery.app.page is page
+
+
+def test_pages_and_widgets_that_are_left_do_not_stay_in_memory(gallery: Driver) -> None:
+    """They go in circles, and hold their surfaces: an hour of use would keep some 100 MB of them."""
+    page = gallery.app.page
+    assert isinstance(page, Gallery)
+    old_gallery, place = weakref.ref(page), page.place(0).center
+    del page
+    gallery.click(place)
+    gallery.frames()
+    assert old_gallery() is None
+    old_page = weakref.ref(gallery.play)
+    for action in ("larger", "smaller"):
+        old_widget = weakref.ref(next(iter(gallery.play.transport.buttons.values())))
+        gallery.app.act(action)
+        gallery.frames()
+        assert old_widget() is None
+    gallery.key(pygame.K_ESCAPE)
+    gallery.frames()
+    assert isinstance(gallery.app.page, Gallery)
+    assert old_page() is None
 
 
 def test_space_plays_and_pauses_and_r_restarts(driver: Driver) -> None:

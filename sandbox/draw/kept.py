@@ -11,6 +11,7 @@ import pygame
 
 Drawn = TypeVar("Drawn", pygame.Surface, "tuple[pygame.Surface, ...]")
 
+_forgetting: list[Callable[[], None]] = []
 OBJECT = 200  # bytes of a surface beside its pixels, about
 
 
@@ -20,6 +21,13 @@ def kept(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Dra
     def decorate(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
         found: OrderedDict[tuple[Any, ...], Drawn] = OrderedDict()
         used = 0
+
+        def forget_these() -> None:
+            nonlocal used
+            found.clear()
+            used = 0
+
+        _forgetting.append(forget_these)
 
         @wraps(draw)
         def drawn(*arguments: Any) -> Drawn:
@@ -36,6 +44,12 @@ def kept(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Dra
         return drawn
 
     return decorate
+
+
+def forget() -> None:
+    """Let go of every drawing that is kept: those of a page that was left are hardly those of the next."""
+    for forget_these in _forgetting:
+        forget_these()
 
 
 def _memory(picture: pygame.Surface | tuple[pygame.Surface, ...]) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 import pygame
 
+from sandbox.draw.kept import forget
 from sandbox.errors import UserError
 from sandbox.window import theme
 from sandbox.window.display import open_display
@@ -18,6 +19,7 @@ from sandbox.window.keys import action_of
 from sandbox.window.messages import Messages
 from sandbox.window.page import Page
 from sandbox.window.prompt import Prompt
+from sandbox.window.sweep import sweep
 from sandbox.window.warm import Warmer
 from scenes import SceneError, load
 
@@ -45,7 +47,7 @@ class App:
         self.warmer.start()
         self.unit = self._unit()
         self.manager = theme.manager(self.size, self.unit)
-        self.frames = 0
+        self.frames, self._left = 0, False
         self.actions: dict[str, Callable[[], None]] = {
             "help": self.toggle_help,
             "fullscreen": self.toggle_fullscreen,
@@ -73,21 +75,21 @@ class App:
             self.page.close()
         self.prompt = None
         self.page = page
-        self._build()
-        gc.unfreeze()
-        gc.collect()  # the old page and its history go in circles: they would stay for minutes
-        gc.freeze()  # what is left stays: not to be searched in the middle of play
+        forget()
+        self.rebuild()
+        self._left = True
 
     def rebuild(self) -> None:
-        """Make all widgets anew: the size or the scale has changed."""
+        """Make all widgets anew: the page, the size or the scale has changed."""
+        self.manager.clear_and_reset()
+        sweep()  # before there are new ones, or their surfaces would be there twice
         self._build()
-        gc.collect()  # the old widgets and their surfaces go in circles, too
+        gc.freeze()  # not to be searched in the middle of play
 
     def _build(self) -> None:
         before, self.unit = self.unit, self._unit()
         if self.unit == before:  # a new manager would have to draw the shapes of all widgets again
             self.manager.set_window_resolution(self.size)
-            self.manager.clear_and_reset()
         else:
             self.manager = theme.manager(self.size, self.unit)
         self.page.build()
@@ -178,6 +180,9 @@ class App:
         pygame.display.flip()
         self.page.shown(self.surface, seconds)
         self.frames += 1
+        if self._left:  # only now does no button that was pressed hold on to the page it was on
+            self._left = False
+            sweep()
 
     def paint(self) -> None:
         """Draw the whole window."""

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from functools import partial
 
 import pygame
-from pygame_gui.elements import UIButton
 
-from sandbox.draw.palette import FAINT, INK, MUTED, PAPER, STAGE
+from sandbox.draw.palette import FAINT, INK, MUTED, OKABE_ITO, PAPER, STAGE
 from sandbox.draw.text import shortened, wrapped, write
 from sandbox.window import thumbnails
 from sandbox.window.hanging import NAME as HANGING
@@ -19,6 +18,8 @@ from sandbox.window.page import Host
 from scenes import Scene, load, names
 
 MARGIN, HEADER, GUTTER, COLUMN = 34.0, 96.0, 20.0, 285.0  # design pixels
+POINTED, BORDER = OKABE_ITO[0], (196, 202, 209)
+HOVERED, PRESSED = 24, 48  # opacity of the tint of the card under the pointer
 CAPTION = 66.0  # design pixels below a picture
 
 
@@ -36,7 +37,7 @@ class Gallery:
         self.pictures: dict[int, pygame.Surface] = {}
         self.scaled: dict[tuple[int, tuple[int, int]], pygame.Surface] = {}
         self.selected, self.scroll, self.rows = 0, 0.0, 1
-        self.cards: list[UIButton] = []
+        self.pressed: int | None = None
         for k, scene in enumerate(self.scenes):
             picture = thumbnails.read(scene)
             if picture is None:
@@ -53,7 +54,7 @@ class Gallery:
         }
 
     def build(self) -> None:
-        """Make the cards for the host's size and unit."""
+        """Find the places of the cards for the host's size and unit."""
         unit, width = self.host.unit, self.host.size[0]
         inner = width - 2 * MARGIN * unit
         self.columns = max(1, int((inner + GUTTER * unit) // ((COLUMN + GUTTER) * unit)))
@@ -62,12 +63,6 @@ class Gallery:
         self.pitch = self.picture_size[1] + (CAPTION + GUTTER) * unit
         self.rows = -(-len(self.names) // self.columns)
         self.scaled.clear()
-        self.cards = [
-            UIButton(
-                self.place(k), "", self.host.manager, object_id="#card", command=partial(self.choose, name)
-            )
-            for k, name in enumerate(self.names)
-        ]  # fmt: skip
         self.scroll_to(self.scroll)
 
     def place(self, k: int) -> pygame.Rect:
@@ -93,20 +88,23 @@ class Gallery:
         unit = self.host.unit
         full = HEADER * unit + self.rows * self.pitch + 4 * unit
         self.scroll = min(max(scroll, 0.0), max(0.0, full - self.host.size[1]))
-        top = HEADER * unit
-        for k, card in enumerate(self.cards):
-            place = self.place(k)
-            visible = pygame.Rect(place.left, max(place.top, round(top)), place.width, place.height)
-            visible.height = place.bottom - visible.top
-            if visible.height > 8 and visible.top < self.host.size[1]:
-                card.set_relative_position(visible.topleft)
-                card.set_dimensions(visible.size)
-                card.show()
-            else:
-                card.hide()
+
+    def card_at(self, point: tuple[int, int]) -> int | None:
+        """The card that is seen there, or None."""
+        if point[1] < HEADER * self.host.unit:
+            return None
+        return next((k for k in range(len(self.names)) if self.place(k).collidepoint(point)), None)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Wheel and Enter; clicks are the cards' own."""
+        """Clicks, wheel and Enter."""
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
+            self.pressed = self.card_at(event.pos)
+            return self.pressed is not None
+        if event.type == pygame.MOUSEBUTTONUP and event.button == 1 and self.pressed is not None:
+            pressed, self.pressed = self.pressed, None
+            if self.card_at(event.pos) == pressed:
+                self.choose(self.names[pressed])
+            return True
         if event.type == pygame.MOUSEWHEEL:
             self.scroll_to(self.scroll - event.precise_y * 60 * self.host.unit)
             return True
@@ -158,9 +156,19 @@ class Gallery:
         source = shortened(source, 11.5 * unit, room)
         write(surface, source, (x, y + 38 * unit), 11.5 * unit, MUTED)
         surface.fill(FAINT, (place.left, picture.bottom, place.width, 1))
+        self._border(surface, k, place)
         if k == self.selected:
             frame = place.inflate(round(4 * unit), round(4 * unit))
             pygame.draw.rect(surface, INK, frame, max(2, round(2 * unit)))
+
+    def _border(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
+        """No widgets: their pictures of every state of every card took 100 MB, and a third of a second to make."""
+        under = self.card_at(pygame.mouse.get_pos()) == k
+        if under:
+            tint = pygame.Surface(place.size, pygame.SRCALPHA, 32)
+            tint.fill((*POINTED, PRESSED if self.pressed == k else HOVERED))
+            surface.blit(tint, place)
+        pygame.draw.rect(surface, POINTED if under else BORDER, place, 1)
 
     def _image(self, k: int) -> pygame.Surface | None:
         if k not in self.pictures:
@@ -177,4 +185,6 @@ class Gallery:
         """Nobody films a gallery."""
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Let go of the pictures."""
+        self.pictures.clear()
+        self.scaled.clear()
