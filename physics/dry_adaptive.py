@@ -30,7 +30,7 @@ HALVINGS = 60  # of the interval in which a margin runs out
 SHORT, LONG = 1.0 / 64.0, 8.0  # windows, of the longest contact time
 MOST_WINDOWS = 20_000
 STEPS_A_WINDOW = 250  # where steps are counted: a window costs as much as so many,
-STEPS_A_RUN, EVALUATIONS_A_STEP = 10, 10  # a run as so many at the least, and what it refused counts too
+STEPS_A_RUN, EVALUATIONS_A_STEP = 25, 10  # a run as so many at the least, and what it refused counts too
 ROUND_OFF = 1e-12  # of the largest speed: a bead or contact this slow at an event stands still
 
 
