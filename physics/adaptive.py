@@ -106,7 +106,15 @@ def _energy(chain: Chain, state: State) -> float:
     """Kinetic and contact energy [J], walls left out."""
     mass, speed = np.array(chain.mass), state.velocity(chain)
     kinetic = 0.5 * float((np.where(np.isfinite(mass), mass, 0.0) * speed**2).sum())
-    return kinetic + sum(float(contact.energy(d)) for contact, d in zip(chain.contact, state.overlap, strict=True))
+    return kinetic + float(_stored(chain, state).sum())
+
+
+def _stored(chain: Chain, state: State) -> Array:
+    """(n,) energy [J] in each contact."""
+    preload, stiffness, exponent = chain.parameters.law.T
+    depth = np.maximum(state.overlap, 0.0)
+    energy: Array = preload * depth + stiffness * depth ** (1.0 + exponent) / (1.0 + exponent)
+    return energy
 
 
 def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FIRST_SWITCHES) -> Record:
@@ -176,11 +184,8 @@ def advance(chain: Chain, state: State, duration: float, method: str, tolerance:
 
 def _scale(chain: Chain, state: State) -> float:
     """The velocity [m/s] that a tolerance is relative to: the closing speed, or what the contacts have stored of it."""
-    law, inverse_mass = chain.parameters
-    preload, stiffness, exponent = law.T
-    depth = np.maximum(state.overlap, 0.0)
-    energy = preload * depth + stiffness * depth ** (1.0 + exponent) / (1.0 + exponent)
-    stored = float(np.sqrt(2.0 * energy * (inverse_mass[:-1] + inverse_mass[1:])).max())
+    inverse_mass = chain.parameters.inverse_mass
+    stored = float(np.sqrt(2.0 * _stored(chain, state) * (inverse_mass[:-1] + inverse_mass[1:])).max())
     velocity = state.velocity(chain)
     if np.ptp(velocity) > ROUND_OFF * np.abs(velocity).max() or not stored:
         return max(speed_scale(chain, velocity), stored)

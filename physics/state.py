@@ -49,8 +49,10 @@ class State:
         gap = np.array(chain.gap)
         position = np.concatenate(([0.0], np.cumsum(gap)))
         anchor = np.array([position[chain.anchor], speeds[chain.anchor]])
-        force = [float(contact.force(max(-g, 0.0))) for contact, g in zip(chain.contact, chain.gap, strict=True)]
-        return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, np.array(force))
+        force = np.zeros(chain.contacts)
+        for i in np.flatnonzero(gap < 0.0):
+            force[i] = float(chain.contact[i].force(-gap[i]))
+        return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, force)
 
     def position(self, chain: Chain) -> Array:
         """(n+1,) positions [m], bead lengths taken out: two beads that just touch have the same position."""
