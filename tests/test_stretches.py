@@ -80,3 +80,25 @@ def test_two_impacts_on_one_chain_do_what_each_does_alone(tolerance):
     np.testing.assert_allclose(end, -end[::-1], atol=2.0 * tolerance)
     np.testing.assert_allclose(end[:18], alone.final_velocity[:18], atol=2.0 * tolerance)
     assert abs(end.sum()) <= 1e-12
+
+
+@pytest.mark.parametrize("method", ["accurate", "dop853"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8, 1e-10])
+@pytest.mark.parametrize("n", [50, 150])
+def test_a_wave_that_has_left_is_over(n, tolerance, method):
+    """Behind it contacts are left that move less than the tolerance can tell; for them a run once went on to 1e20 s."""
+    found = simulate(one_on(n, hertz(1.0)), np.eye(1, n + 1)[0], method=method, tolerance=tolerance, samples=2)
+    assert not found.warnings
+    assert n < found.time[-1] < 1.5 * n
+    assert (np.diff(found.final_velocity) > -tolerance).all()
+    assert abs((found.final_velocity**2).sum() - 1.0) < 10.0 * tolerance
+    assert abs(found.final_velocity.sum() - 1.0) < 1e-12
+
+
+def test_a_contact_that_idles_is_busy_in_a_step_that_would_press_it():
+    mode, overlap, rate, force = _pushing(30)
+    overlap[30], force[30], rate[30] = 1e-12, 0.0, 1e-10
+    law, inverse_mass = np.tile([0.0, 1.0, 1.5], (N, 1)), np.ones(N + 1)
+    for h, found in ((1.0, N), (1e12, 30 - MARGIN)):
+        first, _ = stretch(0, h, 1e-9, law, inverse_mass, NOTHING, mode, overlap, rate, force)
+        assert first == found

@@ -21,7 +21,7 @@ from physics.kernels.trial import DOP853, NEWTON_PART, REJECTED, SAMPLE, STEP, a
 TOLERANCE_PART = 0.1  # of the tolerance: to this each step is held
 SWINGING_PART = 0.25  # of dop853 alone, where errors of soft contacts that swing average out
 SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
-STILL_PART = 1e-3  # of a step's tolerance: a gap that closes slower than this counts as not closing
+STILL_PART = 0.1  # of a step's tolerance: a gap that closes slower than this counts as not closing
 RESCUE_PART = 0.25  # of a step at which Newton fails: so long the step of `conserving` in its place may be
 
 
@@ -66,6 +66,29 @@ def keep(explicit, moving, trial):
 
 
 @jit
+def bring_to_rest(i, given, moving):
+    """Give the two beads of contact i the velocity of their centre of mass: what takes its rate leaves momentum alone.
+
+    Beside soft contacts, which are stiff where they are deep, they are not touched: only what lies between them moves.
+    """
+    for k in range(max(i - 1, 0), min(i + 2, moving.mode.size)):
+        if given.law[k, 2] < 1.0 or moving.mode[k] == TOUCHING:
+            moving.rate[i] = 0.0
+            return
+    weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
+    impulse = moving.rate[i] / weight if weight > 0.0 else 0.0
+    if i > 0:
+        moving.rate[i - 1] += impulse * given.inverse_mass[i]
+    if i + 1 < moving.mode.size:
+        moving.rate[i + 1] += impulse * given.inverse_mass[i + 1]
+    if given.anchor_bead == i:
+        moving.anchor[1] -= impulse * given.inverse_mass[i]
+    elif given.anchor_bead == i + 1:
+        moving.anchor[1] += impulse * given.inverse_mass[i + 1]
+    moving.rate[i] = 0.0
+
+
+@jit
 def open_passed(landing, given, moving, slow):
     """Open the contacts that the step has carried past d = 0; returns True where there are any."""
     any_passed = False
@@ -81,7 +104,8 @@ def open_passed(landing, given, moving, slow):
             if abs(moving.rate[i]) > slow or flow_into(i, given.inverse_mass, moving.force) > drive:
                 moving.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and slower than what counts: it stays
-                moving.overlap[i], moving.rate[i] = 0.0, 0.0
+                moving.overlap[i] = 0.0
+                bring_to_rest(i, given, moving)
     return any_passed
 
 

@@ -41,6 +41,10 @@ def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, a
         elif mode[i] == LOADED:
             force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
         touching |= mode[i] == TOUCHING
+    if first > 0:  # an edge in the middle of the chain idles; what it pushed, the bead beyond would not feel
+        force[first] = 0.0
+    if last < mode.size:
+        force[last - 1] = 0.0
     if touching:
         for i in range(first, last):
             upper[i] = 0.0
