@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physics.chain import Chain
+from physics.confirm import confirmed, is_sensitive
 from physics.kernels import trial as kernel
 from physics.kernels.adaptive import integrate
 from physics.kernels.march import OUT_OF_STEPS
@@ -22,12 +22,6 @@ Array = NDArray[np.float64]
 MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
 MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
-FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is asked whether it agrees
-TIGHT, FEWER_BOUNCES = 9e-10, 3  # and at tolerances below, where errors have more decades to grow through
-CONFIRMED = 1e-11  # finer than that nothing is confirmed: round-off has a say
-FINER, FINEST = 10.0, 1e-13  # so much finer, and the finest tolerance there is a use for
-AGREE, MOST_APART = 1.0, 9.0  # tolerances that two runs may lie apart; times this, a sentence says so
-MOST_CONFIRMING = 50_000  # steps of all runs of one motion: no finer run beyond
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
 KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
 _LOADED: set[str] = set()  # methods whose kernels are in memory
@@ -43,48 +37,10 @@ def run(problem: Problem) -> Record:
         _pass(problem, problem.state.time, NO_TIMES, False)
         _LOADED.add(problem.method)
     record = run_to_end(problem, _pass)
-    if problem.most_steps is None and problem.tolerance > CONFIRMED and _sensitive(problem, record):
-        record = _confirmed(problem, record)
+    if problem.most_steps is None and is_sensitive(problem, record):
+        record = confirmed(problem, record, _scale(problem.chain, problem.state), _pass)
     record.warnings += _energy_warnings(problem, record)
     return record
-
-
-def _sensitive(problem: Problem, record: Record) -> bool:
-    """True where errors of single steps may grow: a contact bounces often, or a steady push brings it back to zero overlap,
-    where a change d of the overlap is one of sqrt(d) in velocity."""
-    switches = np.bincount(record.switch_contact, minlength=1)
-    few = FEWER_BOUNCES if problem.tolerance < TIGHT else FEW_BOUNCES
-    soft = any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.contact)
-    driven = problem.state.external(problem.chain) is not None
-    return int(switches.max()) > 2 * few or (driven and soft)
-
-
-def _confirmed(problem: Problem, record: Record) -> Record:
-    """A finer record that agrees with the one before it to the tolerance, or says that there is none."""
-    allowed = AGREE * problem.tolerance * _scale(problem.chain, problem.state)
-    tolerance = problem.tolerance
-    while not record.warnings:
-        tolerance = max(tolerance / FINER, FINEST)
-        finer = run_to_end(replace(problem, tolerance=tolerance), _pass)
-        finer.steps, finer.evaluations = finer.steps + record.steps, finer.evaluations + record.evaluations
-        finer.seconds += record.seconds
-        ends = finer.end.velocity(problem.chain), record.end.velocity(problem.chain)
-        apart = float(np.abs(ends[0] - ends[1]).max())
-        record = finer
-        if apart <= allowed:
-            break
-        if tolerance <= FINEST or record.steps > MOST_CONFIRMING:
-            if apart > MOST_APART * allowed:
-                record.warnings += (_apart(problem, tolerance, apart),)
-            break
-    return record
-
-
-def _apart(problem: Problem, tolerance: float, apart: float) -> str:
-    return (
-        f"the motion is so sensitive that {problem.method} at tolerance {tolerance:g} still moves final velocities by "
-        f"{apart:.1g} m/s, more than {problem.tolerance:g} promises: take a looser tolerance, or method 'conserving'"
-    )
 
 
 def _energy_warnings(problem: Problem, record: Record) -> tuple[str, ...]:

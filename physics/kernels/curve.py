@@ -19,6 +19,7 @@ OPEN, TOUCHING, LOADED = 0, 1, 2
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
+MOST_CARE = 1e4  # times an error counts, at the most, that a soft contact may carry through many swings
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
 
 
@@ -44,6 +45,17 @@ def slope_at(preload, stiffness, exponent, overlap, force):
     if overlap < 0.0 and preload == 0.0:
         return 0.0
     return exponent * (force - preload) / overlap
+
+
+@jit
+def care(exponent, swing, faster):
+    """How many times the error of a contact counts, from its (step times local frequency)² and how many times this
+    frequency, squared, is that of the slowest contact.
+
+    A soft contact deep in a cluster swings about what its neighbours ask of it, as often as it is the faster one. A step as
+    long as a swing takes some of it away, each time; at the end it is a velocity, which openings magnify.
+    """
+    return 1.0 + min(swing, 1.0) * min(math.sqrt(faster), MOST_CARE) if exponent < 1.0 else 1.0
 
 
 @jit

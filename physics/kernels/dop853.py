@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.curve import LOADED, TOUCHING, signed_force, slope_at
+from physics.kernels.curve import LOADED, TOUCHING, care, signed_force, slope_at
 from physics.kernels.curve import NODES as OUTPUT_NODES
 from physics.kernels.dop853_tableau import (
     FIFTH,
@@ -189,16 +189,25 @@ def error_of_stretch(
                 else:
                     push = force_at(law, i, overlap[i] if opens else end_overlap[i])
                     worst = max(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+    slowest = math.inf
     for i in range(first, last):
-        worst = max(worst, abs(fifth[i]) if rough else combined(fifth[i], third[i]))
+        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0:
+            slowest = min(slowest, swing_of(law, inverse_mass, i, overlap[i]))
+    for i in range(first, last):
+        error = abs(fifth[i]) if rough else combined(fifth[i], third[i])
         if mode[i] == LOADED and overlap[i] > 0.0:
-            slope = slope_at(
-                law[i, 0], law[i, 1], law[i, 2], overlap[i], signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            )  # fmt: skip
-            stiff = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * slope)
+            swing = swing_of(law, inverse_mass, i, overlap[i])
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
-            worst = max(worst, stiff * of_overlap)
+            error = max(error, math.sqrt(swing) * of_overlap) * care(law[i, 2], h * h * swing, swing / slowest)
+        worst = max(worst, error)
     return worst
+
+
+@jit
+def swing_of(law, inverse_mass, i, overlap):
+    """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
+    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force_at(law, i, overlap))
+    return (inverse_mass[i] + inverse_mass[i + 1]) * slope
 
 
 @jit

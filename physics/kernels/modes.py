@@ -10,6 +10,7 @@ from physics.kernels.jit import jit
 
 NOTHING, CLOSES, OPENS, YIELDS = 0, 1, 2, 3  # kinds of event: yields = a touching contact reaches its preload
 FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches
+ROUND_OFF = 1e-13  # of the acceleration by the preload: such a one is none, and its contact touches on
 NEAR_YIELD, POSSIBLE_YIELD = (
     0.9,
     0.5,
@@ -67,9 +68,10 @@ def set_modes(law, inverse_mass, external, slow, mode, overlap, rate, force, hel
     for i in range(n):
         if mode[i] == TOUCHING:
             force[i] = load[i]
-            if moved[i] > 0.0:
+            none = ROUND_OFF * (inverse_mass[i] + inverse_mass[i + 1]) * law[i, 0]
+            if moved[i] > none:
                 mode[i], force[i] = LOADED, law[i, 0]
-            elif moved[i] < 0.0:
+            elif moved[i] < -none:
                 mode[i], force[i] = OPEN, 0.0
 
 

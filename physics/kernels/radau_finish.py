@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
-from physics.kernels.curve import OPEN, TOUCHING, flow_into, slope_at
+from physics.kernels.curve import OPEN, TOUCHING, care, flow_into, slope_at
 from physics.kernels.jit import jit
 from physics.kernels.radau_tableau import COARSE, EMBEDDED, GAMMA, INVERSE, TABLEAU
+
+RATIO = 3.0  # error taken of a contact = fine error times this times fine over coarse
 
 
 @jit
@@ -65,14 +67,14 @@ def compliance(law, mode, i, overlap, force):
 
 
 @jit
-def embedded_errors(
+def embedded_error(
     h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, fine, coarse, upper
 ):  # fmt: skip
-    """Errors of the step as velocities [m/s] by two embedded quadratures, of orders h**4 and h**3; (n,) scratch arrays.
+    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; (n,) scratch arrays.
 
     Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
     (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
-    overlap, which counts by its energy, sqrt(L C) phi.
+    overlap, which counts by its energy, sqrt(L C) phi. Of each contact counts its own ratio of the two.
     """
     n = overlap.size
     reach = h * GAMMA
@@ -104,15 +106,19 @@ def embedded_errors(
     for i in range(n - 2, -1, -1):
         fine[i] -= upper[i] * fine[i + 1]
         coarse[i] -= upper[i] * coarse[i + 1]
-    worst_fine, worst_coarse = 0.0, 0.0
+    worst, slowest = 0.0, math.inf
     for i in range(n):
-        worst_fine = max(worst_fine, abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine)))
-        worst_coarse = max(worst_coarse, abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse)))
-        give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
-        if give > 0.0:
-            weight = math.sqrt((inverse_mass[i] + inverse_mass[i + 1]) * give)
-            worst_fine, worst_coarse = (
-                max(worst_fine, weight * abs(fine[i])),
-                max(worst_coarse, weight * abs(coarse[i])),
-            )
-    return worst_fine, worst_coarse
+        upper[i] = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
+        if upper[i] > 0.0:
+            slowest = min(slowest, (inverse_mass[i] + inverse_mass[i + 1]) / upper[i])
+    for i in range(n):
+        by_fine = abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine))
+        by_coarse = abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse))
+        times = 1.0
+        if upper[i] > 0.0:
+            weight = inverse_mass[i] + inverse_mass[i + 1]
+            by_fine = max(by_fine, math.sqrt(weight * upper[i]) * abs(fine[i]))
+            by_coarse = max(by_coarse, math.sqrt(weight * upper[i]) * abs(coarse[i]))
+            times = care(law[i, 2], h * h * weight / upper[i], weight / upper[i] / slowest)
+        worst = max(worst, times * by_fine * min(1.0, RATIO * by_fine / max(by_coarse, 1e-300)))
+    return worst

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physics.kernels.curve import OPEN, signed_force
+from physics.kernels.curve import OPEN, TOUCHING, signed_force
 from physics.kernels.jit import jit
 
 MARGIN = 4  # contacts around those that push; a front runs one or two a step
@@ -11,9 +11,11 @@ MARGIN = 4  # contacts around those that push; a front runs one or two a step
 @jit
 def busy(i, h, idle, law, inverse_mass, mode, overlap, rate, force):
     """False for a contact that comes no faster than `idle` [m/s], and neither now nor at the end of the step, if it goes on
-    so, holds more energy or changes velocities by more."""
+    so, holds more energy or changes velocities by more. Those that touch pass on what pushes them at once, as far as they go."""
     if mode[i] == OPEN:
         return False
+    if mode[i] == TOUCHING:
+        return True
     reach = overlap[i] + max(rate[i], 0.0) * h
     end = signed_force(law[i, 0], law[i, 1], law[i, 2], reach) if reach > 0.0 else 0.0
     push = (inverse_mass[i] + inverse_mass[i + 1]) * max(force[i], law[i, 0], end)

@@ -13,7 +13,7 @@ from physics.kernels.dop853 import KINK, dop853_step
 from physics.kernels.jit import jit
 from physics.kernels.modes import NOTHING, OPENS, continued, find_event, first_crossing, miss_of, passing_yield
 from physics.kernels.radau import MOST_NEWTON, first_guess, solve_stages
-from physics.kernels.radau_finish import embedded_errors, move_anchor, stage_rates
+from physics.kernels.radau_finish import embedded_error, move_anchor, stage_rates
 
 Array = NDArray[np.float64]
 
@@ -23,12 +23,12 @@ RADAU, DOP853, ACCURATE = 0, 1, 2  # which step is taken: the last is dop853 whe
 EVALUATION, REJECTED, STEP, SAMPLE, SWITCH, RESCUE = 0, 1, 2, 3, 4, 5
 COUNTERS = 6
 
-RATIO = 3.0  # error taken of radau = fine error times this times fine over coarse
 NEWTON_PART = 1e-2  # of a step's tolerance: to this the stages are solved
 IDLE = 10.0  # times that: contacts that neither come nor push with more wait beside the stretches of dop853
 SHRINK, SAFETY = 0.1, 0.9
 LANDING_TRIES, SLOW_TRIES = 20, 3  # to hit an event; one that moves nothing
-EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one
+EARLY = 0.1  # part of a step: an event before it is sought again in a shorter one,
+AT_ONCE = 1e-12  # down to this part of the step first tried: an event before it is one of its start
 PLAIN_GUESS = -1.0  # as length of the step before: nothing is known of it
 LATE = 0.95  # part of a step: a contact that opens after it has pushed through the step
 LANDED = 1e-13  # of the step: an event is hit
@@ -128,11 +128,10 @@ def attempt(h, explicit, given, moving, precision, past_step, trial, book):
     move_anchor(
         h, given.inverse_mass, given.external, given.anchor_bead, trial.force, moving.anchor, trial.anchor
     )  # fmt: skip
-    fine, coarse = embedded_errors(
+    return embedded_error(
         h, given.law, given.inverse_mass, given.external, moving.mode, moving.overlap, moving.rate, moving.force,
         trial.overlap, trial.rate, trial.force, trial.work[0], trial.work[1], trial.work[2],
     )  # fmt: skip
-    return fine * min(1.0, RATIO * fine / max(coarse, 1e-300))
 
 
 @jit
@@ -169,7 +168,7 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
     of the last step refused for its error (inf: none).
     """
     refused, idle = math.inf, IDLE * NEWTON_PART * wanted
-    landing, kind, tries, failures, ceiling, peaked = -1, NOTHING, 0, 0, h, False
+    landing, kind, tries, failures, ceiling, peaked, least = -1, NOTHING, 0, 0, h, False, AT_ONCE * h
     while book.counter[STEP] + book.counter[REJECTED] < most_steps:
         error = attempt(h, explicit, given, moving, NEWTON_PART * wanted, past_step, trial, book)
         if error < 0.0 or not math.isfinite(error):
@@ -193,13 +192,15 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
                 landing, kind, h = found, its_kind, part * h
                 tries += 1
                 continue
-            if tries < most_tries and abs(miss) > LANDED * h and time + miss != time:
+            if tries < most_tries and abs(miss) > LANDED * h and time + miss != time and h > least:
                 h = min(max(h + miss, 0.1 * h), ceiling)
                 tries += 1
                 continue
         elif found >= 0 and tries < LANDING_TRIES:
             ceiling, tries = h, tries + 1
-            if part < EARLY:  # seen through the cubic of a long step: look again from nearer
+            if (
+                part < EARLY and h > least and time + EARLY * h > time
+            ):  # through the cubic of a long step: look from nearer
                 h *= EARLY
             else:
                 landing, kind, h = found, its_kind, part * h
