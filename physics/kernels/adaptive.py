@@ -15,11 +15,10 @@ from physics.kernels.modes import CLOSES, OPENS, YIELDS, continued, set_modes
 from physics.kernels.openings import find_openings, note_switches
 from physics.kernels.pace import LAST, NEXT, begin, first_step, learn, next_step, onset_step
 from physics.kernels.rescue import rescue
-from physics.kernels.sampling import sample_flight, sample_inside
-from physics.kernels.trial import DOP853, NEWTON_PART, REJECTED, SAMPLE, STEP, attempt, settle
+from physics.kernels.sampling import flown, sample_flight, sample_inside
+from physics.kernels.trial import NEWTON_PART, REJECTED, SAMPLE, STEP, attempt, settle
 
 TOLERANCE_PART = 0.1  # of the tolerance: to this each step is held
-SWINGING_PART = 0.25  # of dop853 alone, where errors of soft contacts that swing average out
 SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
 STILL_PART = 0.1  # of a step's tolerance: a gap that closes slower than this counts as not closing
 RESCUE_PART = 0.25  # of a step at which Newton fails: so long the step of `conserving` in its place may be
@@ -133,7 +132,7 @@ def fly(time, end, given, moving, negligible, samples, book):
         return time, -1
     sample_flight(time, until, given, moving, samples, book)
     for i in range(moving.mode.size):
-        moving.overlap[i] += (until - time) * moving.rate[i]
+        moving.overlap[i] = flown(moving.overlap[i], moving.rate[i], until - time)
         moving.held[i] = 0
     moving.anchor[0] += (until - time) * moving.anchor[1]
     return until, closing
@@ -146,7 +145,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
     `scale` is the velocity [m/s] that `tolerance` is relative to. Returns the status and the time reached.
     """
     n = moving.mode.size
-    wanted = (SWINGING_PART if given.kind == DOP853 else TOLERANCE_PART) * tolerance * scale
+    wanted = TOLERANCE_PART * tolerance * scale
     slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, 1e-15 * scale)
     time, past_step, first, pace = start, 0.0, math.inf, trial.pace
     for i in range(n):

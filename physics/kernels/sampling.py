@@ -29,13 +29,19 @@ def sample_inside(time, h, explicit, given, moving, precision, past_step, trial,
 
 
 @jit
+def flown(overlap, rate, time):
+    """The overlap after `time` of free flight; contacts that come too slowly to close do not, however long it lasts."""
+    return min(overlap + time * rate, max(overlap, 0.0)) if rate > 0.0 else overlap + time * rate
+
+
+@jit
 def sample_flight(time, until, given, moving, samples, book):
     """Samples from `time` to `until` while nothing pushes; at `time` itself also while something does."""
     while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] <= until:
         k = book.counter[SAMPLE]
         beyond = samples.time[k] - time
         for i in range(moving.mode.size):
-            samples.overlap[k, i] = moving.overlap[i] + beyond * moving.rate[i]
+            samples.overlap[k, i] = flown(moving.overlap[i], moving.rate[i], beyond)
             samples.rate[k, i], samples.force[k, i] = moving.rate[i], max(moving.force[i], 0.0)
         samples.anchor[k, 0], samples.anchor[k, 1] = moving.anchor[0] + beyond * moving.anchor[1], moving.anchor[1]
         book.counter[SAMPLE] += 1
