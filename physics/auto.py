@@ -69,7 +69,7 @@ def choose(
     best = found[0]
     told = ", ".join(f"{choice.method} {_time(choice.seconds)}" for choice in found)
     fineness = f"step {best.step:.3g} s" if best.step else f"tolerance {best.tolerance:.1g}"
-    why = _left_out(chain, duration, best.method == "radau")
+    why = _left_out(chain, duration, not chain.dry and nearly_yields(chain, velocity))
     reason = f"{best.method}, {fineness}, for a wanted error of {error:g}; expected cost: {told}{why}"
     return Choice(best.method, best.step, best.tolerance, best.seconds, reason)
 
@@ -91,7 +91,8 @@ def _candidates(
         return
     tolerance = accurate_tolerance(chain, error)
     steps = accurate_steps(chain, tolerance) * max(min(1.0, span / passing), 0.05)
-    yield Choice("accurate", 0.0, tolerance, price["accurate", kind].of(steps, contacts))
+    gears = all(law.preload > 0.0 for law in chain.contact)  # most of them touch, and are one linear system to radau
+    yield Choice("radau" if gears else "accurate", 0.0, tolerance, price["accurate", kind].of(steps, contacts))
     if duration is None or not one_blow(chain):
         return
     for method, step in _fixed_steps(chain, velocity, span, error):

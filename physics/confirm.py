@@ -13,7 +13,7 @@ from physics.run import Pass, Problem, Record, run_to_end
 Array = NDArray[np.float64]
 
 FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is asked whether it agrees
-TIGHT, FEWER_BOUNCES = 9e-10, 3  # and at tolerances below, where errors have more decades to grow through
+TIGHT, FEWER_BOUNCES = 4e-10, 3  # and at tolerances below, where errors have more decades to grow through
 CONFIRMED = 1e-11  # finer than that nothing is confirmed: round-off has a say
 FINER, FINEST = 10.0, 1e-13  # so much finer, and the finest tolerance there is a use for
 AGREE, MOST_APART = 1.0, 9.0  # tolerances that two runs may lie apart; times this, a sentence says so
