@@ -63,12 +63,14 @@ def test_a_replay_runs_by_the_clock_too(tmp_path):
     assert replay.diverged is None
 
 
-@pytest.mark.parametrize("frame", [1, 20, 60])
-def test_diverged_names_the_first_frame_that_differs(tmp_path, frame):
+@pytest.mark.parametrize("part", [0.0, 0.3, 1.0])
+def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
+    """How many frames were played is up to the clock: on a loaded machine they are fewer."""
     path = tmp_path / "played.npz"
     session = played()
     session.save_recording(path)
     hashes = np.array(session.recording.hashes)
+    frame = 1 + round(part * (hashes.size - 1))
     hashes[frame - 1] ^= np.uint64(1)
     tampered(path, hashes=hashes)
     replay = Replay.load(path)
