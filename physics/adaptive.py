@@ -13,14 +13,13 @@ from physics.kernels import trial as kernel
 from physics.kernels.adaptive import integrate
 from physics.kernels.march import OUT_OF_STEPS
 from physics.kernels.pace import PACES
-from physics.run import NO_TIMES, Problem, Record, empty_samples, run_to_end
+from physics.run import MOST_STEPS, NO_TIMES, Problem, Record, empty_samples, run_to_end
 from physics.state import State
 from physics.time_scale import speed_scale
 
 Array = NDArray[np.float64]
 
 MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
-MOST_STEPS = 200_000  # steps and rejected steps; a chain that rattles on beyond is reported
 FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
 KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
@@ -75,14 +74,14 @@ def _stored(chain: Chain, state: State) -> Array:
 
 def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FIRST_SWITCHES) -> Record:
     """One run of the kernel; again with a larger book of switches where the first was too small."""
-    chain, state = problem.chain, problem.state.copy()
+    chain, state, most_steps = problem.chain, problem.state.copy(), problem.most_steps or MOST_STEPS
     counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
     overlap, rate, anchor, force = empty_samples(times.size, chain.contacts)
     given, moving, trial = _given(chain, state, problem.method), _moving(state), _trial(chain.contacts)
     book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
     began = perf_counter()
     status, time = integrate(
-        state.time, end, stop, problem.most_steps or MOST_STEPS, _scale(chain, state), problem.tolerance,
+        state.time, end, stop, most_steps, _scale(chain, state), problem.tolerance,
         given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
     )  # fmt: skip
     seconds = perf_counter() - began
@@ -93,7 +92,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FI
     kept = min(used, size)
     rows = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
     samples = times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows]
-    gave_up = _gave_up(problem.method, problem.most_steps or MOST_STEPS, time) if status == OUT_OF_STEPS else ""
+    gave_up = _gave_up(problem.method, most_steps, time) if status == OUT_OF_STEPS else ""
     sentences = _warnings(problem, gave_up, counter, kept)
     return Record(
         *samples, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),

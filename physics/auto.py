@@ -61,7 +61,8 @@ def choose(
 ) -> Choice:
     """The cheapest candidate for `error` relative to the closing speed; `known` costs instead of this machine's."""
     price = costs() if known is None else known
-    found = sorted(_candidates(chain, velocity, duration, error, price), key=lambda choice: choice.seconds)
+    near = not chain.dry and nearly_yields(chain, velocity)
+    found = sorted(_candidates(chain, velocity, duration, error, price, near), key=lambda choice: choice.seconds)
     if not found:
         raise ValueError(
             f"no method holds an error of {error:g} where something rubs: ask for a tolerance of 1e-5 or more"
@@ -69,13 +70,13 @@ def choose(
     best = found[0]
     told = ", ".join(f"{choice.method} {_time(choice.seconds)}" for choice in found)
     fineness = f"step {best.step:.3g} s" if best.step else f"tolerance {best.tolerance:.1g}"
-    why = _left_out(chain, duration, not chain.dry and nearly_yields(chain, velocity))
+    why = _left_out(chain, duration, near)
     reason = f"{best.method}, {fineness}, for a wanted error of {error:g}; expected cost: {told}{why}"
     return Choice(best.method, best.step, best.tolerance, best.seconds, reason)
 
 
 def _candidates(
-    chain: Chain, velocity: ArrayLike, duration: float | None, error: float, price: Costs
+    chain: Chain, velocity: ArrayLike, duration: float | None, error: float, price: Costs, near: bool
 ) -> Iterator[Choice]:
     contacts, kind = chain.contacts, kind_of(chain.contact)
     passing = passing_time(chain, velocity)
@@ -85,7 +86,7 @@ def _candidates(
         if span / step <= MOST_STEPS / contacts:
             yield Choice("conserving", step, 0.0, price["conserving", kind].of(span / step, contacts))
         return
-    if nearly_yields(chain, velocity):
+    if near:
         tolerance = max(min(0.5 * error, YIELDING), FINEST)
         yield Choice("radau", 0.0, tolerance, price["accurate", SOFT].of(accurate_steps(chain, tolerance), contacts))
         return

@@ -16,7 +16,7 @@ FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is as
 TIGHT, FEWER_BOUNCES = 4e-10, 3  # and at tolerances below, where errors have more decades to grow through
 CONFIRMED = 1e-11  # finer than that nothing is confirmed: round-off has a say
 FINER, FINEST = 10.0, 1e-13  # so much finer, and the finest tolerance there is a use for
-AGREE, MOST_APART = 1.0, 9.0  # tolerances that two runs may lie apart; times this, a sentence says so
+MOST_APART = 9.0  # tolerances: two runs that lie further apart at the end are told of; within one they agree
 MOST_CONFIRMING = 50_000  # steps of all runs of one motion: no finer run beyond
 SHAKEN = 0.1  # of its tolerance: so much the forces of a finer run differ, for runs of like steps have like errors
 NUDGE = 1e-15  # times which finer run it is: so much its rates do, for motions that make much of round-off
@@ -39,7 +39,7 @@ def confirmed(problem: Problem, record: Record, scale: float, run_pass: Pass) ->
 
     `scale` is the velocity [m/s] that the tolerance is relative to; `run_pass` one run of the method, see `run_to_end`.
     """
-    allowed = AGREE * problem.tolerance * scale
+    allowed = problem.tolerance * scale
     tolerance, runs = problem.tolerance, 0
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, FINEST), runs + 1
@@ -48,18 +48,23 @@ def confirmed(problem: Problem, record: Record, scale: float, run_pass: Pass) ->
         finer = run_to_end(replace(problem, tolerance=tolerance, chain=chain, state=state), run_pass)
         ends = finer.end.velocity(problem.chain), record.end.velocity(problem.chain)
         apart = float(np.abs(ends[0] - ends[1]).max())
-        known = apart <= allowed
-        kept, other = (record, finer) if known else (finer, record)
-        kept.steps, kept.evaluations = kept.steps + other.steps, kept.evaluations + other.evaluations
-        kept.seconds += other.seconds
-        record = kept
-        if known:
-            break
+        if apart <= allowed:
+            return _with_cost_of(record, finer)
+        record = _with_cost_of(finer, record)
         if tolerance <= FINEST or record.steps > MOST_CONFIRMING:
             if apart > MOST_APART * allowed:
                 record.warnings += (_apart(problem, tolerance, apart),)
             break
     return record
+
+
+def _with_cost_of(record: Record, other: Record) -> Record:
+    return replace(
+        record,
+        steps=record.steps + other.steps,
+        evaluations=record.evaluations + other.evaluations,
+        seconds=record.seconds + other.seconds,
+    )
 
 
 def _shaken(chain: Chain, part: float) -> Chain:

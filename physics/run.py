@@ -13,6 +13,8 @@ from physics.state import State
 
 Array = NDArray[np.float64]
 
+MOST_STEPS = 200_000  # steps and rejected steps of an adaptive method; contacts that rattle on beyond are reported
+
 
 @dataclass(frozen=True)
 class Problem:

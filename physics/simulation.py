@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from physics.chain import Chain
 from physics.methods import AUTO, Method, find_method, refusal
-from physics.run import Problem, Record
+from physics.run import MOST_STEPS, Problem, Record
 from physics.state import State
 from physics.time_scale import default_step
 from physics.trajectory import Interval, Trajectory
@@ -21,11 +21,8 @@ from physics.trust import coarse_warnings, explicit_warnings
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 200_000  # of an adaptive method in one `advance`
-FINISHES, FINISHING_STEPS = (
-    find_method("conserving"),
-    100,
-)  # what moves on where an adaptive method gives up, in so many steps
+FINISHES = find_method("conserving")  # moves on where an adaptive method gives up,
+FINISHING_STEPS = 100  # in so many steps
 
 
 def simulate(

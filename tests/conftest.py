@@ -1,8 +1,35 @@
 """Settings of the whole suite: hypothesis draws the same examples every time and never fails for slowness."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
 from hypothesis import HealthCheck, settings
+
+if TYPE_CHECKING:
+    from tests.windows import Driver
 
 settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
 settings.load_profile("softcradle")
+
+
+@pytest.fixture
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder and a cache of one's own, for what the window writes."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def driver() -> Iterator[Driver]:
+    """The real application with a scene open, driven by posted events."""
+    from tests.windows import Driver
+
+    made = Driver("one-on-four")
+    yield made
+    made.close()

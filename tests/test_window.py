@@ -1,113 +1,21 @@
-"""The real application, driven by posted events: open, play, drag, scrub, edit, switch method, save, reload, quit."""
+"""The real application, driven by posted events: open, play, drag, scrub, edit, switch method, quit."""
 
 from __future__ import annotations
 
 import math
-import time
-import weakref
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pygame
 import pytest
 
-from sandbox.draw.palette import bead_colours
 from sandbox.session.inputs import SetStep
 from sandbox.window.cards import RED
-from sandbox.window.gallery import Gallery
-from sandbox.window.plot_kinds import StackPlot
-from sandbox.window.records import at_frame
 from sandbox.window.stage_view import Pick
 from tests.windows import Driver
 
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
-
-
-@pytest.fixture(autouse=True)
-def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "cache"))
-
-
-@pytest.fixture
-def driver() -> Iterator[Driver]:
-    made = Driver("one-on-four")
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def gallery() -> Iterator[Driver]:
-    made = Driver()
-    yield made
-    made.close()
-
-
-def test_gallery_draws_and_keeps_thumbnails_and_opens_the_scene_that_is_clicked(
-    gallery: Driver, tmp_path: Path
-) -> None:
-    page = gallery.app.page
-    assert isinstance(page, Gallery)
-    patience = time.monotonic() + 90.0
-    while len(page.pictures) < len(page.names) and time.monotonic() < patience:
-        gallery.frames()
-        pygame.time.wait(5)
-    assert len(page.pictures) == len(page.names)
-    assert len(list((tmp_path / "cache").glob("*.png"))) == len(page.scenes)
-    chosen = page.names.index("one-on-four")
-    page.selected = chosen
-    page.step(0)
-    gallery.click(page.place(chosen).center)
-    gallery.frames(2)
-    assert gallery.session.scene.title == "One bead on four"
-    gallery.key(pygame.K_ESCAPE)
-    again = gallery.app.page
-    assert isinstance(again, Gallery)
-    assert len(again.pictures) == len(again.names)  # read back from disk, at once
-
-
-def test_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
-    page = gallery.app.page
-    assert isinstance(page, Gallery)
-    gallery.key(pygame.K_RIGHT)
-    gallery.key(pygame.K_DOWN)
-    assert page.selected == 1 + page.columns
-    gallery.key(pygame.K_RETURN)
-    assert gallery.session.scene == page.scenes[page.selected]
-
-
-def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
-    page = gallery.app.page
-    assert isinstance(page, Gallery)
-    gallery.drag(page.place(0).center, page.place(1).center)
-    gallery.release(page.place(1).center)
-    gallery.click((page.place(0).centerx, 8))  # the header
-    assert gallery.app.page is page
-    page.scroll_to(page.pitch)
-    gallery.click((page.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
-    assert gallery.app.page is page
-
-
-def test_pages_and_widgets_that_are_left_do_not_stay_in_memory(gallery: Driver) -> None:
-    """They go in circles, and hold their surfaces: an hour of use would keep some 100 MB of them."""
-    page = gallery.app.page
-    assert isinstance(page, Gallery)
-    old_gallery, place = weakref.ref(page), page.place(0).center
-    del page
-    gallery.click(place)
-    gallery.frames()
-    assert old_gallery() is None
-    old_page = weakref.ref(gallery.play)
-    for action in ("larger", "smaller"):
-        old_widget = weakref.ref(next(iter(gallery.play.transport.buttons.values())))
-        gallery.app.act(action)
-        gallery.frames()
-        assert old_widget() is None
-    gallery.key(pygame.K_ESCAPE)
-    gallery.frames()
-    assert isinstance(gallery.app.page, Gallery)
-    assert old_page() is None
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def test_space_plays_and_pauses_and_r_restarts(driver: Driver) -> None:
@@ -146,16 +54,6 @@ def test_timeline_scrubs_and_playing_on_starts_a_new_branch(driver: Driver) -> N
     driver.key(pygame.K_SPACE)
     driver.frames(3)
     assert driver.session.history.last < last
-
-
-def test_marks_stand_where_contacts_switch(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(200)
-    driver.key(pygame.K_HOME)
-    driver.key(pygame.K_PERIOD, SHIFT)
-    before, after = driver.session.history.moment(driver.session.frame - 1), driver.session.lanes[0].state
-    assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
-    assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
 
 
 def test_slow_motion_by_keys_and_slider(driver: Driver) -> None:
@@ -257,27 +155,6 @@ def test_beads_are_added_and_removed(driver: Driver) -> None:
     assert driver.play.pick == Pick(0, "bead", 4)
 
 
-def test_the_energy_split_shows_beads_that_are_gone(driver: Driver) -> None:
-    """What was drawn of five beads is drawn again when the plot opens beside four, all the piles in it."""
-    driver.key(pygame.K_SPACE)
-    driver.frames(90)
-    driver.key(pygame.K_SPACE)
-    for bead in (4, 3):
-        driver.click(driver.bead(bead))
-        driver.key(pygame.K_DELETE)
-        driver.frames(3)
-    assert driver.session.lanes[0].chain.contacts == 2
-    board = driver.play.board
-    if "energy" not in board.shown:
-        driver.key(pygame.K_4)
-    driver.frames(30)
-    energy = next(plot for plot in board.plots if isinstance(plot, StackPlot))
-    assert energy.complete
-    first = round(driver.session.history.first_time / energy.span.column)
-    pile = pygame.surfarray.array3d(energy.ink(first + 5, first + 6))[0]
-    assert {bead_colours(5)[0]} <= {tuple(colour) for colour in pile.tolist()}
-
-
 def test_a_locked_piston_brings_the_usual_cradle_back(driver: Driver) -> None:
     driver.key(pygame.K_l)  # nothing selected: all of them
     driver.key(pygame.K_SPACE)
@@ -324,89 +201,6 @@ def test_badge_turns_red_with_a_sentence_when_the_method_is_past_its_limit() -> 
     driver.close()
 
 
-def test_scene_is_saved_and_dropped_again(driver: Driver, tmp_path: Path) -> None:
-    driver.click(driver.bead(1))
-    driver.key(pygame.K_a)
-    driver.key(pygame.K_s, CTRL)
-    assert driver.app.prompt is not None
-    driver.app.prompt.entry.set_text("mine.toml")
-    driver.key(pygame.K_RETURN)
-    assert driver.said == ["saved mine.toml"]
-    masses = driver.session.lanes[0].chain.mass
-    driver.key(pygame.K_ESCAPE)
-    driver.key(pygame.K_ESCAPE)
-    assert isinstance(driver.app.page, Gallery)
-    driver.drop_file(tmp_path / "mine.toml")
-    assert driver.session.lanes[0].chain.mass == masses
-
-
-def test_session_is_saved_and_replays_to_the_last_digit(driver: Driver, tmp_path: Path) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(40)
-    x, y = driver.bead(4)
-    driver.drag((x, y), (x + 80, y), steps=20)
-    driver.release((x + 80, y))
-    driver.frames(20)
-    state, last = driver.session.lanes[0].state.copy(), driver.session.history.last
-    driver.play.keeping.save_session("played")
-    driver.drop_file(tmp_path / "played.npz")
-    replay = driver.play.replay
-    assert replay is not None
-    driver.frames(200)
-    assert replay.done
-    assert replay.diverged is None
-    assert any("agrees" in text for text in driver.said)
-    shown = driver.session.history.moment(last).states[0]
-    assert np.array_equal(shown.overlap, state.overlap)
-
-
-def test_history_is_exported(driver: Driver, tmp_path: Path) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
-    driver.key(pygame.K_e, CTRL)
-    driver.app.prompt.entry.set_text("motion.csv")
-    driver.key(pygame.K_RETURN)
-    rows = (tmp_path / "motion.csv").read_text().splitlines()
-    assert len(rows) > 60
-    driver.play.keeping.export("motion.doc")
-    assert any("motion.doc" in text for text in driver.said)
-
-
-def test_screenshot_and_film_are_written(driver: Driver, tmp_path: Path) -> None:
-    import av
-
-    driver.key(pygame.K_p)
-    picture = pygame.image.load(str(tmp_path / "one-bead-on-four.png"))
-    assert picture.get_size() == (1280, 720)
-    driver.key(pygame.K_SPACE)
-    driver.key(pygame.K_r, CTRL)
-    driver.frames(40)
-    driver.key(pygame.K_r, CTRL)
-    with av.open(str(tmp_path / "one-bead-on-four.mp4")) as film:
-        frames = sum(1 for _ in film.decode(video=0))
-    assert 15 <= frames <= 25  # every other one
-
-
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [
-        ("bad.toml", "title = 3"),
-        ("broken.toml", "title = ["),
-        ("bad.npz", "nothing"),
-        ("picture.jpg", "nothing"),
-        ("missing.toml", None),
-    ],
-)
-def test_a_bad_file_is_a_message_and_no_crash(driver: Driver, tmp_path: Path, name: str, content: str | None) -> None:
-    if content is not None:
-        (tmp_path / name).write_text(content)
-    page = driver.app.page
-    driver.drop_file(tmp_path / name)
-    assert driver.app.page is page
-    assert any(name in text for text in driver.said)
-    assert driver.app.messages.shown[-1].trouble
-
-
 def test_help_covers_the_page_and_is_closed_by_a_key(driver: Driver) -> None:
     driver.key(pygame.K_F1)
     assert driver.app.help
@@ -414,79 +208,6 @@ def test_help_covers_the_page_and_is_closed_by_a_key(driver: Driver) -> None:
     assert not driver.session.playing
     driver.key(pygame.K_ESCAPE)
     assert not driver.app.help
-
-
-def test_every_plot_can_be_hidden_and_shown(driver: Driver) -> None:
-    kinds = ("velocities", "forces", "overlaps", "energy", "strip", "kymograph")
-    driver.key(pygame.K_SPACE)
-    driver.frames(100)
-    shown = set(driver.play.board.shown)
-    keys = (pygame.K_1, pygame.K_2, pygame.K_3, pygame.K_4, pygame.K_5, pygame.K_7)
-    for key, kind in zip(keys, kinds, strict=True):
-        driver.key(key)
-        driver.frames(2)
-        shown ^= {kind}
-        assert set(driver.play.board.shown) == shown
-    assert shown == {"energy", "strip", "kymograph"}
-    driver.key(pygame.K_b)
-    assert driver.play.board.plots == []
-    driver.key(pygame.K_b)
-    assert len(driver.play.board.plots) == 3
-
-
-def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
-    driver.key(pygame.K_7)
-    driver.key(pygame.K_SPACE)
-    driver.frames(150)
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
-    plot = next(plot for plot in driver.play.board.plots if plot.title.startswith("markers"))
-    session = driver.session
-    frame = session.frame - 20
-    values = plot.now(frame)
-    moment = session.history.moment(frame)
-    length = session.scene.view.length
-    overlap = at_frame(session.history, 0, frame).overlap[0]
-    assert np.diff(values) == pytest.approx(
-        length - overlap, abs=1e-9
-    )  # neighbours are a bead less their overlap apart
-    x = round(plot.span.x(moment.time))
-    column = pygame.surfarray.array3d(plot.sheet.surface)[x].sum(axis=1)
-    for place in plot.y(values):
-        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # ink
-    band = plot.y(values + 0.25 * length).round().astype(int)
-    assert all(300 < column[row] < 740 for row in band)  # the body's pale colour, no ink and no paper
-
-
-def test_plots_ink_the_curves_and_the_cursor_reads_them(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(150)
-    plot = driver.play.board.plots[0]
-    striker = pygame.mask.from_threshold(plot.sheet.surface, plot.colours[0], (60, 60, 60, 255))
-    assert striker.count() > 60
-    driver.move(plot.area.center)
-    driver.frames(2)
-    assert driver.play.board.at(plot.area.center) is plot
-    frame = driver.session.history.frame_at(driver.play.board.span.time(plot.area.width / 2))
-    assert plot.now(frame).shape == (5,)
-
-
-def test_overlap_axis_is_logarithmic_or_plain(driver: Driver) -> None:
-    assert driver.play.board.plots[2].axis.logarithmic
-    driver.key(pygame.K_o)
-    assert not driver.play.board.plots[2].axis.logarithmic
-
-
-def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
-    driver = Driver("beads-against-gear")
-    driver.key(pygame.K_SPACE)
-    driver.frames(120)
-    first, second = driver.session.lanes
-    assert first.state.time == second.state.time
-    apart = [plot for plot in driver.play.board.plots if plot.title.startswith("second less first")]
-    assert np.allclose(apart[0].now(driver.session.frame), second.velocity - first.velocity)
-    assert apart[0].span is driver.play.board.plots[0].span
-    driver.close()
 
 
 def test_window_is_resized_scaled_and_its_panel_hidden(driver: Driver) -> None:

@@ -109,8 +109,10 @@ def open_passed(landing, given, moving, slow):
 
 
 @jit
-def switch(landing, kind, given, moving, slow, trial):
+def switch(landing, kind, time, given, moving, wanted, slow, trial, book):
     """Carry out the event of contact `landing`; the forces of all that touch are found anew."""
+    if kind == CLOSES:
+        begin(trial.pace, min(trial.pace[NEXT], onset_step(given, landing, moving.rate[landing], wanted)))
     if moving.mode[landing] != TOUCHING:
         moving.overlap[landing] = 0.0
     elif kind == YIELDS:
@@ -118,6 +120,7 @@ def switch(landing, kind, given, moving, slow, trial):
     elif kind == OPENS:
         moving.mode[landing], moving.held[landing] = OPEN, 1
     set_all_modes(given, moving, slow, trial)
+    note_switches(time, time, moving, trial.opening, book)
 
 
 @jit
@@ -136,6 +139,31 @@ def fly(time, end, given, moving, negligible, samples, book):
         moving.held[i] = 0
     moving.anchor[0] += (until - time) * moving.anchor[1]
     return until, closing
+
+
+@jit
+def fly_on(time, end, stop, given, moving, wanted, slow, negligible, trial, samples, book):
+    """Let go of what pushes no more, fly, and begin the contact that closes. Returns as :func:`fly`."""
+    for i in range(moving.mode.size):
+        if moving.mode[i] == LOADED:
+            moving.mode[i], moving.force[i] = OPEN, 0.0
+    note_switches(time, time, moving, trial.opening, book)
+    time, closing = fly(time, math.inf if stop else end, given, moving, negligible, samples, book)
+    if closing >= 0 and time < end:
+        moving.overlap[closing] = 0.0
+        set_all_modes(given, moving, slow, trial)
+        begin(trial.pace, onset_step(given, closing, moving.rate[closing], wanted))
+    return time, closing
+
+
+@jit
+def recover(time, tried, given, moving, wanted, slow, trial, book):
+    """A small step of `conserving` where Newton does not settle. Returns the time reached."""
+    h = rescue(RESCUE_PART * tried, given, moving, wanted, trial, book)
+    set_all_modes(given, moving, slow, trial)
+    note_switches(time, time + h, moving, trial.opening, book)
+    begin(trial.pace, 4.0 * h)
+    return time + h
 
 
 @jit
@@ -163,18 +191,11 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
             return OUT_OF_STEPS, time
         if resting(given, moving, negligible):
-            for i in range(n):
-                if moving.mode[i] == LOADED:
-                    moving.mode[i], moving.force[i] = OPEN, 0.0
-            note_switches(time, time, moving, trial.opening, book)
-            time, closing = fly(time, math.inf if stop else end, given, moving, negligible, samples, book)
+            time, closing = fly_on(time, end, stop, given, moving, wanted, slow, negligible, trial, samples, book)
             if closing < 0 and stop:
                 return SEPARATED, time
             if closing < 0 or time >= end:
                 continue
-            moving.overlap[closing] = 0.0
-            set_all_modes(given, moving, slow, trial)
-            begin(pace, onset_step(given, closing, moving.rate[closing], wanted))
             past_step = 0.0
         if not math.isfinite(pace[NEXT]):
             begin(pace, first_step(given, moving, scale))
@@ -185,12 +206,7 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         if h == 0.0:
             if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
-            h = rescue(RESCUE_PART * tried, given, moving, wanted, trial, book)
-            set_all_modes(given, moving, slow, trial)
-            before, time = time, time + h
-            note_switches(before, time, moving, trial.opening, book)
-            begin(pace, 4.0 * h)
-            past_step = 0.0
+            time, past_step = recover(time, tried, given, moving, wanted, slow, trial, book), 0.0
             continue
         learn(pace, h, explicit, error, near and h == tried, landing, refused, wanted)
         precision = NEWTON_PART * wanted
@@ -209,8 +225,4 @@ def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, tri
         note_switches(before, time, moving, trial.opening, book)
         if landing >= 0:
             past_step = 0.0
-            if kind == CLOSES:
-                first = min(pace[NEXT], onset_step(given, landing, moving.rate[landing], wanted))
-                begin(pace, first)
-            switch(landing, kind, given, moving, slow, trial)
-            note_switches(time, time, moving, trial.opening, book)
+            switch(landing, kind, time, given, moving, wanted, slow, trial, book)

@@ -190,21 +190,24 @@ def error_of_stretch(
                     push = force_at(law, i, overlap[i] if opens else end_overlap[i])
                     worst = max(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     slowest = math.inf
+    error, frequency = fifth, third  # from here on: of each contact, before care; squared
     for i in range(first, last):
-        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0:
-            slowest = min(slowest, swing_of(law, inverse_mass, i, overlap[i]))
-    for i in range(first, last):
-        error = abs(fifth[i]) if rough else combined(fifth[i], third[i])
+        error[i] = abs(fifth[i]) if rough else combined(fifth[i], third[i])
+        frequency[i] = 0.0
         if mode[i] == LOADED and overlap[i] > 0.0:
-            swing = swing_of(law, inverse_mass, i, overlap[i])
+            frequency[i] = frequency_of(law, inverse_mass, i, overlap[i])
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
-            error = max(error, math.sqrt(swing) * of_overlap) * care(law[i, 2], h * h * swing, swing / slowest)
-        worst = max(worst, error)
+            error[i] = max(error[i], math.sqrt(frequency[i]) * of_overlap)
+            if law[i, 2] < 1.0:
+                slowest = min(slowest, frequency[i])
+    for i in range(first, last):
+        faster = frequency[i] / slowest if math.isfinite(slowest) else 1.0
+        worst = max(worst, error[i] * care(law[i, 2], h * h * frequency[i], faster))
     return worst
 
 
 @jit
-def swing_of(law, inverse_mass, i, overlap):
+def frequency_of(law, inverse_mass, i, overlap):
     """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
     slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force_at(law, i, overlap))
     return (inverse_mass[i] + inverse_mass[i + 1]) * slope

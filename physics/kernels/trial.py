@@ -198,10 +198,8 @@ def settle(time, h, explicit, given, moving, wanted, past_step, trial, book, mos
                 continue
         elif found >= 0 and tries < LANDING_TRIES:
             ceiling, tries = h, tries + 1
-            if (
-                part < EARLY and h > least and time + EARLY * h > time
-            ):  # through the cubic of a long step: look from nearer
-                h *= EARLY
+            if part < EARLY and h > least and time + EARLY * h > time:
+                h *= EARLY  # it was seen through the cubic of a long step: look again from nearer
             else:
                 landing, kind, h = found, its_kind, part * h
             continue
