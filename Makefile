@@ -31,7 +31,11 @@ test: .venv/.installed
 check: .venv/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	@mkdir -p .venv/typed/softcradle # type checkers want the package in one folder, as the wheel has it
+	@ln -sfn $(CURDIR)/softcradle/__init__.py .venv/typed/softcradle/__init__.py
+	@ln -sfn $(CURDIR)/softcradle/__main__.py .venv/typed/softcradle/__main__.py
+	@for room in physics scenes sandbox; do ln -sfn $(CURDIR)/$$room .venv/typed/softcradle/$$room; done
+	MYPYPATH=.venv/typed $(BIN)/mypy
 
 bench: .venv/.installed
 	$(BIN)/python -m benchmarks
@@ -40,7 +44,7 @@ play: .venv/.installed
 	$(BIN)/softcradle
 
 screenshots: .venv/.installed
-	SDL_VIDEODRIVER=dummy $(BIN)/python -m sandbox.window.screenshots docs/window
+	SDL_VIDEODRIVER=dummy $(BIN)/python -m softcradle.sandbox.window.screenshots docs/window
 
 clean:
 	rm -rf .venv out dist

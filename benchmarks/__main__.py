@@ -48,8 +48,9 @@ def errors() -> Iterator[Report]:
 
 def callbacks() -> Iterator[Report]:
     """Contacts in pymunk, compiled and in Python."""
+    from softcradle.physics.pymunk_contacts import compiled_force as native
+
     from benchmarks import callbacks
-    from physics import native
 
     if native.unavailable():
         yield Report(f"no compiled pymunk callbacks here: {native.unavailable()}", [], [])

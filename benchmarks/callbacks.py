@@ -12,8 +12,8 @@ import json
 from time import perf_counter
 
 import pymunk
-
-from physics import SoftContact, native, power_law
+from softcradle.physics import SoftContact, power_law
+from softcradle.physics.pymunk_contacts import compiled_force as native
 
 CONTACTS = (4, 64)
 ITERATIONS = (1, 10)

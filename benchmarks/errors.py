@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics import Chain, one_on, power_law, simulate
 
-import scenes
 from benchmarks.report import Report
-from physics import Chain, one_on, power_law, simulate
+from softcradle import scenes
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def motions() -> Iterator[Motion]:
         scene = scenes.load(name)
         for k, lane in enumerate(scene.lanes):
             chain, velocity = lane.chain(), tuple(float(v) for v in lane.velocity)
-            if (chain, velocity) not in seen and not chain.dry:
+            if (chain, velocity) not in seen and not chain.dissipative:
                 seen.add((chain, velocity))
                 ends = chain.walls < 2 and chain.drive is None
                 yield Motion(f"{name}, lane {k + 1}", chain, velocity, None if ends else scene.duration)

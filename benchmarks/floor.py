@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics import Chain, State, advance, power_law
+from softcradle.physics.ensemble import cores
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.simd_power import powers
 
 from benchmarks.report import Report, against
 from benchmarks.steps import ALPHA, PRESSED, pressed
-from physics import Chain, State, advance, power_law
-from physics.kernels.jit import jit
-from physics.kernels.powers import powers
-from physics.many import cores
 
 Array = NDArray[np.float64]
 

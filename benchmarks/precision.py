@@ -10,12 +10,21 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from softcradle.sandbox.studies.precision.chart_cases import REACHES, RECIPES, Case, Recipe
+from softcradle.sandbox.studies.precision.peers import PEERS, missing, peers
+from softcradle.sandbox.studies.precision.precision_table import (
+    Measured,
+    Row,
+    auto_sentence,
+    how,
+    ratio,
+    ratio_sentence,
+    rows,
+)
+from softcradle.sandbox.studies.precision.solvers import Solver, ours
+from softcradle.sandbox.studies.precision.work_precision import Patience, Point, measure
+
 from benchmarks.report import Report, against
-from sandbox.precision.cases import REACHES, RECIPES, Case, Recipe
-from sandbox.precision.measure import Patience, Point, measure
-from sandbox.precision.peers import PEERS, missing, peers
-from sandbox.precision.solvers import Solver, ours
-from sandbox.precision.table import Measured, Row, auto_sentence, how, ratio, ratio_sentence, rows
 
 PATIENCE = Patience(point=1.0, series=3.0, case=60.0)
 

@@ -15,10 +15,11 @@ from statistics import median
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import scenes
-from sandbox.draw import Picture
-from sandbox.film import open_film
-from sandbox.render import Shot, render_scene, script, simulated
+from softcradle.sandbox.draw import Picture
+from softcradle.sandbox.film.scene_film import Shot, render_scene, script, simulated
+from softcradle.sandbox.film.writer import open_film
+
+from softcradle import scenes
 
 if TYPE_CHECKING:
     from pygame import Surface

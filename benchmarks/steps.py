@@ -7,9 +7,9 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from softcradle.physics import Chain, State, advance, one_on, power_law
 
 from benchmarks.report import Report, against
-from physics import Chain, State, advance, one_on, power_law
 
 ROUNDS = 9
 ALPHA = 0.1

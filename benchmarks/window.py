@@ -33,7 +33,7 @@ approach = 0.5
 slow = 2.0
 """
 FIRST_FRAME = """
-from sandbox.window.app import App
+from softcradle.sandbox.window.app import App
 app = App()
 app.frame(1 / 60)
 print("shown", flush=True)
@@ -73,8 +73,8 @@ def _start(environment: dict[str, str]) -> float:
 
 def frames(seconds: float) -> dict[str, Any]:
     """Milliseconds of the frames in `seconds` of playing; restarted whenever the collision is over."""
-    from sandbox.window.app import App
-    from sandbox.window.play import Play
+    from softcradle.sandbox.window.app import App
+    from softcradle.sandbox.window.scene.scene_page import Play
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fifty.toml"

@@ -6,24 +6,24 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from physics.chain import Chain as Chain
-    from physics.chain import cluster_on_cluster as cluster_on_cluster
-    from physics.chain import one_on as one_on
-    from physics.constraints import SoftContact as SoftContact
-    from physics.contact import Contact as Contact
-    from physics.contact import draft_gear as draft_gear
-    from physics.contact import hertz as hertz
-    from physics.contact import hooke as hooke
-    from physics.contact import power_law as power_law
-    from physics.contact import step_force as step_force
-    from physics.many import ensemble as ensemble
-    from physics.methods import METHODS as METHODS
-    from physics.simulation import advance as advance
-    from physics.simulation import simulate as simulate
-    from physics.soft_chain import SoftChain as SoftChain
-    from physics.state import State as State
-    from physics.trajectory import Trajectory as Trajectory
-    from physics.trust import stable_step as stable_step
+    from softcradle.physics.advice.explicit_limits import stable_step as stable_step
+    from softcradle.physics.chain import Chain as Chain
+    from softcradle.physics.chain import cluster_on_cluster as cluster_on_cluster
+    from softcradle.physics.chain import one_on as one_on
+    from softcradle.physics.contact import Contact as Contact
+    from softcradle.physics.contact import draft_gear as draft_gear
+    from softcradle.physics.contact import hertz as hertz
+    from softcradle.physics.contact import hooke as hooke
+    from softcradle.physics.contact import power_law as power_law
+    from softcradle.physics.contact import step_force as step_force
+    from softcradle.physics.ensemble import ensemble as ensemble
+    from softcradle.physics.methods import METHODS as METHODS
+    from softcradle.physics.pymunk_contacts.soft_chain import SoftChain as SoftChain
+    from softcradle.physics.pymunk_contacts.soft_contact import SoftContact as SoftContact
+    from softcradle.physics.simulation import advance as advance
+    from softcradle.physics.simulation import simulate as simulate
+    from softcradle.physics.state import State as State
+    from softcradle.physics.trajectory import Trajectory as Trajectory
 
 _HOME = {
     "Contact": "contact",
@@ -37,13 +37,13 @@ _HOME = {
     "cluster_on_cluster": "chain",
     "State": "state",
     "simulate": "simulation",
-    "ensemble": "many",
+    "ensemble": "ensemble",
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",
-    "stable_step": "trust",
-    "SoftContact": "constraints",
-    "SoftChain": "soft_chain",
+    "stable_step": "advice.explicit_limits",
+    "SoftContact": "pymunk_contacts.soft_contact",
+    "SoftChain": "pymunk_contacts.soft_chain",
 }
 
 __all__ = list(_HOME)
@@ -51,8 +51,8 @@ __all__ = list(_HOME)
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
-        raise AttributeError(f"module 'physics' has no attribute {name!r}")
-    value = getattr(import_module(f"physics.{_HOME[name]}"), name)
+        raise AttributeError(f"module 'softcradle.physics' has no attribute {name!r}")
+    value = getattr(import_module(f"softcradle.physics.{_HOME[name]}"), name)
     globals()[name] = value
     return value
 

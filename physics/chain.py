@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from physics.contact import Contact
+from softcradle.physics.contact import Contact
 
 Array = NDArray[np.float64]
 
@@ -41,7 +40,7 @@ class Chain:
     Raises:
         ValueError: a number out of range, a wrong length, or two walls side by side.
 
-    >>> from physics import power_law
+    >>> from softcradle import power_law
     >>> Chain([1, 1, math.inf], power_law(1.0, 0.1)).contacts
     2
     """
@@ -107,7 +106,7 @@ class Chain:
         return bed
 
     @cached_property
-    def dry(self) -> bool:
+    def dissipative(self) -> bool:
         """Whether anything rubs: the bed, or a contact with loss."""
         return self.friction > 0.0 or bool(self.loss.any())
 

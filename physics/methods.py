@@ -13,7 +13,7 @@ class Method:
         name: what `simulate(method=...)` takes.
         order: order of convergence on smooth motion.
         adaptive: True: takes a tolerance and chooses its steps; False: takes a fixed step.
-        dry: True: carries bed friction and contacts with loss.
+        dissipative: True: carries bed friction and contacts with loss.
         set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
         module: where its runner is; imported on first use.
         summary: one line for menus.
@@ -25,28 +25,73 @@ class Method:
     set_valued: bool
     module: str
     summary: str
-    dry: bool = True
+    dissipative: bool = True
 
 
 METHODS: tuple[Method, ...] = (
-    Method("euler", 1, False, False, "physics.fixed_step", "symplectic Euler, what one pymunk step does"),
-    Method("verlet", 2, False, False, "physics.fixed_step", "leapfrog"),
-    Method("yoshida4", 4, False, False, "physics.fixed_step", "fourth-order composition of leapfrogs", False),
-    Method("conserving", 2, False, True, "physics.fixed_step", "discrete gradient: energy exact at any step"),
-    Method("radau", 5, True, True, "physics.adaptive", "implicit, adaptive, every contact law"),
-    Method("dop853", 8, True, True, "physics.adaptive", "explicit, adaptive, for contacts that are not soft"),
-    Method("accurate", 8, True, True, "physics.adaptive", "dop853 where no contact is stiff, radau where one is"),
-    Method("pymunk", 1, False, False, "physics.space", "bodies in a pymunk Space; the digits of euler"),
-    Method("scipy", 8, True, True, "physics.reference", "the reference: solve_ivp between located contact switches"),
+    Method(
+        "euler", 1, False, False, "softcradle.physics.fixed_step.runner", "symplectic Euler, what one pymunk step does"
+    ),
+    Method("verlet", 2, False, False, "softcradle.physics.fixed_step.runner", "leapfrog"),
+    Method(
+        "yoshida4",
+        4,
+        False,
+        False,
+        "softcradle.physics.fixed_step.runner",
+        "fourth-order composition of leapfrogs",
+        False,
+    ),
+    Method(
+        "conserving",
+        2,
+        False,
+        True,
+        "softcradle.physics.fixed_step.runner",
+        "discrete gradient: energy exact at any step",
+    ),
+    Method("radau", 5, True, True, "softcradle.physics.adaptive.runner", "implicit, adaptive, every contact law"),
+    Method(
+        "dop853",
+        8,
+        True,
+        True,
+        "softcradle.physics.adaptive.runner",
+        "explicit, adaptive, for contacts that are not soft",
+    ),
+    Method(
+        "accurate",
+        8,
+        True,
+        True,
+        "softcradle.physics.adaptive.runner",
+        "dop853 where no contact is stiff, radau where one is",
+    ),
+    Method(
+        "pymunk",
+        1,
+        False,
+        False,
+        "softcradle.physics.pymunk_contacts.runner",
+        "bodies in a pymunk Space; the digits of euler",
+    ),
+    Method(
+        "scipy",
+        8,
+        True,
+        True,
+        "softcradle.physics.reference.runner",
+        "the reference: solve_ivp between located contact switches",
+    ),
 )
 
 
-AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted error, see physics.auto
+AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted error, see softcradle.physics.advice.choose
 
 
 def refusal(method: Method) -> str:
     """Why `method` does not take a chain that rubs, and what does; empty where it does."""
-    if method.dry:
+    if method.dissipative:
         return ""
     reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
     return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or 'accurate'"

@@ -10,14 +10,13 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from physics.chain import Chain
-from physics.methods import AUTO, Method, find_method, refusal
-from physics.run import MOST_STEPS, Problem, Record
-from physics.state import State
-from physics.time_scale import default_step
-from physics.trajectory import Interval, Trajectory
-from physics.trust import coarse_warnings, explicit_warnings
+from softcradle.physics.advice.explicit_limits import coarse_warnings, explicit_warnings
+from softcradle.physics.chain import Chain
+from softcradle.physics.methods import AUTO, Method, find_method, refusal
+from softcradle.physics.problem import MOST_STEPS, Problem, Record
+from softcradle.physics.scales import default_step
+from softcradle.physics.state import State
+from softcradle.physics.trajectory import Interval, Trajectory
 
 Array = NDArray[np.float64]
 
@@ -51,7 +50,7 @@ def simulate(
     Raises:
         ValueError: a value out of range, or duration None for a chain that may never come apart (two walls, a drive).
 
-    >>> from physics import one_on, power_law, simulate
+    >>> from softcradle import one_on, power_law, simulate
     >>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
     array([-0.57,  0.17,  0.45,  0.47,  0.47])
     """
@@ -73,7 +72,7 @@ def solve(
     """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
     if method == AUTO:
         return _chosen(chain, velocity, duration, step, samples, tolerance)
-    _refuse_dry(chain, find_method(method))
+    _refuse_dissipative(chain, find_method(method))
     problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
     runner = import_module(find_method(method).module)
     began = perf_counter()
@@ -95,7 +94,7 @@ def _chosen(
     error: float,
 ) -> Trajectory:
     """The run by what `auto` chooses."""
-    from physics.auto import choose
+    from softcradle.physics.advice.choose import choose
 
     _require(step is None, "method 'auto' chooses its own steps: give a tolerance, the wanted error, instead of a step")
     _problem(chain, velocity, duration, find_method("accurate"), None, samples, error)  # refuses what is out of range
@@ -130,7 +129,7 @@ def move(
     """What :func:`advance` does, with what failed in ``state.trouble`` alone."""
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
-    _refuse_dry(chain, chosen)
+    _refuse_dissipative(chain, chosen)
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
     _require(most_steps > 0, f"most_steps must be at least 1, not {most_steps!r}")
     runner, state.trouble = import_module(chosen.module), ""
@@ -147,8 +146,8 @@ def move(
         state.trouble = f"{said}; {FINISHES.name} moved on from there"
 
 
-def _refuse_dry(chain: Chain, method: Method) -> None:
-    _require(not chain.dry or method.dry, refusal(method))
+def _refuse_dissipative(chain: Chain, method: Method) -> None:
+    _require(not chain.dissipative or method.dissipative, refusal(method))
 
 
 def _require(condition: bool | np.bool_, sentence: str) -> None:

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from physics.chain import Chain
+from softcradle.physics.chain import Chain
 
 Array = NDArray[np.float64]
 

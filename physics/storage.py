@@ -17,12 +17,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from physics.chain import Chain
-from physics.contact import Contact
-from physics.files import output_file
-from physics.trajectory import Interval, Trajectory
-from physics.version import version
+from softcradle.physics.atomic_files import output_file
+from softcradle.physics.chain import Chain
+from softcradle.physics.contact import Contact
+from softcradle.physics.trajectory import Interval, Trajectory
+from softcradle.physics.version import version
 
 FORMAT, READ = 2, (1, 2)  # format 1 knew neither loss nor friction
 ARRAYS = ("time", "overlap", "rate", "anchor", "force", "final_velocity")

@@ -7,9 +7,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from physics.chain import Chain
-from physics.state import from_anchor
+from softcradle.physics.chain import Chain
+from softcradle.physics.state import from_anchor
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -128,19 +127,19 @@ class Trajectory:
 
     def save(self, path: str) -> None:
         """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
-        from physics.storage import save_trajectory
+        from softcradle.physics.storage import save_trajectory
 
         save_trajectory(self, path)
 
     @staticmethod
     def load(path: str) -> Trajectory:
         """Read what :meth:`save` wrote."""
-        from physics.storage import load_trajectory
+        from softcradle.physics.storage import load_trajectory
 
         return load_trajectory(path)
 
     def to_csv(self, path: str) -> None:
         """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""
-        from physics.storage import write_csv
+        from softcradle.physics.storage import write_csv
 
         write_csv(self, path)

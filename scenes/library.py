@@ -7,9 +7,8 @@ import tomllib
 from pathlib import Path
 
 from pydantic import ValidationError
-
-from scenes.problems import SceneError, scene_error
-from scenes.scene import Scene
+from softcradle.scenes.scene import Scene
+from softcradle.scenes.scene_errors import SceneError, scene_error
 
 CATALOGUE = Path(__file__).parent / "catalogue"
 

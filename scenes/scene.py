@@ -5,11 +5,21 @@ from __future__ import annotations
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
+from softcradle.physics.methods import AUTO, refusal
+from softcradle.scenes.contact_table import ContactTable
+from softcradle.scenes.scene_table import (
+    AtLeastOne,
+    Mass,
+    NotNegative,
+    Number,
+    OneOrMany,
+    Positive,
+    Table,
+    meant,
+    problem,
+)
 
-import physics
-from physics.methods import AUTO, refusal
-from scenes.contact import ContactTable
-from scenes.table import AtLeastOne, Mass, NotNegative, Number, OneOrMany, Positive, Table, meant, problem
+from softcradle import physics
 
 MOST_BEADS = 100_000  # a slip of the keyboard (1e12) must not fill the memory
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
@@ -161,7 +171,7 @@ class Scene(Table):
             raise problem("a drive may keep beads together for ever: the scene needs a duration")
         adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
         chosen = next((known for known in physics.METHODS if known.name == self.method), None)
-        if chosen and not chosen.dry and any(lane.chain().dry for lane in self.lanes):
+        if chosen and not chosen.dissipative and any(lane.chain().dissipative for lane in self.lanes):
             raise problem(refusal(chosen))
         if self.step is not None and self.method in adaptive:
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")

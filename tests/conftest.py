@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 if TYPE_CHECKING:
-    from tests.windows import Driver
+    from tests.helpers.windows import Driver
 
 settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
@@ -28,7 +28,7 @@ def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def driver() -> Iterator[Driver]:
     """The real application with a scene open, driven by posted events."""
-    from tests.windows import Driver
+    from tests.helpers.windows import Driver
 
     made = Driver("one-on-four")
     yield made

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import pygame
-
-from sandbox.draw.picture import Picture
-from sandbox.draw.scales import Scales, scales_of
-from sandbox.draw.track import Track, longest_lead, track_of
-from scenes import Scene
+from softcradle.sandbox.draw.drawable_trajectory import Track, longest_lead, track_of
+from softcradle.sandbox.draw.scene_picture import Picture
+from softcradle.sandbox.draw.shared_scales import Scales, scales_of
+from softcradle.scenes import Scene
 
 __all__ = ["Picture", "Scales", "Track", "draw", "longest_lead", "scales_of", "track_of"]
 

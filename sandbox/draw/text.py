@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import pygame
-
-from sandbox.draw.kept import kept
-from sandbox.draw.palette import INK, Colour
-from sandbox.resources import resource
+from softcradle.sandbox.draw.palette import INK, Colour
+from softcradle.sandbox.draw.surface_cache import kept
+from softcradle.sandbox.resources import resource
 
 _FONTS = {False: "Inter-Regular.otf", True: "Inter-SemiBold.otf"}
 

@@ -9,7 +9,7 @@ session.scrub(0.5)                         # any moment of the history; playing 
 session.save_recording("mine.npz")         # Replay.load("mine.npz").run() is True where every digit comes again
 """
 
-from sandbox.session.inputs import (
+from softcradle.sandbox.session.inputs import (
     AddBead,
     Drag,
     Drop,
@@ -29,8 +29,8 @@ from sandbox.session.inputs import (
     SetStep,
     SetVelocity,
 )
-from sandbox.session.replay import Replay
-from sandbox.session.session import Session
+from softcradle.sandbox.session.replay import Replay
+from softcradle.sandbox.session.session import Session
 
 __all__ = [
     "AddBead",

@@ -8,14 +8,13 @@ from dataclasses import replace
 from functools import singledispatch
 
 import numpy as np
-
-from physics.chain import Chain
-from physics.contact import Contact
-from physics.state import State
-from sandbox.session import inputs
-from sandbox.session.kinds import hardened, turned
-from sandbox.session.placing import displace, place, rebuilt, set_velocity
-from sandbox.session.setup import LaneSetup
+from softcradle.physics.chain import Chain
+from softcradle.physics.contact import Contact
+from softcradle.physics.state import State
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.contact_conversion import hardened, turned
+from softcradle.sandbox.session.lane_setup import LaneSetup
+from softcradle.sandbox.session.placement import displace, place, rebuilt, set_velocity
 
 MOST_BEADS = 400  # in a lane by hand
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-
-from physics.methods import find_method
-from sandbox.session import ledger
-from sandbox.session.choice import contact_time
-from sandbox.session.history import SWITCHES
-from sandbox.session.pace import Pace
-from sandbox.session.series import Series
-from sandbox.session.setup import LaneSetup
+from softcradle.physics.methods import find_method
+from softcradle.sandbox.session import ledger
+from softcradle.sandbox.session.frame_pacing import Pace
+from softcradle.sandbox.session.history import SWITCHES
+from softcradle.sandbox.session.history_slices import Series
+from softcradle.sandbox.session.lane_setup import LaneSetup
+from softcradle.sandbox.session.method_choice import contact_time
 
 GOOD, FAIR, BAD = "good", "fair", "bad"
 LEVELS = (GOOD, FAIR, BAD)

@@ -8,16 +8,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from physics.state import State
-from sandbox.session.setup import Setup
+from softcradle.physics.state import State
+from softcradle.sandbox.session.lane_setup import Setup
 
 Array = NDArray[np.float64]
 
 BLOCK_ROWS = 512
 MEMORY = 32 * 2**20  # bytes of a history, unless told otherwise
 
-# columns of the ledger of a lane, see sandbox.session.ledger
+# columns of the ledger of a lane, see softcradle.sandbox.session.ledger
 KINETIC, STORED, MOMENTUM, ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES = range(8)
 BY_CONTACTS, BY_BED = 8, 9
 LEDGER = 10

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import Any, get_args
 
-from physics.contact import Contact
+from softcradle.physics.contact import Contact
 
 
 @dataclass(frozen=True)

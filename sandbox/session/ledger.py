@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from physics.chain import Chain
-from physics.state import State
-from sandbox.session.history import (
+from softcradle.physics.chain import Chain
+from softcradle.physics.state import State
+from softcradle.sandbox.session.history import (
     BY_BED,
     BY_CONTACTS,
     ENERGY_BOOKED,

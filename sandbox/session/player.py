@@ -6,14 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
-from sandbox.session import inputs
-from sandbox.session.hand import quickness
-from sandbox.session.history import MEMORY, NO_HAND, History, Moment
-from sandbox.session.lanes import BlownUpError, Hand, LiveLane
-from sandbox.session.pace import BUDGET, Pace
-from sandbox.session.recording import Recording
-from sandbox.session.setup import Setup, setup_of
-from scenes import Scene
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.frame_pacing import BUDGET, Pace
+from softcradle.sandbox.session.history import MEMORY, NO_HAND, History, Moment
+from softcradle.sandbox.session.lane_setup import Setup, setup_of
+from softcradle.sandbox.session.live_lane import BlownUpError, Hand, LiveLane
+from softcradle.sandbox.session.pointer_spring import quickness
+from softcradle.sandbox.session.recording import Recording
+from softcradle.scenes import Scene
 
 FASTEST, SLOWEST = 1e-2, 1e6  # slow motion
 

@@ -12,14 +12,13 @@ from hashlib import blake2b
 from os import PathLike
 
 import numpy as np
-
-from physics.storage import versions
-from sandbox.atomic import output_file
-from sandbox.errors import UserError
-from sandbox.session import inputs
-from sandbox.session.history import Moment
-from sandbox.session.moments import moment_from, moment_table
-from scenes import Scene, SceneError, parse
+from softcradle.physics.storage import versions
+from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.history import Moment
+from softcradle.sandbox.session.snapshots import moment_from, moment_table
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes import Scene, SceneError, parse
 
 FORMAT = 1
 MOST_INPUTS, MOST_FRAMES = 50_000, 1_000_000  # what a recording holds before it begins anew: 8 megabytes each

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from sandbox.session.inputs import Input
-from sandbox.session.recording import Path, Recording, hash_of, load_recording
-from sandbox.session.session import Session
-from scenes import Scene
+from softcradle.sandbox.session.inputs import Input
+from softcradle.sandbox.session.recording import Path, Recording, hash_of, load_recording
+from softcradle.sandbox.session.session import Session
+from softcradle.scenes import Scene
 
 
 class Replay:

@@ -6,17 +6,17 @@ from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
-from physics.trajectory import Trajectory
-from sandbox.atomic import output_file
-from sandbox.errors import UserError
-from sandbox.session.health import BAD, LEVELS, WINDOW, Health, health_of
-from sandbox.session.history import MEMORY
-from sandbox.session.keep import scene_of, trajectory_of
-from sandbox.session.marks import Impact, MarkBook, Marks
-from sandbox.session.pace import BUDGET
-from sandbox.session.player import Player
-from sandbox.session.series import Difference, Series, difference_of, series_of
-from scenes import Scene
+from softcradle.physics.trajectory import Trajectory
+from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.session.contact_events import Impact, MarkBook, Marks
+from softcradle.sandbox.session.frame_pacing import BUDGET
+from softcradle.sandbox.session.health import BAD, LEVELS, WINDOW, Health, health_of
+from softcradle.sandbox.session.history import MEMORY
+from softcradle.sandbox.session.history_slices import Difference, Series, difference_of, series_of
+from softcradle.sandbox.session.player import Player
+from softcradle.sandbox.session.session_export import scene_of, trajectory_of
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes import Scene
 
 SHOWN = 1200  # frames of a series unless told otherwise: ten seconds at the wall
 AUDIBLE = 1e-3  # of the scene's closing speed: slower impacts make no click

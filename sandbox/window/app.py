@@ -6,22 +6,21 @@ import gc
 from collections.abc import Callable, Iterable
 
 import pygame
-
-from sandbox.draw.kept import forget
-from sandbox.errors import UserError
-from sandbox.window import theme
-from sandbox.window.display import open_display
-from sandbox.window.gallery import Gallery
-from sandbox.window.hanging import NAME as HANGING
-from sandbox.window.hanging import HangingPage
-from sandbox.window.helping import paint_help
-from sandbox.window.keys import action_of
-from sandbox.window.messages import Messages
-from sandbox.window.page import Page
-from sandbox.window.prompt import Prompt
-from sandbox.window.sweep import sweep
-from sandbox.window.warm import Warmer
-from scenes import SceneError, load
+from softcradle.sandbox.draw.surface_cache import forget
+from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window import theme
+from softcradle.sandbox.window.display import open_display
+from softcradle.sandbox.window.gallery.gallery_page import Gallery
+from softcradle.sandbox.window.hanging.hanging_page import NAME as HANGING
+from softcradle.sandbox.window.hanging.hanging_page import HangingPage
+from softcradle.sandbox.window.help_overlay import paint_help
+from softcradle.sandbox.window.kernel_warmup import Warmer
+from softcradle.sandbox.window.keys import action_of
+from softcradle.sandbox.window.messages import Messages
+from softcradle.sandbox.window.path_prompt import Prompt
+from softcradle.sandbox.window.widget_cleanup import sweep
+from softcradle.sandbox.window.window_page import Page
+from softcradle.scenes import SceneError, load
 
 DESIGN = (1280, 720)
 SMALLEST = (800, 480)
@@ -110,16 +109,16 @@ class App:
         self.show(page)
 
     def _opened(self, name_or_path: str) -> Page:
-        from sandbox.window.play import Play
+        from softcradle.sandbox.window.scene.scene_page import Play
 
         if name_or_path == HANGING:
             return HangingPage(self, self.show_gallery)
         if name_or_path.lower().endswith(".npz"):
-            from sandbox.session.replay import Replay
+            from softcradle.sandbox.session.replay import Replay
 
             replay = Replay.load(name_or_path)
             return Play(self, replay.session, self.show_gallery, replay)
-        from sandbox.session.session import Session
+        from softcradle.sandbox.session.session import Session
 
         return Play(self, Session(load(name_or_path)), self.show_gallery)
 

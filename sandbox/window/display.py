@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 
 import pygame
-
-from sandbox.resources import resource
+from softcradle.sandbox.resources import resource
 
 
 def open_display(size: tuple[int, int]) -> pygame.Surface:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import pygame
-
-from sandbox.draw.palette import Colour
+from softcradle.sandbox.draw.palette import Colour
 
 Point = tuple[float, float]
 Shape = Sequence[Sequence[Point]]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import pygame
-
-from sandbox.draw.numbers import MINUS
+from softcradle.sandbox.draw.number_format import MINUS
 
 CTRL, SHIFT, PLAIN = pygame.KMOD_CTRL, pygame.KMOD_SHIFT, 0
 _NAMES = {

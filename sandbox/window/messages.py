@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pygame
-
-from sandbox.draw.palette import GOOD, INK, PAPER, WARNING
-from sandbox.draw.text import wrapped, write
+from softcradle.sandbox.draw.palette import GOOD, INK, PAPER, WARNING
+from softcradle.sandbox.draw.text import wrapped, write
 
 MOST = 4  # on screen at once
 LEAST_SECONDS, SECONDS_A_WORD = 2.5, 0.35
@@ -60,7 +59,7 @@ class Messages:
             y -= self._box(surface, message, lines, y, unit) + 6 * unit
 
     def _box(self, surface: pygame.Surface, message: Message, lines: list[str], bottom: float, unit: float) -> float:
-        from sandbox.draw.text import width
+        from softcradle.sandbox.draw.text import width
 
         high = (len(lines) * 20 + 14) * unit
         wide = max(width(line, 14 * unit) for line in lines) + 40 * unit

@@ -1,4 +1,4 @@
-"""Screenshots for the README, from the real application: python -m sandbox.window.screenshots FOLDER."""
+"""Screenshots for the README, from the real application: python -m softcradle.sandbox.window.screenshots FOLDER."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from pathlib import Path
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 import pygame
-
-from sandbox.window.app import App
-from sandbox.window.gallery import Gallery
-from sandbox.window.play import Play
-from sandbox.window.stage_view import Pick
+from softcradle.sandbox.window.app import App
+from softcradle.sandbox.window.gallery.gallery_page import Gallery
+from softcradle.sandbox.window.scene.lane_view import Pick
+from softcradle.sandbox.window.scene.scene_page import Play
 
 FRAME = 1.0 / 60.0
 PATIENCE = 120.0  # seconds for kernels and thumbnails

@@ -8,8 +8,7 @@ from typing import Any
 
 import pygame_gui
 from pygame_gui.core.utility import set_default_manager
-
-from sandbox.resources import resource
+from softcradle.sandbox.resources import resource
 
 _LENGTHS = (
     "shape_corner_radius",

@@ -1,0 +1,1 @@
+"""Which method, how fine a step, and how far to trust it."""

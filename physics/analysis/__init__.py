@@ -1,0 +1,1 @@
+"""What a motion means: measures of a collision, closed forms, the mode-coupling model, matched contacts."""

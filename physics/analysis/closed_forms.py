@@ -1,0 +1,162 @@
+"""Closed forms: what a few chains do exactly. Tests and charts measure the methods against them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import optimize, special
+from softcradle.physics.contact import Contact
+
+Array = NDArray[np.float64]
+
+
+class Stroke(NamedTuple):
+    """One contact from closing to opening: largest overlap [m], contact time [s], peak force [N]."""
+
+    largest_overlap: float
+    contact_time: float
+    peak_force: float
+
+
+def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> Stroke:
+    """Two bodies that meet through one contact, ``mu d'' = -f(d)``, from energy and quadrature.
+
+    power law, p = 1 + a   d_max = (p mu v^2 / (2 K))^(1/p),   T = (2 d_max / v) B(1/p, 1/2) / p
+    preloaded spring       d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D))
+    step force             d_max = mu v^2 / (2 F),   T = 2 mu v / F
+
+    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p.
+
+    Arguments:
+        contact: its law; with a preload, exponent 1 or stiffness 0.
+        reduced_mass: mu = m1 m2 / (m1 + m2) [kg].
+        closing_speed: v > 0 [m/s].
+
+    Raises:
+        ValueError: a preload with an exponent other than 1.
+    """
+    preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
+    energy = 0.5 * reduced_mass * closing_speed**2
+    if stiffness == 0.0:
+        return Stroke(energy / preload, 2.0 * reduced_mass * closing_speed / preload, preload)
+    if preload == 0.0:
+        power = 1.0 + exponent
+        depth = (power * energy / stiffness) ** (1.0 / power)
+        quarter = float(special.beta(1.0 / power, 0.5)) / power
+        return Stroke(depth, 2.0 * depth / closing_speed * quarter, stiffness * depth**exponent)
+    if exponent != 1.0:
+        raise ValueError(f"no closed form for a preload with exponent {exponent!r}: only with exponent 1")
+    frequency = math.sqrt(stiffness / reduced_mass)
+    peak = math.sqrt(preload**2 + 2.0 * stiffness * energy)
+    time = 2.0 / frequency * math.atan(closing_speed * stiffness / (frequency * preload))
+    return Stroke(2.0 * energy / (peak + preload), time, peak)
+
+
+def rigid_masses(mass: ArrayLike, strikers: int) -> tuple[float, float]:
+    """Total masses [kg] of the first `strikers` beads and of the rest."""
+    masses = np.asarray(mass, dtype=np.float64)
+    return float(masses[:strikers].sum()), float(masses[strikers:].sum())
+
+
+def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array:
+    """(N,) velocities after the first `strikers` beads struck the rest, each side one rigid body, elastically.
+
+    The limit alpha -> 0 of the power law, Eq. (2): ``(1-n)/(1+n)`` and ``2/(n+1)`` for one on n equal beads.
+    """
+    first, second = rigid_masses(mass, strikers)
+    count = np.asarray(mass).size
+    before, after = (first - second) / (first + second) * speed, 2.0 * first / (first + second) * speed
+    return np.repeat([before, after], [strikers, count - strikers])
+
+
+def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float = 1.0) -> Stroke:
+    """The struck contact while each side stays one rigid body: :func:`one_on_one` with the reduced mass of the two.
+
+    Exact for the step force, contact time ``2n/(n+1) m v / f0`` for one on n, and for draft gears below
+    :func:`critical_speed`.
+    """
+    first, second = rigid_masses(mass, strikers)
+    return one_on_one(contact, first * second / (first + second), speed)
+
+
+def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
+    """Largest speed [m/s] at which no contact but the struck one yields, so that both clusters stay exactly rigid.
+
+    While it only touches, the next contact carries ``f (1 - m_struck / M2)``, on the striking side likewise, and the
+    peak of f is ``sqrt(F^2 + K mu v^2)``; it reaches F at ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2),
+    D = F / K, r = max(1 - m_struck / M2, 1 - m_striking / M1). Infinite for one on one.
+
+    Raises:
+        ValueError: the contact is no preloaded spring (exponent 1, stiffness > 0).
+    """
+    if gear.exponent != 1.0 or gear.stiffness == 0.0:
+        raise ValueError("a critical speed needs draft gears: exponent 1, stiffness > 0")
+    masses = np.asarray(mass, dtype=np.float64)
+    first, second = rigid_masses(masses, strikers)
+    carried = max(1.0 - masses[strikers] / second, 1.0 - masses[strikers - 1] / first)
+    if carried == 0.0:
+        return math.inf
+    frequency = math.sqrt(gear.stiffness * (1.0 / first + 1.0 / second))
+    return frequency * gear.preload / gear.stiffness * math.sqrt(1.0 / carried**2 - 1.0)
+
+
+class LinearChain:
+    """Beads joined by linear springs, solved by eigenmodes; a truncated Hooke chain until its first contact opens.
+
+    ``M u'' = -B^T K B u``: with the modes of ``M^-1/2 B^T K B M^-1/2``, eigenvalues w_k^2, each mode is a sine in time,
+    a uniform motion where w_k = 0.
+
+    Arguments:
+        mass: (n+1,) [kg].
+        stiffness: (n,) [N/m].
+        velocity: (n+1,) [m/s] at time 0, when all overlaps are 0.
+    """
+
+    def __init__(self, mass: ArrayLike, stiffness: ArrayLike, velocity: ArrayLike) -> None:
+        root = np.sqrt(np.asarray(mass, dtype=np.float64))
+        n = root.size - 1
+        difference = np.eye(n, n + 1) - np.eye(n, n + 1, 1)
+        scaled = np.sqrt(np.broadcast_to(stiffness, (n,)))[:, None] * difference / root
+        squares, modes = np.linalg.eigh(scaled.T @ scaled)
+        self._frequency = np.sqrt(np.maximum(squares, 0.0))
+        self._frequency[0] = 0.0  # the motion of the whole, left with round-off by eigh
+        self._shape = modes / root[:, None]
+        self._amplitude = modes.T @ (root * np.asarray(velocity, dtype=np.float64))
+
+    def velocity(self, time: ArrayLike) -> Array:
+        """(..., n+1) velocities [m/s] at `time` [s], any shape."""
+        phase = np.multiply.outer(np.asarray(time, dtype=np.float64), self._frequency)
+        moved: Array = np.cos(phase) * self._amplitude @ self._shape.T
+        return moved
+
+    def overlap(self, time: ArrayLike) -> Array:
+        """(..., n) overlaps [m] at `time` [s], any shape."""
+        times = np.asarray(time, dtype=np.float64)
+        phase = np.multiply.outer(times, self._frequency / np.pi)
+        moved: Array = times[..., None] * np.sinc(phase) * self._amplitude @ self._shape.T
+        return moved[..., :-1] - moved[..., 1:]
+
+    def first_opening(self, contact: int = 0) -> float:
+        """Time [s] at which `contact` first returns to overlap 0, to round-off; the closing itself left out."""
+        grid = np.linspace(0.0, 4.0 * math.pi / self._frequency[-1], 400)[1:]
+        while not (opened := self.overlap(grid)[1:, contact] <= 0.0).any():
+            grid = grid * 2.0
+        last = 1 + int(np.argmax(opened))
+
+        def overlap(time: float) -> float:
+            return float(self.overlap(time)[contact])
+
+        return float(optimize.brentq(overlap, grid[last - 1], grid[last], xtol=1e-14 * grid[last]))
+
+
+def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float, float]:
+    """Striker of very many linear beads: velocity that it keeps, as a part of its own before, and contact time [s].
+
+    ``v0(t) = J1(2wt) / (wt)``, w^2 = k/m; the force ``~ J2(2wt) / t`` first vanishes at 2wt = j_(2,1), where
+    J1(x) / (x/2) = J0(x): J0(j_(2,1)) = -0.1322795 after 2.56781 sqrt(m/k).
+    """
+    zero = float(special.jn_zeros(2, 1)[0])
+    return float(special.j0(zero)), 0.5 * zero * math.sqrt(mass / stiffness)

@@ -1,0 +1,245 @@
+"""What a collision came to, in numbers: how rigid the struck cluster is, what it passes on, what stays inside it.
+
+The beads before the struck contact are the strikers, those behind it the target cluster. *Detachment* is the last
+opening of the struck contact: "the detachment of the hitting particle", after which "the finite overlaps ... cause the
+velocity divergence among the cluster particles". Walls belong to a side, but not to its cluster.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.analysis.measures import (
+    at,
+    cluster_beads,
+    dwell,
+    energy_inside,
+    impulses,
+    restitution,
+    rigidity,
+)
+from softcradle.physics.chain import Chain
+from softcradle.physics.methods import find_method
+from softcradle.physics.simulation import simulate
+from softcradle.physics.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+
+def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> Any:
+    """A field of a table of measures: its title, its unit, what it means, and whether it tells something of chains
+    that rub alone.
+    """
+    return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dry})
+
+
+@dataclass(frozen=True)
+class ContactMeasures:
+    """What one contact did; ``fields`` gives title, unit and meaning of every number as metadata.
+
+    None: a mass that has a wall in it, and what is divided by it.
+    """
+
+    peak_force: float = _measure("peak force", "N", "greatest force")
+    accelerated_mass: float | None = _measure(
+        "mass accelerated", "kg", "of the beads beyond it, seen from the struck contact, Eq. (4)"
+    )
+    peak_acceleration: float | None = _measure(
+        "force per mass",
+        "m/s²",
+        "peak force over the mass accelerated: the common A of Eq. (4), one number for all contacts of a rigid cluster",
+    )
+    momentum: float = _measure("momentum passed", "N s", 'integral of the force over time; "the flow rate of momentum"')
+    open: float = _measure(
+        "open", "s", "for how long apart, from the first touch of the struck contact to the end of the run"
+    )
+    touching: float = _measure(
+        "touching", "s", "for how long at overlap 0 with a force between 0 and the preload, Eq. (C1)"
+    )
+    loaded: float = _measure("loaded", "s", "for how long at overlaps > 0")
+
+
+@dataclass(frozen=True)
+class CollisionMeasures:
+    """What a collision came to; ``fields`` gives title, unit and meaning of every number as metadata.
+
+    None: a mean that is 0, a detachment that never happens, a side that is a wall alone.
+
+    Attributes:
+        struck: index of the contact where strikers meet targets.
+        final_velocity: of every bead.
+        contacts: one a contact, from left to right.
+    """
+
+    struck: int
+    final_velocity: tuple[float, ...] = _measure("final velocities", "m/s", "of the beads, from left to right")
+    rigidity_at_detachment: float | None = _measure(
+        "rigidity at detachment",
+        "",
+        "velocity spread of the target cluster (largest less smallest) over its mean at detachment; 0 for a rigid body",
+    )
+    rigidity: float | None = _measure(
+        "rigidity at the end",
+        "",
+        'the same when all is over: "the finite overlaps ... cause the velocity divergence among the cluster particles"',
+    )
+    restitution: float | None = _measure(
+        "restitution of the striker",
+        "",
+        "speed at which the centres of mass of strikers and targets part at detachment over that at which they met: 1 for "
+        "two rigid bodies; in an elastic collision 1 less its square is the share of the energy of approach left inside",
+    )
+    energy_inside_at_detachment: float | None = _measure(
+        "energy inside at detachment",
+        "",
+        "share of the energy at the start that is inside the target cluster: what its contacts store and the motion of "
+        'its beads about their centre of mass; "only in the limit alpha -> +0 ... the target cluster does not accumulate '
+        'the compressive energies during the collision"',
+    )
+    energy_inside: float | None = _measure("energy inside at the end", "", "the same when all is over")
+    momentum_deficit: float | None = _measure(
+        "deficit of momentum",
+        "",
+        '"the relative deficits in the momentum and energy upon collision": share of the momentum at the first touch of '
+        "the struck contact that is missing at detachment",
+        dissipative=True,
+    )
+    energy_deficit: float | None = _measure("deficit of energy", "", "the same of the kinetic energy", dissipative=True)
+    absorbed_by_contacts: float | None = _measure(
+        "absorbed by contacts",
+        "",
+        "share of the energy at the start that contacts with loss have taken",
+        dissipative=True,
+    )
+    absorbed_by_bed: float | None = _measure(
+        "absorbed by the bed", "", "the same by friction on the bed", dissipative=True
+    )
+    detachment: float | None = _measure("detachment", "s", "time of the last opening of the struck contact")
+    contact_time: float | None = _measure(
+        "contact time", "s", "for how long the struck contact was closed; the paper's tau_dur"
+    )
+    peak_force: float = _measure("peak force", "N", "greatest force of the struck contact")
+    peak_acceleration: float | None = _measure(
+        "peak force per mass", "m/s²", "the same over the mass that it accelerates, the target cluster"
+    )
+    momentum: float = _measure("momentum passed", "N s", "by the struck contact")
+    contacts: tuple[ContactMeasures, ...] = ()
+
+
+def struck_contact(velocity: ArrayLike) -> int:
+    """The contact across which neighbours approach each other fastest at the start, from `velocity` (n+1,) [m/s].
+
+    Raises:
+        ValueError: none approach each other.
+
+    >>> struck_contact([1.0, 1.0, 0.0, 0.0])
+    1
+    """
+    closing = -np.diff(np.asarray(velocity, dtype=np.float64))
+    if not (closing > 0.0).any():
+        raise ValueError("no two neighbours approach each other at the start: there is no collision to measure")
+    return int(np.argmax(closing))
+
+
+def collide(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    tolerance: float = 1e-9,
+    samples: int = 2001,
+) -> Trajectory:
+    """:func:`physics.simulate`, sampled as :func:`measured` likes it: evenly, also while contacts are closed, at switches.
+
+    `method` None is "accurate", where that carries the chain, else "conserving".
+    """
+    if method is None:
+        method = "conserving" if chain.dissipative and not find_method("accurate").dissipative else "accurate"
+    first = simulate(chain, velocity, duration, method, step, 2, tolerance)
+    end = float(first.time[-1]) if duration is None else duration
+    switches = np.array([t for spans in first.contact_intervals for span in spans for t in span])
+    switches = switches[switches <= end]
+    closed = np.linspace(switches.min(), switches.max(), samples) if switches.size else switches
+    times = np.unique(np.concatenate((np.linspace(0.0, end, samples), closed, switches)))
+    return simulate(chain, velocity, duration, method, step, times, tolerance)
+
+
+def measured(trajectory: Trajectory) -> CollisionMeasures:
+    """The measures of a collision; what happens at detachment is interpolated between samples (see :func:`collide`).
+
+    Raises:
+        ValueError: no two neighbours approach each other at the start.
+    """
+    struck = struck_contact(trajectory.velocity[0])
+    intervals = trajectory.contact_intervals[struck]
+    opened = intervals[-1][1] if intervals and math.isfinite(intervals[-1][1]) else None
+    targets = slice(struck + 1, None)
+    inside = energy_inside(trajectory, struck)
+    deficits = _deficits(trajectory, intervals[0][0], opened) if opened is not None else (None, None)
+    taken = trajectory.absorbed_by_contacts[-1], trajectory.absorbed_by_bed[-1]
+    whole = float(trajectory.kinetic_energy[0] + trajectory.contact_energy[0]) or math.nan
+    contacts = tuple(_contact_measures(trajectory, struck))
+    own = contacts[struck]
+    return CollisionMeasures(
+        struck=struck,
+        final_velocity=tuple(trajectory.final_velocity.tolist()),
+        detachment=opened,
+        contact_time=None if opened is None else sum(end - start for start, end in intervals),
+        rigidity_at_detachment=None
+        if opened is None
+        else _rigidity(trajectory.chain, targets, at(trajectory, trajectory.velocity, opened)),
+        rigidity=_rigidity(trajectory.chain, targets, trajectory.final_velocity),
+        restitution=None if opened is None else restitution(trajectory, struck, intervals[0][0], opened),
+        energy_inside_at_detachment=None if opened is None else _finite(at(trajectory, inside, opened)),
+        energy_inside=_finite(inside[-1]),
+        momentum_deficit=deficits[0],
+        energy_deficit=deficits[1],
+        absorbed_by_contacts=_finite(taken[0] / whole),
+        absorbed_by_bed=_finite(taken[1] / whole),
+        peak_force=own.peak_force,
+        peak_acceleration=own.peak_acceleration,
+        momentum=own.momentum,
+        contacts=contacts,
+    )
+
+
+def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasures]:
+    mass = np.array(trajectory.chain.mass)
+    beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
+    accelerated = np.where(np.arange(trajectory.chain.contacts) >= struck, beyond, before)
+    peak, passed, times = trajectory.force.max(axis=0), impulses(trajectory, struck), dwell(trajectory, struck)
+    return [
+        ContactMeasures(
+            peak_force=float(peak[k]),
+            accelerated_mass=_finite(accelerated[k]),
+            peak_acceleration=float(peak[k] / accelerated[k]) if math.isfinite(accelerated[k]) else None,
+            momentum=float(passed[k]),
+            open=float(times[k, 0]),
+            touching=float(times[k, 1]),
+            loaded=float(times[k, 2]),
+        )
+        for k in range(trajectory.chain.contacts)
+    ]
+
+
+def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[float | None, float | None]:
+    """Shares of momentum and of kinetic energy at `touched` that are missing at `opened` [s]."""
+    found = []
+    for values in (trajectory.momentum, trajectory.kinetic_energy):
+        before, after = (float(at(trajectory, values, time)) for time in (touched, opened))
+        found.append(1.0 - after / before if before else None)
+    return found[0], found[1]
+
+
+def _rigidity(chain: Chain, side: slice, velocity: Array) -> float | None:
+    beads = cluster_beads(chain, side)
+    return _finite(rigidity(velocity[beads])) if beads.size else None
+
+
+def _finite(value: Array | float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,194 @@
+"""Measures of a motion that the paper speaks of: depth law, loads, separation of time scales, rigid-like behaviour."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.chain import Chain
+from softcradle.physics.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+LEAST_OVERLAP = 1e-9  # of the deepest in the chain: below it a contact with preload counts as touching, not as loaded
+
+
+def depth_law(n: int, alpha: float) -> Array:
+    """(n-1,) overlaps inside a homogeneous cluster of `n` beads as parts of the first, Eq. (6), i = 1 ... n-1.
+
+    >>> depth_law(4, 1 / 10).round(4)
+    array([1.    , 0.0173, 0.    ])
+    """
+    depth = np.arange(1, n)
+    law: Array = ((n - depth) / (n - 1)) ** (1.0 / alpha)
+    return law
+
+
+def depth_bound(n: int, alpha: float) -> Array:
+    """(n-1,) the paper's bound ``exp(-(i-1)/(n alpha))`` on :func:`depth_law`.
+
+    >>> bool((depth_law(7, 0.05) <= depth_bound(7, 0.05)).all())
+    True
+    """
+    bound: Array = np.exp(-(np.arange(1, n) - 1) / (n * alpha))
+    return bound
+
+
+def loads(chain: Chain, struck: int = 0) -> Array:
+    """(n,) the force that each contact has to pass on, as a part of its own at overlap 1; 1 at the contact `struck`.
+
+    If the clusters move as rigid bodies and the struck contact pushes with its force at overlap 1, a contact inside
+    passes on the part of it that accelerates the masses beyond, Eq. (4). For small exponents a contact can pass on no
+    more than about its force at overlap 1, so clusters are rigid-like only if all loads are below 1; how small the
+    exponents must be follows from ``load**(1/exponent)``, the overlap. For n equal beads the greatest load is (n-1)/n.
+
+    >>> from softcradle import one_on, power_law
+    >>> loads(one_on(4, power_law(1.0, 0.1)))
+    array([1.  , 0.75, 0.5 , 0.25])
+    """
+    mass = np.array(chain.mass)
+    strength = np.array([contact.preload + contact.stiffness for contact in chain.contact])
+    beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
+    right = np.arange(chain.contacts) >= struck
+    share = np.where(right, beyond / beyond[struck], before / before[struck])
+    found: Array = share * strength[struck] / strength
+    return found
+
+
+def response_times(trajectory: Trajectory) -> Array:
+    """(n,) response time of each contact [s] where it is pressed most: ``1 / sqrt(L_ii df/dd)``, L_ii = 1/m + 1/m'.
+
+    The paper's tau_(i,i+1) before Eq. (10), with masses. 0 for a contact that never loads, inf for a step force.
+    """
+    law, inverse_mass = trajectory.chain.parameters
+    _, stiffness, exponent = law.T
+    deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
+    with np.errstate(divide="ignore"):
+        slope = exponent * stiffness * deepest ** (exponent - 1.0)
+        times: Array = 1.0 / np.sqrt((inverse_mass[:-1] + inverse_mass[1:]) * slope)
+    return times
+
+
+def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
+    """(n,) the validity measure of Eq. (10), (tau_i / tau_dur)**2: mode coupling needs it far below 1.
+
+    tau_dur is the time for which the contact `struck` is first closed.
+
+    Raises:
+        ValueError: that contact does not close and open again.
+    """
+    intervals = trajectory.contact_intervals[struck]
+    if not intervals or not np.isfinite(intervals[0][1]):
+        raise ValueError(f"contact {struck} does not close and open again: the collision has no duration")
+    closed, opened = intervals[0]
+    separation: Array = (response_times(trajectory) / (opened - closed)) ** 2
+    return separation
+
+
+def rigidity(velocity: ArrayLike) -> Array:
+    """(...) how far from rigid a cluster moves: its beads' (..., n) largest less smallest velocity over their mean.
+
+    0 for a rigid body; inf or nan where the mean is 0. It "vanishes in the limit alpha -> +0", Figs. 1(c), (d), and is
+    the ordinate of Fig. 3 of the letter that the paper cites.
+
+    >>> float(rigidity([0.5, 0.4, 0.3]).round(3))
+    0.5
+    """
+    speeds = np.asarray(velocity, dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread: Array = np.ptp(speeds, axis=-1) / np.abs(speeds.mean(axis=-1))
+    return spread
+
+
+def at(trajectory: Trajectory, values: Array, time: float) -> Array:
+    """(...) the row of `values` (T, ...) at `time` [s], between samples on a straight line."""
+    right = min(max(int(np.searchsorted(trajectory.time, time)), 1), len(trajectory.time) - 1)
+    before, after = trajectory.time[right - 1], trajectory.time[right]
+    share = 0.0 if after == before else min(max((time - before) / (after - before), 0.0), 1.0)
+    row: Array = (1.0 - share) * values[right - 1] + share * values[right]
+    return row
+
+
+def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: float) -> float | None:
+    """Speed of parting at `detachment` over speed of approach at the `touch` [s]; None where the sides do not approach.
+
+    Nothing but the bed or a wall changes the centres of mass after the detachment.
+    """
+    chain, sides = trajectory.chain, (slice(None, struck + 1), slice(struck + 1, None))
+    rows = (at(trajectory, trajectory.velocity, time) for time in (touch, detachment))
+    before, after = ([_side_velocity(chain, side, row) for side in sides] for row in rows)
+    approach = before[0] - before[1]
+    return (after[1] - after[0]) / approach if approach > 0.0 else None
+
+
+def energy_inside(trajectory: Trajectory, struck: int) -> Array:
+    """(T,) energy inside the target cluster as a share of all energy at the start; nan where that is 0."""
+    chain = trajectory.chain
+    beads = cluster_beads(chain, slice(struck + 1, None))
+    mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
+    own = velocity - (velocity @ mass / mass.sum())[:, None] if beads.size else velocity
+    stored = [np.asarray(chain.contact[k].energy(trajectory.overlap[:, k])) for k in range(struck + 1, chain.contacts)]
+    total = trajectory.kinetic_energy[0] + trajectory.contact_energy[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share: Array = (0.5 * own**2 @ mass + sum(stored, np.zeros(len(trajectory.time)))) / (total or math.nan)
+    return share
+
+
+def impulses(trajectory: Trajectory, struck: int) -> Array:
+    """(n,) momentum that each contact has passed from left to right [N s], from the balance of the beads on one side.
+
+    Between two walls, or on a bed that rubs, there is no such balance: there the force is summed up over the samples from
+    the first touch of the contact `struck` on, for what beads at rest on a bed press on each other is not determined.
+    """
+    chain, time = trajectory.chain, trajectory.time
+    mass = np.array(chain.mass)
+    drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * time[-1]
+    with np.errstate(invalid="ignore"):
+        gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
+    right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
+    late = time >= first_touch(trajectory, struck)
+    summed = np.trapezoid(trajectory.force[late], time[late], axis=0)
+    if chain.friction:
+        return np.asarray(summed)
+    passed: Array = np.where(np.isfinite(right), right, np.where(np.isfinite(left), left, summed))
+    return passed
+
+
+def first_touch(trajectory: Trajectory, struck: int) -> float:
+    """Time at which the contact `struck` first closes [s]; the end where it never does."""
+    spans = trajectory.contact_intervals[struck]
+    return spans[0][0] if spans else float(trajectory.time[-1])
+
+
+def dwell(trajectory: Trajectory, struck: int) -> Array:
+    """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch of `struck` to the end.
+
+    Closings and openings are exact, the change between touching and loaded is found to a sample.
+    """
+    time, end = trajectory.time, float(trajectory.time[-1])
+    begin = first_touch(trajectory, struck)
+    deepest = max(float(trajectory.overlap.max()), 0.0)
+    rows = []
+    for k, spans in enumerate(trajectory.contact_intervals):
+        closed = sum(max(min(last, end) - max(first, begin), 0.0) for first, last in spans)
+        loaded = closed
+        if trajectory.chain.contact[k].preload > 0.0:
+            pressed = (trajectory.overlap[:, k] > LEAST_OVERLAP * deepest) & (time >= begin)
+            loaded = min(closed, float(np.diff(time)[pressed[1:] | pressed[:-1]].sum()))
+        rows.append((end - begin - closed, closed - loaded, loaded))
+    return np.array(rows)
+
+
+def cluster_beads(chain: Chain, side: slice) -> NDArray[np.int_]:
+    """Indices of the beads of a side that are no walls."""
+    numbers = np.arange(len(chain.mass))[side]
+    found: NDArray[np.int_] = numbers[np.isfinite(np.array(chain.mass)[side])]
+    return found
+
+
+def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:
+    """Velocity of a side's centre of mass [m/s]: its wall's, where it has one."""
+    mass, speeds = np.array(chain.mass)[side], velocity[side]
+    walls = np.isinf(mass)
+    return float(speeds[walls][0] if walls.any() else speeds @ mass / mass.sum())

@@ -1,0 +1,249 @@
+"""Mode coupling, Sec. III and Appendix A: the collective modes of a collision, and every overlap from them.
+
+A cluster that moves as one body shares out the momentum that flows in: the force behind bead i is that at the head of
+the cluster times the mass behind it, Eq. (4). All overlaps of a cluster therefore follow from its first one, Eqs. (6)
+and (A1), and what is left to solve are the overlap Phi between the clusters and the first overlap of each, psi and
+psi-bar. With M = m2 + ... + mn, Eqs. (7), (A2), (A3) read
+
+    Phi'' = -(1/m0 + 1/m1) f01(Phi) + (1/m1) f12(psi)
+    psi'' =  (1/m1) f01(Phi) - (1/m1 + 1/M) f12(psi)
+
+which is Newton's equation (3) of the three-bead chain m0, m1, M with the contacts f01 and f12: the cluster behind its
+first bead lumped into one. So the reduced chain is a Chain like any other and is simulated as such; cluster on cluster
+it has four beads, a cluster that is pushed by a steady force two. It conserves the energy
+``H = q'.L^-1.q'/2 + E01(Phi) + E12(psi)``, q = (Phi, psi), because L is symmetric.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.chain import Chain
+from softcradle.physics.simulation import simulate
+from softcradle.physics.state import checked_velocity, from_anchor
+from softcradle.physics.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Which contacts of a chain are modes of their own, and the chain that these make.
+
+    Attributes:
+        chain: the whole chain.
+        modes: indices of the contacts that are kept, neighbours all: psi-bar (if any), Phi (if any), psi (if any).
+        struck: index of Phi's contact, or None for a driven cluster, which nothing strikes.
+    """
+
+    chain: Chain
+    modes: tuple[int, ...]
+    struck: int | None
+
+    @classmethod
+    def of(cls, chain: Chain, velocity: ArrayLike) -> Reduction:
+        """The modes of two clusters that meet, or of one that is driven at an end.
+
+        Raises:
+            ValueError: the start is neither, or an overlap inside a cluster has no power law to be found by.
+        """
+        struck = _struck(chain, checked_velocity(chain, velocity))
+        found = cls(chain, _modes(chain, struck), struck)
+        for i in set(range(chain.contacts)) - {struck}:
+            if chain.contact[i].preload > 0.0 or chain.contact[i].stiffness == 0.0:
+                raise ValueError(f"mode coupling needs power laws inside a cluster, contact {i} has a preload")
+            if chain.gap[i] != 0.0:
+                raise ValueError(
+                    f"mode coupling needs clusters that just touch, contact {i} has a gap of {chain.gap[i]:g}"
+                )
+        return found
+
+    @cached_property
+    def lumps(self) -> tuple[slice, ...]:
+        """The beads of the whole chain that each bead of the reduced one stands for."""
+        edges = (0, *(i + 1 for i in self.modes), self.chain.contacts + 1)
+        return tuple(slice(a, b) for a, b in pairwise(edges))
+
+    @cached_property
+    def reduced(self) -> Chain:
+        """The chain of the modes: lumped masses, the kept contacts; the drive of a lump is the sum over it."""
+        chain = self.chain
+        drive = None if chain.drive is None else [sum(chain.drive[lump]) for lump in self.lumps]
+        masses = [sum(chain.mass[lump]) for lump in self.lumps]
+        return Chain(masses, [chain.contact[i] for i in self.modes], [chain.gap[i] for i in self.modes], drive)
+
+    @cached_property
+    def carrier(self) -> NDArray[np.int64]:
+        """(n,) per contact of the whole chain the contact of the reduced one whose force it shares."""
+        found = np.arange(self.chain.contacts).clip(self.modes[0], self.modes[-1]) - self.modes[0]
+        return np.asarray(found, dtype=np.int64)
+
+    @cached_property
+    def share(self) -> Array:
+        """(n,) force of each contact as a part of its carrier's, Eq. (4): masses beyond it over those beyond that."""
+        mass = np.array(self.chain.mass)
+        share = np.ones(self.chain.contacts)
+        first, last = self.modes[0], self.modes[-1]
+        beyond = np.cumsum(mass[::-1])[::-1][1:]  # contact i: masses to its right
+        before = np.cumsum(mass)[:-1]  # and to its left
+        share[last:] = beyond[last:] / beyond[last]
+        share[: first + 1] = before[: first + 1] / before[first]
+        return share
+
+    def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
+        """(T, n) overlaps and rates of the whole chain from (T, r) of the reduced one, Eqs. (6), (A1).
+
+        While its mode is open a cluster carries no force: its overlaps are 0.
+        """
+        modes, rates = overlap[:, self.carrier], rate[:, self.carrier]
+        kept = np.isin(np.arange(self.chain.contacts), self.modes)
+        pressed = np.maximum(modes, 0.0)
+        factor, power = self.profile
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inner = factor * pressed**power
+            inner_rate = np.where(pressed > 0.0, power * inner / pressed * rates, 0.0)
+        return np.where(kept, modes, inner), np.where(kept, rates, inner_rate)
+
+    @cached_property
+    def profile(self) -> tuple[Array, Array]:
+        """(n,) C and r of Eq. (A1), ``overlap = C * mode**r``; the depth law of the cluster."""
+        exponent = np.array([c.exponent for c in self.chain.contact])
+        stiffness = np.array([c.stiffness for c in self.chain.contact])
+        carrier = self.carrier + self.modes[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factor = (self.share * stiffness[carrier] / stiffness) ** (1.0 / exponent)
+        kept = np.isin(np.arange(exponent.size), self.modes)
+        return np.where(kept, 1.0, factor), np.where(kept, 1.0, exponent[carrier] / exponent)
+
+
+@dataclass(frozen=True, eq=False)
+class ModeCoupling:
+    """A solution of the mode-coupling equations.
+
+    Attributes:
+        reduction: which contacts are modes.
+        reduced: Trajectory of the chain of the modes.
+        trajectory: the whole chain as Eqs. (4), (6), (A1) have it: overlaps, rates and forces from the modes. Its beads
+            follow from its overlaps, so inside a cluster their momentum adds up only as well as the model holds.
+    """
+
+    reduction: Reduction
+    reduced: Trajectory
+    trajectory: Trajectory
+
+    @property
+    def time(self) -> Array:
+        """(T,) sample times [s]."""
+        return self.reduced.time
+
+    @property
+    def phi(self) -> Array | None:
+        """(T,) Phi [m], the overlap of the two clusters; None for a driven cluster."""
+        return self._mode(self.reduction.struck)
+
+    @property
+    def psi(self) -> Array | None:
+        """(T,) psi [m], the first overlap inside the struck (or driven) cluster; None for a single bead."""
+        struck = self.reduction.struck
+        return self._mode(self.reduction.modes[0] if struck is None else struck + 1)
+
+    @property
+    def psi_bar(self) -> Array | None:
+        """(T,) psi-bar [m], the last overlap inside the striking cluster, App. A (ii); None for a single bead."""
+        struck = self.reduction.struck
+        return None if struck is None else self._mode(struck - 1)
+
+    @property
+    def acceleration(self) -> Array:
+        """(T, r) second derivatives of the modes [m/s^2], the right-hand sides of Eqs. (7), (A2), (A3)."""
+        chain = self.reduced.chain
+        net = np.zeros((self.time.size, chain.contacts + 1))
+        if chain.drive_force is not None:
+            net += chain.drive_force
+        net[:, :-1] -= self.reduced.force
+        net[:, 1:] += self.reduced.force
+        bead = net * chain.parameters.inverse_mass
+        difference: Array = bead[:, :-1] - bead[:, 1:]
+        return difference
+
+    def returns(self, contact: int) -> float:
+        """Time [s] at which the mode of that `contact` of the whole chain first returns to zero; inf if never."""
+        intervals = self.reduced.contact_intervals[self.reduction.modes.index(contact)]
+        return intervals[0][1] if intervals else float("inf")
+
+    def _mode(self, contact: int | None) -> Array | None:
+        modes = self.reduction.modes
+        return self.reduced.overlap[:, modes.index(contact)] if contact in modes else None
+
+
+def mode_coupling(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None = None,
+    method: str = "accurate",
+    step: float | None = None,
+    samples: int | ArrayLike = 201,
+    tolerance: float = 1e-8,
+) -> ModeCoupling:
+    """Solve the mode-coupling equations (7), (A2), (A3) of `chain` and give all its overlaps and forces.
+
+    Arguments as in :func:`physics.simulate`; the start is one cluster that strikes another, or one at rest with a drive
+    on its first bead. Without a duration until every mode has returned to zero.
+
+    Raises:
+        ValueError: any other start, contacts without power law inside a cluster, or what `simulate` refuses.
+
+    >>> from softcradle import one_on, power_law
+    >>> found = mode_coupling(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0])
+    >>> print(f"{found.phi.max():.4f} {found.psi.max():.4f}")
+    0.4498 0.0513
+    """
+    reduction = Reduction.of(chain, velocity)
+    speeds = [np.asarray(velocity, dtype=np.float64)[lump][0] for lump in reduction.lumps]
+    reduced = simulate(reduction.reduced, speeds, duration, method, step, samples, tolerance)
+    return ModeCoupling(reduction, reduced, _whole(reduction, reduced))
+
+
+def _whole(reduction: Reduction, reduced: Trajectory) -> Trajectory:
+    chain, head = reduction.chain, reduction.modes[0]
+    overlap, rate = reduction.overlaps(reduced.overlap, reduced.rate)
+    position = from_anchor(overlap, reduced.position[:, 0], head)
+    velocity = from_anchor(rate, reduced.velocity[:, 0], head)
+    final = np.repeat(reduced.final_velocity, [lump.stop - lump.start for lump in reduction.lumps])
+    return Trajectory(
+        chain=chain,
+        time=reduced.time,
+        overlap=overlap,
+        rate=rate,
+        anchor=np.column_stack((position[:, chain.anchor], velocity[:, chain.anchor])),
+        force=reduction.share * reduced.force[:, reduction.carrier],
+        final_velocity=final,
+        contact_intervals=tuple(reduced.contact_intervals[i] for i in reduction.carrier),
+        method=f"mode coupling, {reduced.method}",
+        step=reduced.step,
+        tolerance=reduced.tolerance,
+        steps=reduced.steps,
+        evaluations=reduced.evaluations,
+        seconds=reduced.seconds,
+        warnings=reduced.warnings,
+    )
+
+
+def _struck(chain: Chain, velocity: Array) -> int | None:
+    """Index of the one contact that closes at the start; None where nothing moves and the first bead is driven."""
+    closing = np.flatnonzero(np.diff(velocity))
+    if closing.size == 0 and chain.drive is not None and not any(chain.drive[1:]):
+        return None
+    if closing.size != 1 or velocity[closing[0]] < velocity[closing[0] + 1]:
+        raise ValueError("mode coupling needs one cluster that strikes another, or a drive on the first bead of one")
+    return int(closing[0])
+
+
+def _modes(chain: Chain, struck: int | None) -> tuple[int, ...]:
+    if struck is None:
+        return (0,)
+    return tuple(i for i in (struck - 1, struck, struck + 1) if 0 <= i < chain.contacts)

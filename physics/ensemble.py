@@ -1,0 +1,87 @@
+"""Many chains at once, on all cores. Kernels run outside Python's lock, so threads share the cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import repeat
+
+from numpy.typing import ArrayLike
+from softcradle.physics.chain import Chain
+from softcradle.physics.simulation import solve
+from softcradle.physics.trajectory import Trajectory
+
+PARTS = 8  # of the work for each core: chains differ in cost, so the last core to finish should not have much left
+MOST_AT_ONCE = 64  # chains in a part, so that progress is told often
+
+Each = float | Sequence[float | None] | None  # one for all chains, or one for each
+
+
+def ensemble(
+    chains: Sequence[Chain],
+    velocities: Sequence[ArrayLike],
+    duration: Each = None,
+    method: str = "accurate",
+    step: Each = None,
+    samples: int = 2,
+    tolerance: float = 1e-8,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Trajectory]:
+    """Let many chains move, each as :func:`physics.simulate` would, to the last digit and in any order.
+
+    Arguments:
+        chains, velocities: C of each; ``velocities[k]`` (n+1,) are the start velocities of ``chains[k]`` [m/s].
+        duration, step: one for all or C of them [s], as for `simulate`.
+        method, tolerance, samples: as for `simulate`; two samples are the start and the end.
+        workers: threads; None takes one for each core that this process may use.
+        progress: called from the calling thread with the number of chains that have been done since the last call.
+
+    Warnings stand on each Trajectory; no Python warning is given.
+
+    Raises:
+        ValueError: lists of different length, or what `simulate` raises for one of the chains.
+
+    >>> from softcradle import ensemble, one_on, power_law
+    >>> chains = [one_on(2, power_law(1.0, 1.0 / k)) for k in (1, 2, 10)]
+    >>> [float(found.final_velocity[0].round(3)) for found in ensemble(chains, [[1, 0, 0]] * 3)]
+    [-0.13, -0.238, -0.333]
+    """
+    count = len(chains)
+    durations, steps = _spread("durations", duration, count), _spread("steps", step, count)
+    if len(velocities) != count:
+        raise ValueError(f"{count} chains need {count} lists of velocities, not {len(velocities)}")
+
+    def part(indices: range) -> list[Trajectory]:
+        return [solve(chains[k], velocities[k], durations[k], method, steps[k], samples, tolerance) for k in indices]
+
+    threads = workers or cores()
+    found = part(range(min(1, count)))  # loads the kernels once, before threads would all wait for it
+    if progress is not None and found:
+        progress(1)
+    with ThreadPoolExecutor(threads) as pool:
+        for done in pool.map(part, _parts(len(found), count, threads)):
+            found += done
+            if progress is not None:
+                progress(len(done))
+    return found
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _parts(begin: int, end: int, threads: int) -> list[range]:
+    """The chains from `begin` to `end` in parts of nearly the same number."""
+    size = max(1, min(MOST_AT_ONCE, (end - begin) // (threads * PARTS)))
+    return [range(first, min(end, first + size)) for first in range(begin, end, size)]
+
+
+def _spread(name: str, value: Each, count: int) -> Sequence[float | None]:
+    if value is None or isinstance(value, (int, float)):
+        return list(repeat(value, count))
+    if len(value) != count:
+        raise ValueError(f"{count} chains need {count} {name} or one for all, not {len(value)}")
+    return value

@@ -1,0 +1,1 @@
+"""Methods of fixed steps: one loop, and the families of steps it takes."""

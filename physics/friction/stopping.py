@@ -1,0 +1,27 @@
+"""When a motion on a bed that rubs is over: nothing pushes and nothing can meet again, or everything rests."""
+
+from __future__ import annotations
+
+import numpy as np
+from softcradle.physics.chain import Chain
+from softcradle.physics.state import State
+
+
+def meets_again(chain: Chain, state: State, slow: float = 0.0) -> bool:
+    """Whether two beads that are apart will meet if no contact pushes: each slides on and comes to rest v²/(2 mu g) away.
+
+    All beads lose speed alike, so the faster of two gains on the other until both rest: where they come to rest decides.
+    Rates up to `slow` [m/s] are round-off.
+    """
+    closing = state.rate > slow
+    if not chain.friction or not closing.any():
+        return bool(closing.any())
+    velocity = state.velocity(chain)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        path = np.where(velocity == 0.0, 0.0, 0.5 * velocity * np.abs(velocity) / chain.bed)  # a wall goes on for ever
+    return bool((closing & (state.overlap + path[:-1] - path[1:] > 0.0)).any())
+
+
+def rests(chain: Chain, state: State) -> bool:
+    """Whether no bead moves."""
+    return not state.rate.any() and float(state.anchor[1]) == 0.0

@@ -1,0 +1,1 @@
+"""What all methods share inside compiled loops: jit, the contact law, its resolvent, powers, the contact solver."""

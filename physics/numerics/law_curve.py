@@ -1,0 +1,111 @@
+"""The contact law as a curve of (overlap, force) for implicit steps, and the collocation nodes these steps have.
+
+Each contact is in one mode for a whole step, so that the step sees smooth motion; the caller ends steps where modes do:
+
+    OPEN      f = 0, whatever d does            LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
+    TOUCHING  d = 0, f any number                         else 0 there
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from softcradle.physics.numerics.contact_law import power
+from softcradle.physics.numerics.jit import jit
+
+OPEN, TOUCHING, LOADED = 0, 1, 2
+
+ROOT6 = math.sqrt(6.0)
+NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
+MOST_CARE = 1e4  # times an error counts, at the most, that a soft contact may carry through many swings
+SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
+
+
+@jit
+def signed_force(preload, stiffness, exponent, overlap):
+    """``F + K d**a``, continued oddly to d < 0 where the law has a preload or a = 1, else 0 there."""
+    if overlap > 0.0:
+        return preload + stiffness * power(overlap, exponent)
+    if preload == 0.0 and exponent != 1.0:
+        return 0.0
+    if overlap == 0.0:
+        return preload
+    return preload - stiffness * power(-overlap, exponent)
+
+
+@jit
+def slope_at(preload, stiffness, exponent, overlap, force):
+    """df/dd on the curve; inf where it is vertical, 0 where the contact is open."""
+    if exponent == 1.0:
+        return stiffness
+    if abs(overlap) < SMALLEST:
+        return math.inf if exponent < 1.0 else 0.0
+    if overlap < 0.0 and preload == 0.0:
+        return 0.0
+    return exponent * (force - preload) / overlap
+
+
+@jit
+def care(exponent, swing, faster):
+    """How many times the error of a contact counts, from its (step times local frequency)² and how many times this
+    frequency, squared, is that of the slowest contact.
+
+    A soft contact deep in a cluster swings about what its neighbours ask of it, as often as it is the faster one. A step as
+    long as a swing takes some of it away, each time; at the end it is a velocity, which openings magnify.
+    """
+    return 1.0 + min(swing, 1.0) * min(math.sqrt(faster), MOST_CARE) if exponent < 1.0 else 1.0
+
+
+@jit
+def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap, by_force):
+    """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
+
+    Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
+    """
+    excess = force + by_force - preload
+    if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
+        reach = power(excess / stiffness, 1.0 / exponent)
+        if reach < 0.1 * weight * excess:
+            return reach, preload + excess
+    if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
+        soft = 1.0 + weight * exponent * (force - preload) / overlap
+        if (
+            soft < 2.0 and preload > 0.0
+        ):  # far to the right of the solution: go to the bound that d + weight f = const sets on it
+            rest = overlap + weight * (force - preload) + soft * by_overlap
+            if rest > 0.0:
+                reach = power(rest / (weight * stiffness), 1.0 / exponent)
+                if reach < overlap:
+                    return reach, preload + rest / weight
+    towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
+    if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
+        excess = force + by_force - preload
+        if excess > 0.0 or (preload > 0.0 and excess < 0.0):
+            reach = (abs(excess) / stiffness) ** (1.0 / exponent)
+            return (reach if excess > 0.0 else -reach), preload + excess
+        if preload == 0.0 and excess <= 0.0:
+            return min(overlap + by_overlap, -SMALLEST), 0.0
+        return 0.0, preload
+    moved = overlap + by_overlap
+    return moved, signed_force(preload, stiffness, exponent, moved)
+
+
+@jit
+def flow_into(i, inverse_mass, force):
+    """(L f)_i, the rate at which the contact forces (n,) pull overlap i apart."""
+    flow = (inverse_mass[i] + inverse_mass[i + 1]) * force[i]
+    if i > 0:
+        flow -= inverse_mass[i] * force[i - 1]
+    if i < force.size - 1:
+        flow -= inverse_mass[i + 1] * force[i + 1]
+    return flow
+
+
+@jit
+def cubic(x, y0, y1, y2, y3):
+    """Value at x of the cubic through (0, y0) and the stages (c_k, y_k), by divided differences."""
+    c1, c2 = NODES[0], NODES[1]
+    first, second, third = (y1 - y0) / c1, (y2 - y1) / (c2 - c1), (y3 - y2) / (1.0 - c2)
+    left, right = (second - first) / c2, (third - second) / (1.0 - c1)
+    return y0 + x * (first + (x - c1) * (left + (x - c2) * (right - left)))

@@ -1,0 +1,119 @@
+"""The resolvent of one contact: (d1, g) with d1 + weight g(d1) = s, where g is the mean force from d0 to d1.
+
+`g = (E(d1) - E(d0)) / (d1 - d0)` grows with d1 for every law, set-valued ones too, so there is one solution for every s:
+closed where the law is linear or the contact opens, a safeguarded scalar Newton elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+
+from softcradle.physics.numerics.contact_law import power
+from softcradle.physics.numerics.jit import jit
+
+EPSILON = 2.220446049250313e-16
+SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
+MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is closed
+
+
+@jit
+def mean_force(preload, stiffness, exponent, start, start_power, overlap):
+    """Mean force g = (E(d1)-E(d0))/(d1-d0) and slope dg/dd1 for d1 > 0, without cancellation where d1 is near d0.
+
+    `start_power` is d0**a where d0 > 0. Near d0: (r**p - 1)/(p (r - 1)) = expm1(p log1p(x)) / (p x), r = 1 + x, p = 1 + a.
+    """
+    p = 1.0 + exponent
+    if start > 0.0:
+        x = (overlap - start) / start
+        if -0.5 < x < 1.0:
+            scale = stiffness * start_power
+            if abs(x) < 1e-7:
+                return preload + scale * (1.0 + 0.5 * exponent * x), 0.5 * scale * exponent / start
+            logarithm = math.log1p(x)
+            mean = math.expm1(p * logarithm) / (p * x)
+            slope = (math.exp(exponent * logarithm) - mean) / x if abs(x) > 1e-4 else 0.5 * exponent
+            return preload + scale * mean, scale * slope / start
+        end_power = power(overlap, exponent)
+        mean = stiffness * (overlap * end_power - start * start_power) / (p * (overlap - start))
+        return preload + mean, (stiffness * end_power - mean) / (overlap - start)
+    end_power = power(overlap, exponent)
+    mean = (preload + stiffness * end_power / p) * (overlap / (overlap - start))
+    return mean, (preload + stiffness * end_power - mean) / (overlap - start)
+
+
+@jit
+def quadratic_root(a, b, c):
+    """The root x > 0 of a x² + b x + c = 0 for a > 0, c <= 0, without cancellation."""
+    root = math.sqrt(b * b - 4.0 * a * c)
+    return -2.0 * c / (b + root) if b > 0.0 else (root - b) / (2.0 * a)
+
+
+@jit
+def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess):
+    """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
+
+    Returns d1, g, dg/dd1.
+    """
+    low, high = 0.0, s
+    overlap = guess if 0.0 < guess < s else 0.5 * s
+    precision = 4.0 * EPSILON * max(1.0, 1.0 / exponent)
+    force, slope = 0.0, 0.0
+    for _ in range(MOST_SCALAR):
+        force, slope = mean_force(preload, stiffness, exponent, start, start_power, overlap)
+        excess = overlap + weight * force - s
+        if excess > 0.0:
+            high = overlap
+        else:
+            low = overlap
+        move = -excess / (1.0 + weight * slope)
+        if abs(move) <= 1e-9 * overlap:  # Newton squares this: the moved point is exact to round-off
+            overlap += move
+            return overlap, (s - overlap) / weight if weight * slope > 1.0 else force + slope * move, slope
+        following = overlap + move if move > 0.0 else overlap * math.exp(max(move / overlap, -200.0))
+        if not low <= following <= high:
+            following = math.sqrt(low * high) if low > 0.0 and high > 4.0 * low else 0.5 * (low + high)
+        if abs(following - overlap) <= precision * overlap:
+            break
+        overlap = following
+        if overlap < SMALLEST:  # too small for a number, not for a force: it touches
+            return 0.0, s / weight, math.inf
+    return overlap, force, slope
+
+
+@jit
+def resolvent_slope(slope, weight):
+    """dg/ds = 1 / (1/slope + weight), from slope = dg/dd1 in [0, inf]."""
+    return 1.0 / (1.0 / slope + weight) if slope > 0.0 else 0.0
+
+
+@jit
+def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess):
+    """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
+    if start > 0.0:
+        energy = (preload + stiffness * start_power / (1.0 + exponent)) * start
+        if s * start <= weight * energy:  # the contact opens within the step: g = E(d0) / (d0 - d1)
+            if weight * energy < SMALLEST:
+                return min(s, 0.0), 0.0, 0.0
+            apart = quadratic_root(1.0, s - start, -weight * energy)
+            return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
+    elif s < 0.0:
+        return s, 0.0, 0.0
+    elif start == 0.0 and s <= weight * preload:
+        return 0.0, s / weight, 1.0 / weight
+    elif s == 0.0:  # at the kink: the slope on the side of contact, so that one Newton step reaches a whole cluster
+        return 0.0, 0.0, 1.0 / weight if start == 0.0 and exponent < 1.0 else 0.0
+    if exponent == 1.0:
+        half = 0.5 * stiffness
+        if start >= 0.0:
+            overlap = max((s - weight * (preload + half * start)) / (1.0 + weight * half), 0.0)
+        else:
+            overlap = quadratic_root(1.0 + weight * half, weight * preload - start - s, s * start)
+        force, slope = mean_force(preload, stiffness, exponent, start, start_power, overlap)
+        return overlap, force, resolvent_slope(slope, weight)
+    if s < SMALLEST:
+        return 0.0, 0.0, 0.0
+    if not 0.0 < guess < s:
+        reach = (s / weight - preload) * (1.0 + exponent) / stiffness
+        guess = min(s, reach ** (1.0 / exponent)) if reach > 0.0 else 0.5 * s
+    overlap, force, slope = solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess)
+    return overlap, force, resolvent_slope(slope, weight)

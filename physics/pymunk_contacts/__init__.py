@@ -1,0 +1,1 @@
+"""Soft contacts in a pymunk Space: SoftContact, SoftChain, and the method that moves a chain as bodies."""

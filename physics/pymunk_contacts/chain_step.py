@@ -1,0 +1,156 @@
+"""One step of method `conserving` for a row of bodies that someone else's step moves: pymunk drifts, then kicks.
+
+With X, V the body's position and velocity and x = X + (h/2) V, drift-kick is the trapezoidal pair of `conserving`:
+
+    X1 = X0 + h V0,  V1 = V0 + h a    is    x1 = x0 + (h/2) (V0 + V1),  V1 = V0 + h a
+
+so overlaps d are those of x. They are kept on their own, finer than differences of positions, and brought in line
+with the bodies where these were moved by others. `lag` is the part of the bodies' overlap that no contact may see: a
+velocity that jumps, x = X + (h/2) V with it, has moved nothing. It ends when the contact is open.
+"""
+
+from __future__ import annotations
+
+import math
+
+from softcradle.physics.fixed_step.discrete_gradient import SOLVER_ROWS, mean_forces
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.resolvent import EPSILON
+
+PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
+RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities
+DRIFT_TOLERANCE = 8.0 * EPSILON  # of one drift X + h V
+ROW_ROWS = SOLVER_ROWS + 6  # rows (n,) of scratch memory of `solve_row`
+
+
+@jit
+def overlap_at(i, touching, time, position, velocity):
+    """Overlap of bodies i and i+1 when they have moved on for `time` at their velocities."""
+    x = position[i + 1, 0] - position[i, 0] + time * (velocity[i + 1, 0] - velocity[i, 0])
+    y = position[i + 1, 1] - position[i, 1] + time * (velocity[i + 1, 1] - velocity[i, 1])
+    return touching[i] - math.hypot(x, y)
+
+
+@jit
+def closing_rate(i, direction, velocity):
+    """Rate at which bodies i and i+1 approach along their line."""
+    return direction[i, 0] * (velocity[i, 0] - velocity[i + 1, 0]) + direction[i, 1] * (
+        velocity[i, 1] - velocity[i + 1, 1]
+    )
+
+
+@jit
+def extent(i, values):
+    """Sum of the sizes of rows i and i+1: the scale of the rounding of their difference."""
+    return abs(values[i, 0]) + abs(values[i, 1]) + abs(values[i + 1, 0]) + abs(values[i + 1, 1])
+
+
+@jit
+def start_row(h, touching, position, velocity, place, speed, overlap, rate, lag, outside, force):
+    """The first step: overlaps are those before the drift, as the user put the bodies."""
+    for b in range(position.shape[0]):
+        for axis in range(2):
+            place[b, axis] = position[b, axis] - h * velocity[b, axis]
+            speed[b, axis] = velocity[b, axis]
+    for i in range(overlap.size):
+        overlap[i] = overlap_at(i, touching, 0.0, place, speed)
+        if abs(overlap[i]) <= DRIFT_TOLERANCE * (touching[i] + extent(i, position)):
+            overlap[i] = 0.0
+        lag[i] = overlap_at(i, touching, 0.5 * h, place, speed) - overlap[i]
+        rate[i], outside[i], force[i] = 0.0, 0.0, 0.0
+
+
+@jit
+def take_up(h, h_before, touching, position, velocity, place, speed, direction, overlap, rate, lag, outside):
+    """Bring overlaps and rates in line with what others did since the last step, after the drift of this one.
+
+    `velocity` becomes the velocity of the drift: a kick that others gave after it belongs to the end of the step.
+    """
+    for b in range(position.shape[0]):
+        drifted, as_before = True, True
+        for axis in range(2):
+            slack = DRIFT_TOLERANCE * (abs(position[b, axis]) + abs(h * velocity[b, axis]) + abs(h * speed[b, axis]))
+            drifted &= abs(position[b, axis] - place[b, axis] - h * velocity[b, axis]) <= slack
+            as_before &= abs(position[b, axis] - place[b, axis] - h * speed[b, axis]) <= slack
+        if as_before and not drifted:
+            velocity[b, 0], velocity[b, 1] = speed[b, 0], speed[b, 1]
+    for i in range(overlap.size):
+        x, y = position[i + 1, 0] - position[i, 0], position[i + 1, 1] - position[i, 1]
+        length = math.hypot(x, y)
+        direction[i, 0] = x / length if length > 0.0 else 0.0
+        direction[i, 1] = y / length if length > 0.0 else 0.0
+        closing = closing_rate(i, direction, velocity)
+        if abs(closing - rate[i]) > RATE_TOLERANCE * extent(i, velocity):
+            rate[i] = closing
+        slack = PLACE_TOLERANCE * (touching[i] + extent(i, position))
+        last = overlap_at(i, touching, 0.5 * h_before, place, speed)
+        jumped = overlap_at(i, touching, 0.5 * h, place, velocity)
+        now = overlap_at(i, touching, -0.5 * h, position, velocity)
+        outside[i] *= h / h_before
+        if abs(jumped - last) > slack:  # velocities or the step were changed, no body was moved
+            lag[i] += jumped - last
+        if abs(now - jumped) > slack:  # bodies were moved
+            overlap[i] += now - jumped
+        if overlap[i] < 0.0 and now < 0.0 and abs(now - overlap[i]) > slack:
+            overlap[i], lag[i] = now, 0.0
+
+
+@jit
+def along(i, direction, j, mobility):
+    """Rate of contact i per impulse of contact j on the body that has this `mobility`."""
+    x = mobility[0, 0] * direction[j, 0] + mobility[0, 1] * direction[j, 1]
+    y = mobility[1, 0] * direction[j, 0] + mobility[1, 1] * direction[j, 1]
+    return direction[i, 0] * x + direction[i, 1] * y
+
+
+@jit
+def solve_row(h, law, mobility, expected, velocity, direction, outside, overlap, rate, force, work):
+    """Mean forces of the step into `force`; overlaps and rates to its end. Returns False where it did not converge.
+
+    `velocity` (n+1, 2) is that of the drift, `expected` that at the end of the step without contacts, `mobility`
+    (n+1, 2, 2) what impulses change of it; `outside` (n,) what others did to the rates in the last step beyond this.
+    """
+    n = overlap.size
+    diagonal, target, end, given = (
+        work[SOLVER_ROWS],
+        work[SOLVER_ROWS + 1],
+        work[SOLVER_ROWS + 2],
+        work[SOLVER_ROWS + 3],
+    )
+    coupling = work[SOLVER_ROWS + 4 : SOLVER_ROWS + 6].reshape(2 * n)
+    for i in range(n):
+        diagonal[i] = along(i, direction, i, mobility[i]) + along(i, direction, i, mobility[i + 1])
+        coupling[i] = along(i - 1, direction, i, mobility[i]) if i > 0 else 0.0
+        given[i] = closing_rate(i, direction, expected) - closing_rate(i, direction, velocity) + outside[i]
+        target[i] = overlap[i] + h * rate[i] + 0.5 * h * given[i]
+        end[i] = overlap[i] if overlap[i] > 0.0 else target[i]
+    coupling[n] = 0.0
+    used = mean_forces(h, law, diagonal, coupling, target, overlap, end, force, work)
+    for i in range(n):
+        own = diagonal[i] * force[i]
+        if max(abs(overlap[i]), abs(end[i])) < h * h * own:  # the finer number of the two
+            rate[i] = 2.0 * (end[i] - overlap[i]) / h - rate[i]
+        else:
+            own -= coupling[i] * force[i - 1] if i > 0 else 0.0
+            own -= coupling[i + 1] * force[i + 1] if i < n - 1 else 0.0
+            rate[i] += given[i] - h * own
+        overlap[i] = end[i]
+    return used >= 0
+
+
+@jit
+def end_row(h, touching, position, velocity, place, speed, direction, overlap, rate, lag, outside):
+    """After the step: what others did beyond expectation changes the rates; x moved with it, the overlaps did not."""
+    for i in range(overlap.size):
+        closing = closing_rate(i, direction, velocity)
+        missing = closing - rate[i]
+        if abs(missing) > RATE_TOLERANCE * (extent(i, velocity) + extent(i, speed)):
+            rate[i] = closing
+            outside[i] += missing
+            lag[i] += 0.5 * h * missing
+        now = overlap_at(i, touching, 0.5 * h, position, velocity)
+        if abs(now - overlap[i] - lag[i]) > PLACE_TOLERANCE * (touching[i] + extent(i, position)):
+            overlap[i] = now - lag[i]  # the line between the bodies has turned
+    for b in range(position.shape[0]):
+        for axis in range(2):
+            place[b, axis], speed[b, axis] = position[b, axis], velocity[b, axis]

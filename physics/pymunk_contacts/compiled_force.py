@@ -1,0 +1,69 @@
+"""Compiled force callbacks for pymunk springs, by way of pymunk's private C interface.
+
+The interface is not promised by pymunk: everything used of it is checked once, with a spring made for that, and any
+surprise means that Python callbacks are used instead.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import pymunk
+from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, push_address
+
+LAW_TYPE = "double[5]"  # preload, stiffness, exponent, touching distance, overlap (NaN: from the distance)
+
+
+def unavailable() -> str:
+    """Why there are no compiled callbacks here; empty where there are."""
+    return _callback()[1]
+
+
+def attach(spring: pymunk.DampedSpring) -> Any:
+    """Let compiled code push instead of `spring`'s own force; returns its law, five numbers to be written at any time.
+
+    The law must live as long as the spring: keep a reference to it there.
+    """
+    from pymunk._chipmunk_cffi import ffi, lib
+
+    law = ffi.new(LAW_TYPE)
+    ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
+    lib.cpDampedSpringSetSpringForceFunc(spring._constraint, _callback()[0])
+    return law
+
+
+@cache
+def _callback() -> tuple[Any, str]:
+    """C function pointer and "", or None and the reason."""
+    try:
+        from pymunk._chipmunk_cffi import ffi
+
+        _check_layout(ffi)
+        function = ffi.cast("cpDampedSpringForceFunc", push_address())
+        _check_call(ffi, function)
+    except Exception as error:  # a private interface and a compiler may fail in any way
+        return None, f"{type(error).__name__}: {error}"
+    return function, ""
+
+
+def _probe(stiffness: float) -> pymunk.DampedSpring:
+    return pymunk.DampedSpring(pymunk.Body(1, 1), pymunk.Body(1, 1), (0, 0), (0, 0), 2.0, stiffness, 0.0)
+
+
+def _check_layout(ffi: Any) -> None:
+    """The slot for the law's address must be the spring's stiffness, which a force of our own never reads."""
+    for stiffness in (1.25e67, -3.5e-41):
+        if ffi.cast("double *", _probe(stiffness)._constraint)[LAW_SLOT] != stiffness:
+            raise RuntimeError(f"pymunk {pymunk.version} lays its springs out in another way")
+
+
+def _check_call(ffi: Any, function: Any) -> None:
+    spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan])
+    ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
+    if function(spring._constraint, 1.75) != 1.25 or function(spring._constraint, 2.5) != 0.0:
+        raise RuntimeError("the compiled callback gives wrong forces")
+    law[4] = 0.5
+    if function(spring._constraint, 1.75) != 2.0:
+        raise RuntimeError("the compiled callback does not take an overlap")

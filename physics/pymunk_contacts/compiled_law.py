@@ -1,0 +1,50 @@
+"""The contact law as a C function pointer, ``double f(void *spring, double distance)``, for C libraries."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+from softcradle.physics.numerics.contact_law import force
+from softcradle.physics.numerics.jit import cache_folder
+
+LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address of its law
+
+
+def push(spring, distance):
+    """Force at `distance`; the law is found through the spring.
+
+    It is (preload, stiffness, exponent, touching distance, overlap); an overlap that is not NaN is taken as it is.
+    """
+    law = spring[LAW_SLOT]
+    overlap = law[4]
+    if math.isnan(overlap):
+        overlap = law[3] - distance
+    return force(law[0], law[1], law[2], overlap)
+
+
+@cache
+def push_address():
+    """Address of :func:`push` in machine code, compiled once and kept on disk with the other kernels.
+
+    Raises ImportError without numba, RuntimeError where NUMBA_DISABLE_JIT switches it off.
+    """
+    import numba
+    from numba import types
+
+    if numba.config.DISABLE_JIT:
+        raise RuntimeError("NUMBA_DISABLE_JIT switches compiled code off")
+    signature = types.float64(types.CPointer(types.CPointer(types.float64)), types.float64)
+    folder, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache_folder())  # other users keep their own folder
+    try:
+        return _keep(numba.cfunc(signature, cache=True, error_model="numpy")(push))
+    finally:
+        numba.config.CACHE_DIR = folder
+
+
+_kept: list[object] = []  # compiled code lives as long as the object that made it
+
+
+def _keep(compiled):
+    _kept.append(compiled)
+    return compiled.address

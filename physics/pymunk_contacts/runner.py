@@ -1,0 +1,264 @@
+"""Method `pymunk`: the chain as bodies on a line in a pymunk Space, soft contacts between them, and substeps.
+
+One step of pymunk drifts and then kicks, which is symplectic Euler: the same digits as method `euler` up to round-off.
+The Space holds positions, in whose differences deep overlaps drown; the overlaps are therefore summed up beside it from
+the velocities of its bodies, step by step as it drifts, and handed to the contacts.
+A push is given to the bodies anew before every step; pymunk adds it after the drift, as `euler` does. A bed that rubs
+brakes the bodies after every step of the Space, to rest at most.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+from softcradle.physics.chain import Chain
+from softcradle.physics.friction.stopping import meets_again, rests
+from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
+from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
+from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.state import State
+
+Array = NDArray[np.float64]
+
+MOST_STEPS = 20_000_000  # some minutes
+GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
+NO_TIMES = np.zeros(0)
+
+
+class Row:
+    """The beads of a chain as bodies; what moves is read from a State and written back to it.
+
+    The x of a body is its bead's displacement, all near 0 and so with little round-off: the distance between beads that
+    just touch, `reach`, stands in the anchors. It exceeds every overlap, or the line between anchors would turn round.
+    """
+
+    def __init__(self, chain: Chain, reach: float) -> None:
+        self.chain = chain
+        self.space = pymunk.Space()
+        self.space.iterations = 1  # soft contacts are forces: there is nothing to iterate
+        self.bodies = [_body(mass) for mass in chain.mass]
+        self.contacts = [
+            SoftContact(a, b, (0.0, 0.0), (reach, 0.0), reach, contact)
+            for (a, b), contact in zip(pairwise(self.bodies), chain.contact, strict=True)
+        ]
+        self.space.add(*self.bodies, *self.contacts)
+        self.reach = reach
+        self.overlaps = [0.0] * chain.contacts
+        self.closed = [False] * chain.contacts
+        self.absorbed = np.zeros(2)
+
+    def write(self, state: State) -> None:
+        """Put the bodies where `state` has the beads."""
+        positions, velocities = state.position(self.chain).tolist(), state.velocity(self.chain).tolist()
+        for body, position, velocity in zip(self.bodies, positions, velocities, strict=True):
+            body.position = position, 0.0
+            body.velocity = velocity, 0.0
+        self.absorbed[:] = state.absorbed
+        self._take(state.overlap.tolist())
+
+    def read(self, state: State) -> None:
+        """Put into `state` where the bodies are, and the forces there."""
+        velocity = np.array([body.velocity.x for body in self.bodies])
+        state.overlap[:] = self.overlaps
+        state.rate[:] = velocity[:-1] - velocity[1:]
+        state.anchor[:] = self.bodies[self.chain.anchor].position.x, velocity[self.chain.anchor]
+        both = zip(self.chain.contact, self.overlaps, state.rate.tolist(), strict=True)
+        state.force[:] = [contact.force(d) * (1.0 - contact.loss if w < 0.0 else 1.0) for contact, d, w in both]
+        state.absorbed[:] = self.absorbed
+
+    def step(self, step: float, push: Array | None = None) -> None:
+        """One step of the Space under the forces `push` (n+1,)."""
+        if push is not None:
+            for body, force in zip(self.bodies, push.tolist(), strict=True):
+                body.force = force, 0.0
+        before = self.overlaps
+        speeds = [body.velocity.x for body in self.bodies]
+        self._take([d + step * (a - b) for d, (a, b) in zip(self.overlaps, pairwise(speeds), strict=True)])
+        self.space.step(step)
+        if self.chain.dissipative:
+            self._absorb(before, step)
+
+    def _absorb(self, before: list[float], step: float) -> None:
+        """Book what contacts kept on the way from the overlaps `before`; let the bed brake, and book that."""
+        for contact, start, end in zip(self.chain.contact, before, self.overlaps, strict=True):
+            if end < start:
+                self.absorbed[0] += contact.loss * (contact.energy(start) - contact.energy(end))
+        for body, bed in zip(self.bodies, self.chain.bed.tolist(), strict=False):
+            speed = body.velocity.x
+            slower = math.copysign(max(abs(speed) - step * bed, 0.0), speed) if bed else speed
+            if slower != speed:
+                self.absorbed[1] += 0.5 * body.mass * (speed - slower) * (speed + slower)
+                body.velocity = slower, 0.0
+
+    def steps(self, most: int, step: float, push: Array | None = None) -> int:
+        """Take steps until a contact switches, `most` at the most; returns how many."""
+        before = self.closed
+        for count in range(1, most + 1):
+            self.step(step, push)
+            if self.closed != before:
+                return count
+        return most
+
+    def look_ahead(self, step: float, state: State) -> None:
+        """Put into `state` what one step under its push would give, and take the step back."""
+        kept, absorbed = [(body.position, body.velocity) for body in self.bodies], self.absorbed.copy()
+        overlaps = self.overlaps
+        self.step(step, state.external(self.chain))
+        self.read(state)
+        for body, (position, velocity) in zip(self.bodies, kept, strict=True):
+            body.position = position
+            body.velocity = velocity
+        self.absorbed[:] = absorbed
+        self._take(overlaps)
+
+    def _take(self, overlaps: list[float]) -> None:
+        """Hand the overlaps to the contacts; move the anchors apart where one comes near to `reach`."""
+        self.overlaps = overlaps
+        for contact, overlap in zip(self.contacts, overlaps, strict=True):
+            contact._take_overlap(overlap)
+        self.closed = [overlap > 0.0 for overlap in overlaps]
+        if max(overlaps) > 0.5 * self.reach:
+            self.reach = _power_of_two(8.0 * max(overlaps))
+            for contact in self.contacts:
+                contact.anchor_b = self.reach, 0.0
+                contact.touching_distance = self.reach
+
+
+def _body(mass: float) -> pymunk.Body:
+    """A body that does not turn; a wall goes on at its velocity."""
+    if math.isinf(mass):
+        return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    return pymunk.Body(mass, math.inf)
+
+
+def _row(chain: Chain, state: State, step: float) -> Row:
+    velocity = state.velocity(chain)
+    depth = float(contact_scales(chain, velocity)[0].max())
+    return Row(chain, _power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity))))
+
+
+def _power_of_two(least: float) -> float:
+    """Smallest power of two above `least`: sums with it round less often."""
+    return 2.0 ** math.ceil(math.log2(least))
+
+
+def run(problem: Problem) -> Record:
+    """Run the Space."""
+    return run_to_end(problem, _pass)
+
+
+def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
+    """One run to `end`, or with `stop` until no contact can close again."""
+    return _Run(problem, times).until(end, stop=stop).record()
+
+
+class _Run:
+    """One run of a Row: steps, samples, contact switches and the end, as the fixed-step kernels book them."""
+
+    def __init__(self, problem: Problem, times: Array) -> None:
+        self.problem, self.h, self.times = problem, problem.step, times
+        self.state = problem.state.copy()
+        self.push = self.state.external(problem.chain)
+        self.row = _row(problem.chain, self.state, self.h)
+        self.row.write(self.state)
+        self.rows = *empty_samples(times.size, problem.chain.contacts), np.zeros((times.size, 2))
+        self.steps = self.evaluations = self.sampled = 0
+        self.closed = [False] * problem.chain.contacts
+        self.switches: list[tuple[int, float]] = []
+        self.warnings: tuple[str, ...] = ()
+        self.note_switches(0.0)
+
+    def until(self, end: float, stop: bool) -> _Run:
+        """Go to `end`, or with `stop` until no contact can close again."""
+        self.take_samples()
+        while self.state.time <= end - self.h * GRID_TOLERANCE:
+            if self.steps >= MOST_STEPS:
+                self.warnings = (f"pymunk gave up after {MOST_STEPS} steps: take a larger step",)
+                break
+            flight = self.flight_time()
+            if stop and (math.isinf(flight) or (self.steps and rests(self.problem.chain, self.state))):
+                break
+            self.move(end, flight)
+            self.take_samples()
+        return self
+
+    def flight_time(self) -> float:
+        """Time until the first contact closes if nothing pushes: 0 when something does, inf when all move apart."""
+        if self.push is not None or any(self.closed):
+            return 0.0
+        if self.problem.chain.friction:  # no flight is free
+            return 0.0 if meets_again(self.problem.chain, self.state) else math.inf
+        both = zip(self.state.overlap.tolist(), self.state.rate.tolist(), strict=True)
+        return min((-overlap / rate for overlap, rate in both if rate > 0.0), default=math.inf)
+
+    def move(self, end: float, flight: float) -> None:
+        """Go on by whole steps to the next switch or sample; by a part of one at the end."""
+        state, h = self.state, self.h
+        goal = min(end, float(self.times[self.sampled])) if self.sampled < self.times.size else end
+        flown = 0 if self.problem.chain.friction else math.floor(min(flight, goal - state.time) / h) - 1
+        if flown >= 1:  # drift is exact: many steps at once
+            self.row.step(flown * h)
+            self.steps += flown
+        else:
+            length = h if end - state.time >= h * (1.0 - GRID_TOLERANCE) else end - state.time
+            most = max(1.0, min((goal - state.time) / h, MOST_STEPS - self.steps))
+            taken = self.row.steps(int(most), length, self.push)
+            self.steps += taken
+            self.evaluations += taken
+        self.row.read(state)
+        state.time = min(end, self.problem.state.time + self.steps * h)
+        self.note_switches(self.h)
+
+    def note_switches(self, last_step: float) -> None:
+        """Book the contacts that have closed or opened, within `last_step`, on the straight line back to overlap 0."""
+        if self.row.closed == self.closed:
+            return
+        for i, (before, now) in enumerate(zip(self.closed, self.row.closed, strict=True)):
+            if before != now:
+                overlap, rate = float(self.state.overlap[i]), float(self.state.rate[i])
+                back = overlap / rate if rate else 0.0
+                self.switches.append((i, self.state.time - min(max(back, 0.0), last_step)))
+        self.closed = self.row.closed
+
+    def take_samples(self) -> None:
+        """Fill the sample rows up to the next step, between steps by one shorter step that the path does not see."""
+        time, slack = self.state.time, self.h * GRID_TOLERANCE
+        while self.sampled < self.times.size and self.times[self.sampled] < time + self.h - slack:
+            sample = self.state.copy()
+            if self.times[self.sampled] - time > slack:
+                self.row.look_ahead(self.times[self.sampled] - time, sample)
+                self.evaluations += 1
+            found = sample.overlap, sample.rate, sample.anchor, sample.force, sample.absorbed
+            for rows, values in zip(self.rows, found, strict=True):
+                rows[self.sampled] = values
+            self.sampled += 1
+
+    def record(self) -> Record:
+        """What `simulate` wants to know."""
+        contact = np.array([i for i, _ in self.switches], dtype=np.int64)
+        time = np.array([time for _, time in self.switches])
+        cost = self.steps, self.evaluations
+        overlap, rate, anchor, force, absorbed = self.rows
+        return Record(
+            self.times, overlap, rate, anchor, force, contact, time, self.state, *cost, self.warnings, absorbed=absorbed
+        )
+
+
+def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:
+    """Move `state` on by `duration` in place; the Space stays with the state as long as the chain is the same."""
+    row = state.work.get(method)
+    if row is None or row.chain is not chain:
+        row = state.work[method] = _row(chain, state, step)
+    row.write(state)
+    push = state.external(chain)
+    whole = math.floor(duration / step + GRID_TOLERANCE)
+    for length, count in ((step, whole), (duration - whole * step, 1)):
+        if length > step * GRID_TOLERANCE:
+            for _ in range(count):
+                row.step(length, push)
+    row.read(state)
+    state.time += duration

@@ -1,0 +1,244 @@
+"""SoftChain: the contacts of a row of pymunk bodies, solved together so that no step is too large.
+
+A cradle in ten lines of pymunk that keeps its energy in steps of a sixtieth of a second, whatever the contacts:
+
+>>> import pymunk
+>>> from softcradle import SoftChain, hertz
+>>> space = pymunk.Space()
+>>> balls = [pymunk.Body(mass=1, moment=1) for _ in range(5)]
+>>> for i, ball in enumerate(balls):
+...     ball.position = i, 0
+>>> balls[0].velocity = 1, 0
+>>> chain = SoftChain(balls, hertz(100), touching_distances=1)
+>>> space.add(*balls, *chain)
+>>> for _ in range(90):
+...     space.step(1 / 60)
+>>> [round(ball.velocity.x, 2) for ball in balls]
+[-0.07, -0.03, -0.01, 0.13, 0.99]
+>>> round(sum(ball.velocity.length**2 / 2 for ball in balls) + chain.energy, 12)
+0.5
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pymunk
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.contact import Contact
+from softcradle.physics.pymunk_contacts.chain_step import end_row, solve_row, start_row, take_up
+from softcradle.physics.pymunk_contacts.dissipative_chain_step import ROW_ROWS, solve_lossy_row
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
+from softcradle.physics.pymunk_contacts.space_forces import Surroundings, centres
+
+Array = NDArray[np.float64]
+
+METHODS = ("conserving",)
+_solve_row: Any = solve_row  # their arguments are unpacked from tuples, which type checkers cannot count
+_solve_lossy_row: Any = solve_lossy_row
+
+
+class SoftChain:
+    """Takes over the contacts of a row of bodies, each touching the next; other joints, shapes and gravity go on.
+
+    Iterating gives its constraints, one between every two neighbours: ``space.add(*chain)``, ``space.remove(*chain)``;
+    neighbours' shapes no longer collide. In every step of the Space the first constraint to be asked solves all
+    contacts, by the method `conserving`: a collision keeps energy and momentum to round-off in steps of any size. How
+    it shares them out is second-order in the step, right to 1e-3 where the collision lasts some tens of steps. A body
+    must not pass its neighbour's centre in one step.
+
+    pymunk's bodies are half a step behind their velocities: ``x = X + (step/2) V``, in :attr:`positions`, is where
+    kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and :attr:`energy` add up to a constant.
+
+    Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
+    and strings (pin joints, taut slide joints) to things that do not give way are foreseen; other joints are expected
+    to do what they did in the last step, so one that stops a body all at once takes energy. A body that is moved or
+    given another velocity between steps goes on from there. Copy and pickle of the Space keep the chain.
+    """
+
+    _contacts: tuple[Contact, ...]
+    _touching: Array
+
+    def __init__(
+        self,
+        bodies: Sequence[pymunk.Body],
+        contacts: Contact | Sequence[Contact],
+        touching_distances: ArrayLike,
+        method: str = "conserving",
+    ) -> None:
+        """Make the constraints; add them to a Space together with the bodies.
+
+        :param bodies: n+1 >= 2 bodies in the order of the row; of two neighbours one at least must be dynamic.
+        :param contacts: one Contact for all or n of them.
+        :param touching_distances: distance > 0 [m] of the centres of two bodies that just touch: one for all or n.
+        :param str method: "conserving", the only one so far.
+        :raises ValueError: wrong lengths or values.
+        """
+        if method not in METHODS:
+            raise ValueError(f"method of a SoftChain must be one of {', '.join(METHODS)}, not {method!r}")
+        if len(bodies) < 2 or len(set(bodies)) < len(bodies):
+            raise ValueError(f"a SoftChain needs at least 2 different bodies, not {len(set(bodies))}")
+        self.method = method
+        self.bodies = tuple(bodies)
+        n = len(bodies) - 1
+        self._overlap, self._rate, self._lag, self._outside, self._force = np.zeros((5, n))
+        self._place, self._speed, self._direction = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n, 2))
+        self._work = np.zeros((ROW_ROWS, n))
+        self._absorbed = np.zeros(1)
+        self._step = 0.0  # of the last step; 0 when there was none
+        self._waiting: list[float | None] = [None] * n
+        self.contacts = contacts
+        self.touching_distances = touching_distances
+        self._links = tuple(_Link.between(self, i) for i in range(n))
+
+    def __iter__(self) -> Iterator[pymunk.Constraint]:
+        return iter(self._links)
+
+    def __len__(self) -> int:
+        return len(self._links)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The n laws; one for all or n others count from the next step on."""
+        return self._contacts
+
+    @contacts.setter
+    def contacts(self, contacts: Contact | Sequence[Contact]) -> None:
+        n = len(self.bodies) - 1
+        found = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,) * n
+        if len(found) != n or not all(isinstance(contact, Contact) for contact in found):
+            raise ValueError(
+                f"a SoftChain of {n + 1} bodies needs one Contact for all or {n} of them, not {contacts!r}"
+            )
+        self._contacts = found
+        self._law = np.array([(contact.preload, contact.stiffness, contact.exponent) for contact in found])
+        self._loss = np.array([contact.loss for contact in found])
+
+    @property
+    def touching_distances(self) -> Array:
+        """(n,) distances of the centres of two bodies that just touch [m]; one for all or n others count at once."""
+        return self._touching.copy()
+
+    @touching_distances.setter
+    def touching_distances(self, distances: ArrayLike) -> None:
+        n = len(self.bodies) - 1
+        found = np.array(distances, dtype=np.float64)
+        if found.shape not in ((), (n,)) or not (np.isfinite(found) & (found > 0.0)).all():
+            raise ValueError(f"touching_distances must be one or {n} finite numbers > 0, not {distances!r}")
+        if self._step:
+            self._overlap += found - self._touching
+        self._touching = np.broadcast_to(found, (n,)).copy()
+
+    @property
+    def overlaps(self) -> Array:
+        """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; as they are before any."""
+        if self._step:
+            return self._overlap.copy()
+        between = np.diff(centres(self.bodies)[0], axis=0)
+        apart: Array = np.hypot(between[:, 0], between[:, 1])
+        return self._touching - apart
+
+    @property
+    def forces(self) -> Array:
+        """(n,) mean contact forces [N] of the last step."""
+        return self._force.copy()
+
+    @property
+    def energy(self) -> float:
+        """Energy [J] stored in the contacts; those with loss give only a part of it back."""
+        pairs = zip(self._contacts, self.overlaps.tolist(), strict=True)
+        return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
+
+    @property
+    def absorbed(self) -> float:
+        """Energy [J] that contacts with loss have kept so far: with it, kinetic energy and :attr:`energy` are constant."""
+        return float(self._absorbed[0])
+
+    @property
+    def positions(self) -> list[pymunk.Vec2d]:
+        """Where the bodies' centres of gravity are at the time of their velocities, half a step on from `position`."""
+        position, velocity = centres(self.bodies)
+        return [pymunk.Vec2d(*place) for place in (position + 0.5 * self._step * velocity).tolist()]
+
+    def _take_force(self, link: _Link) -> float:
+        """Force of `link` for the step under way; the first to ask has all of them solved."""
+        try:
+            if self._waiting[link.index] is None:
+                self._begin_step(link)
+            return self._waiting[link.index] or 0.0
+        finally:
+            self._waiting[link.index] = None
+
+    def _begin_step(self, link: _Link) -> None:
+        n = len(self._links)
+        self._waiting = [0.0] * n  # should the solver fail: no forces rather than old ones, and one error
+        space = link.a.space or link.b.space
+        assert space is not None
+        step = space.current_time_step
+        around = Surroundings.of(space, self.bodies, step)
+        bodies = self._touching, around.position, around.velocity, self._place, self._speed
+        own = self._overlap, self._rate, self._lag, self._outside
+        if not self._step:
+            start_row(step, *bodies, *own, self._force)
+        take_up(step, self._step or step, *bodies, self._direction, *own)
+        self._step = step
+        call_after_step(link, self._end_step)
+        motion = around.mobility, around.expected, around.velocity, self._direction, self._outside
+        own_rows = self._overlap, self._rate, self._force, self._work
+        if self._loss.any():
+            solved = _solve_lossy_row(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
+        else:
+            solved = _solve_row(step, self._law, *motion, *own_rows)
+        self._waiting = self._force.tolist()
+        if not solved:
+            warnings.warn(
+                "the contacts of a SoftChain did not converge: take a smaller step", RuntimeWarning, stacklevel=2
+            )
+
+    def _end_step(self) -> None:
+        asked = [force is None for force in self._waiting]
+        self._waiting = [None] * len(self._links)
+        end_row(
+            self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
+            self._rate, self._lag, self._outside,
+        )  # fmt: skip
+        for link, was_asked in zip(self._links, asked, strict=True):
+            if not was_asked and not (link.a.is_sleeping or link.b.is_sleeping):
+                raise RuntimeError("only a part of a SoftChain is in the Space: add or remove all, space.add(*chain)")
+
+
+class _Link(pymunk.DampedSpring):
+    """One contact of a SoftChain: a spring whose force the chain gives."""
+
+    _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + ["anchor_a", "anchor_b"]  # noqa: RUF005 - as its base
+
+    chain: SoftChain
+    index: int
+
+    def __init__(
+        self, a: pymunk.Body, b: pymunk.Body, anchor_a: tuple[float, float], anchor_b: tuple[float, float]
+    ) -> None:
+        super().__init__(a, b, anchor_a, anchor_b, 0.0, 0.0, 0.0)
+        self.collide_bodies = False
+        self.force_func = _Link.chain_force  # type: ignore[assignment]  # its first argument is narrower
+
+    @classmethod
+    def between(cls, chain: SoftChain, index: int) -> _Link:
+        """The link between bodies `index` and `index` + 1."""
+        a, b = chain.bodies[index : index + 2]
+        link = cls(a, b, a.center_of_gravity, b.center_of_gravity)
+        link.chain, link.index = chain, index
+        return link
+
+    @staticmethod
+    def chain_force(link: _Link, dist: float) -> float:
+        """The force that the chain has solved; an error ends the step, as in :meth:`SoftContact.contact_force`."""
+        try:
+            return link.chain._take_force(link)
+        except BaseException as error:
+            raise_after_step(link, error)
+            return 0.0

@@ -1,0 +1,202 @@
+"""Phases of contacts, for the reference: while no contact changes its mode, the right-hand side is smooth.
+
+    OPEN      d < 0            f = 0                          until d = 0
+    TOUCHING  d = 0, w = 0     f the multiplier of w' = 0     until f leaves [0, C]
+    LOADED    d > 0            f = F + K d**a                 until d = 0
+
+    d' = w,   w' = -L f + B M^-1 push,   L = B M^-1 B^T
+
+The capacity C is the preload F, and beside it the force at the least overlap that the tolerance can tell from 0: inside
+a rigid-like cluster the beads behind a soft interface start with overlaps of 1e-100, which no step could follow.
+Which of several touching contacts give way at a switch is a linear complementarity problem in f.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.chain import Chain
+
+Array = NDArray[np.float64]
+Modes = NDArray[np.int8]
+
+OPEN, TOUCHING, LOADED = 0, 1, 2
+
+# local error a step, as a part of the wanted error of the velocities, so that thousands of steps stay below it
+RELATIVE_SMOOTH, RELATIVE_STIFF = 1e-4, 1e-3
+FINEST = 3e-14  # smallest relative tolerance that double precision can keep
+MULTIPLIER_SLACK = 1e-12  # of the capacity: a multiplier is out of [0, F] when it is out by this much
+MOST_EVALUATIONS = 20_000_000  # some minutes
+
+
+class OutOfEvaluationsError(Exception):
+    """The evaluations are used up."""
+
+
+class System:
+    """A chain as NumPy arrays: forces, accelerations and the multipliers of touching contacts.
+
+    The state vector y (2n+2,) is overlaps, rates, anchor position, anchor velocity.
+    """
+
+    def __init__(self, chain: Chain, push: Array | None, speed: float, depth: Array, tolerance: float) -> None:
+        self.n = chain.contacts
+        self.anchor = chain.anchor
+        self.preload = np.array([c.preload for c in chain.contact])
+        self.stiffness = np.array([c.stiffness for c in chain.contact])
+        self.exponent = np.array([c.exponent for c in chain.contact])
+        self.inverse_mass = 1.0 / np.array(chain.mass)
+        self.stiff = bool((self.stiffness * (self.exponent < 1.0)).any())
+        self.push = np.zeros(self.n + 1) if push is None else push
+        self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
+        # an overlap of energy F d is felt in velocities as its square root
+        self.depth, self.least_overlap = depth, depth * tolerance**2
+        self.least_rate = 1e-3 * tolerance * speed
+        self.relative = max((RELATIVE_STIFF if self.stiff else RELATIVE_SMOOTH) * tolerance, FINEST)
+        anchor = [float(depth.max()) * self.relative, speed * self.relative]
+        self.absolute = np.concatenate((0.1 * self.least_overlap, np.full(self.n, 0.1 * self.relative * speed), anchor))
+        self.capacity = self.law(self.least_overlap)
+        self.difference = difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
+        self.coupling = difference * self.inverse_mass @ difference.T
+        self.pushed = difference @ (self.inverse_mass * self.push)
+
+    def bead_acceleration(self, force: Array) -> Array:
+        """(n+1,) accelerations [m/s^2] under the contact forces (n,) and the push."""
+        net = self.push.copy()
+        net[:-1] -= force
+        net[1:] += force
+        return net * self.inverse_mass
+
+    def law(self, overlap: Array) -> Array:
+        """(n,) forces of loaded contacts."""
+        force: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
+        return force
+
+
+@dataclass
+class Phase:
+    """A stretch of time in which no contact changes its mode.
+
+    `carried` (n, n) and `carried_push` (n,) give the multipliers of the touching contacts from the loaded forces.
+    """
+
+    system: System
+    mode: Modes
+    carried: Array
+    carried_push: Array
+
+    @classmethod
+    def of(cls, system: System, mode: Modes) -> Phase:
+        """The phase in which each contact keeps its `mode` (n,)."""
+        touching = mode == TOUCHING
+        carried, carried_push = np.zeros((system.n, system.n)), np.zeros(system.n)
+        if touching.any():
+            # least squares: between two walls the multipliers are not unique
+            solved = np.linalg.pinv(system.coupling[np.ix_(touching, touching)])
+            carried[touching] = -solved @ system.coupling[touching]
+            carried[:, touching] = 0.0
+            carried_push[touching] = solved @ system.pushed[touching]
+        return cls(system, mode, carried, carried_push)
+
+    def force(self, overlap: Array) -> Array:
+        """(n,) forces of all contacts [N]: by the law where loaded, multipliers where touching."""
+        loaded = np.where(self.mode == LOADED, self.system.law(overlap), 0.0)
+        return loaded + self.carried @ loaded + self.carried_push
+
+    def shown_overlap(self, overlap: Array, force: Array) -> Array:
+        """(n,) overlaps with those that count as 0 here, but are set by the force, filled in."""
+        system = self.system
+        hidden = (self.mode == TOUCHING) & (system.preload == 0.0)
+        shown = overlap.copy()
+        shown[hidden] = (np.maximum(force[hidden], 0.0) / system.stiffness[hidden]) ** (1.0 / system.exponent[hidden])
+        return shown
+
+    def slope(self, y: Array) -> Array:
+        """Right-hand side: (2n+2,) time derivative of y."""
+        system, n = self.system, self.system.n
+        system.evaluations += 1
+        if system.evaluations > system.most_evaluations:
+            raise OutOfEvaluationsError
+        acceleration = system.bead_acceleration(self.force(y[:n]))
+        change = np.empty_like(y)
+        change[:n] = y[n : 2 * n]
+        change[n : 2 * n] = np.where(self.mode == TOUCHING, 0.0, acceleration[:-1] - acceleration[1:])
+        change[2 * n] = y[2 * n + 1]
+        change[2 * n + 1] = acceleration[system.anchor]
+        return change
+
+    def jacobian(self, y: Array) -> Array:
+        """(2n+2, 2n+2) derivative of the slope; where a power law has an infinite one, at overlap 0, taken as 0."""
+        system, n = self.system, self.system.n
+        pressed = (self.mode == LOADED) & (y[:n] > 0.0)
+        stiffness = np.zeros(n)
+        law = system.exponent[pressed] * system.stiffness[pressed]
+        stiffness[pressed] = law * y[:n][pressed] ** (system.exponent[pressed] - 1.0)
+        by_overlap = (np.eye(n) + self.carried) * stiffness
+        matrix = np.zeros((y.size, y.size))
+        matrix[:n, n : 2 * n] = np.eye(n)
+        matrix[n : 2 * n, :n] = -system.coupling @ by_overlap
+        matrix[n : 2 * n, :n][self.mode == TOUCHING] = 0.0
+        matrix[2 * n, 2 * n + 1] = 1.0
+        matrix[2 * n + 1, :n] = -(system.difference.T @ by_overlap)[system.anchor] * system.inverse_mass[system.anchor]
+        return matrix
+
+    def margins(self, y: Array) -> Array:
+        """(n,) how far each contact is from its next switch, as a part of its depth or capacity; negative past it.
+
+        The slack keeps a contact that has just switched at d = 0 from switching back at once by round-off.
+        """
+        system = self.system
+        overlap = y[: system.n]
+        to_zero = (np.where(self.mode == LOADED, overlap, -overlap) + system.least_overlap) / system.depth
+        touching = self.mode == TOUCHING
+        if not touching.any():
+            return to_zero
+        force = self.force(overlap)
+        inside = np.minimum(force, system.capacity - force) / system.capacity + MULTIPLIER_SLACK
+        return np.where(touching, inside, to_zero)
+
+
+def first_modes(system: System, y: Array) -> Modes:
+    """Modes at the start of a run, where nothing is known but overlaps and rates."""
+    n = system.n
+    mode = np.where(y[:n] > 0.0, LOADED, OPEN).astype(np.int8)
+    return settle(system, y, mode, np.abs(y[:n]) <= system.least_overlap)
+
+
+def settle(system: System, y: Array, mode: Modes, undecided: NDArray[np.bool_]) -> Modes:
+    """Modes right after a switch; the `undecided` contacts are at overlap 0 (they are put there exactly)."""
+    n = system.n
+    overlap, rate = y[:n], y[n : 2 * n]
+    overlap[undecided] = 0.0
+    new = mode.copy()
+    new[undecided] = np.where(rate[undecided] >= 0.0, LOADED, OPEN)
+    resting = undecided & (np.abs(rate) <= system.least_rate) | (mode == TOUCHING)
+    if resting.any():
+        rate[resting] = 0.0
+        overlap[resting] = system.least_overlap[resting]
+        new[resting] = _give_way(system, overlap, new, resting)
+        overlap[resting & (new != LOADED)] = 0.0
+    return new
+
+
+def _give_way(system: System, overlap: Array, mode: Modes, resting: NDArray[np.bool_]) -> Modes:
+    """Modes of the `resting` contacts: f in [0, C], and w' <= 0 at f = 0, w' = 0 between, w' >= 0 at f = C.
+
+    Active sets: contacts are held at C until their w' is negative there, then solved for with w' = 0, and let go where
+    the multiplier turns out below 0. L is an M-matrix, so each round lowers every force and the rounds are few.
+    """
+    trial = np.where(resting, LOADED, mode).astype(np.int8)
+    for _ in range(2 * system.n + 2):
+        phase = Phase.of(system, trial)
+        force = phase.force(overlap)
+        closing = system.pushed - system.coupling @ force
+        lower = (trial == LOADED) & resting & (closing < 0.0)
+        release = (trial == TOUCHING) & resting & (force < -MULTIPLIER_SLACK * system.capacity)
+        if not (lower.any() or release.any()):
+            break
+        trial[lower] = TOUCHING
+        trial[release] = OPEN
+    return trial[resting]

@@ -1,0 +1,196 @@
+"""The reference, method `scipy`: its own right-hand side in NumPy, SciPy's `solve_ivp`, every contact switch located.
+
+It shares no kernel with what it checks. Time is cut into phases in which no contact changes its mode; a phase ends at
+the located root of the first margin that runs out, and the next begins there with the modes settled anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from softcradle.physics.chain import Chain
+from softcradle.physics.problem import Problem, Record
+from softcradle.physics.reference.phases import (
+    LOADED,
+    TOUCHING,
+    OutOfEvaluationsError,
+    Phase,
+    System,
+    first_modes,
+    settle,
+)
+from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.state import State
+
+Array = NDArray[np.float64]
+
+EVALUATIONS_A_STEP = 3  # at the most, where steps are counted
+
+SMOOTH, STIFF = "DOP853", "Radau"  # contacts of exponent >= 1 are never stiff; below it stiffness has no bound
+ROOT = 4e-15  # of a contact time: what a located switch may be early or late (scipy asks brentq for 4 ulp of 1)
+MOST_PHASES = 20_000  # a run with more is given up: the contacts chatter
+
+
+@dataclass
+class _Segment:
+    """One solved phase: its interval, modes, and dense solution in units of `scale` [s] from `start`."""
+
+    start: float
+    end: float
+    scale: float
+    phase: Phase
+    solution: Any
+
+
+class _Run:
+    """Phase after phase from a start state; keeps what samples and switches need."""
+
+    def __init__(self, chain: Chain, state: State, tolerance: float, most: int | None = None) -> None:
+        velocity = state.velocity(chain)
+        speed = speed_scale(chain, velocity)
+        depth, contact_time = contact_scales(chain, velocity)
+        self.scale = float(contact_time.max())
+        self.system = System(chain, state.external(chain), speed, depth, tolerance)
+        if most:
+            self.system.most_evaluations = EVALUATIONS_A_STEP * most
+        self.time = state.time
+        self.y = np.concatenate((state.overlap, state.rate, state.anchor))
+        self.phase = Phase.of(self.system, first_modes(self.system, self.y))
+        self.closed = np.zeros(chain.contacts, dtype=bool)
+        self.segments: list[_Segment] = []
+        self.switches: list[tuple[float, int]] = []
+        self.steps = 0
+        self.warnings: tuple[str, ...] = ()
+        self.gave_up = ""
+
+    def until(self, end: float) -> None:
+        """Integrate to `end`; with an infinite end until no contact pushes or can come to push."""
+        try:
+            while self.time < end and not self.warnings and not (np.isinf(end) and self._apart()):
+                if len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations):
+                    raise OutOfEvaluationsError
+                self._one_phase(end)
+            self._note(self.closed & ~self._carries())
+        except OutOfEvaluationsError:
+            self.gave_up = (
+                f"scipy gave up at t = {self.time:.6g} s after {self.system.evaluations} evaluations and "
+                f"{len(self.segments)} changes of contacts"
+            )
+            self.warnings = (f"{self.gave_up}; what follows repeats the state at that time: take 'radau'",)
+
+    def _apart(self) -> bool:
+        n = self.system.n
+        return not self._carries().any() and bool((self.y[n : 2 * n] <= self.system.least_rate).all())
+
+    def _one_phase(self, end: float) -> None:
+        system, phase, scale = self.system, self.phase, self.scale
+
+        def slope(_time: float, y: Array) -> Array:
+            return scale * phase.slope(y)
+
+        def jacobian(_time: float, y: Array) -> Array:
+            return scale * phase.jacobian(y)
+
+        def margin(_time: float, y: Array) -> float:
+            return float(phase.margins(y).min())
+
+        margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
+        found = solve_ivp(
+            slope, (0.0, (end - self.time) / scale), self.y, STIFF if system.stiff else SMOOTH, events=margin,
+            rtol=system.relative, atol=system.absolute, dense_output=True,
+            **({"jac": jacobian} if system.stiff else {}),
+        )  # fmt: skip
+        self._note_closings(found.y[: system.n])
+        self.steps += found.t.size - 1
+        elapsed = found.t[-1] + (ROOT if found.status == 1 else 0.0)
+        now = end if found.status == 0 else self.time + float(elapsed) * scale
+        self.segments.append(_Segment(self.time, now, scale, phase, found.sol))
+        self.time, self.y = now, found.sol(elapsed)
+        if found.status == 1:
+            self._switch()
+        elif found.status < 0:
+            self.gave_up = f"scipy failed at t = {self.time:.6g} s: {found.message}"
+            self.warnings = (self.gave_up,)
+
+    def _switch(self) -> None:
+        margins = self.phase.margins(self.y)
+        reached = margins <= max(0.0, margins.min())
+        self.phase = Phase.of(self.system, settle(self.system, self.y, self.phase.mode, reached))
+        self._note_openings()
+
+    def _note_closings(self, overlap: Array) -> None:
+        """Called with the overlaps (n, steps) of a phase before time moves on: a contact at rest at 0 never closed."""
+        mode, force = self.phase.mode, self.phase.force(overlap[:, -1])
+        pressed = np.where(mode == LOADED, (overlap > 0.0).any(axis=1), (mode == TOUCHING) & (force > 0.0))
+        self._note(pressed & ~self.closed)
+
+    def _note_openings(self) -> None:
+        self._note(self.closed & (self.phase.mode != LOADED) & ~self._carries())
+
+    def _carries(self) -> NDArray[np.bool_]:
+        return self.phase.force(self.y[: self.system.n]) > 0.0
+
+    def _note(self, changed: NDArray[np.bool_]) -> None:
+        self.switches.extend((self.time, int(i)) for i in np.flatnonzero(changed))
+        self.closed ^= changed
+
+    def samples(self, times: Array) -> tuple[Array, Array]:
+        """(T, 2n+2) states and (T, n) forces at `times`."""
+        n = self.system.n
+        states, forces = np.empty((times.size, self.y.size)), np.empty((times.size, n))
+        states[:], forces[:] = self.y, self.phase.force(self.y[:n])
+        for segment in self.segments:
+            inside = np.flatnonzero((times >= segment.start) & (times < segment.end))
+            if inside.size:
+                states[inside] = segment.solution((times[inside] - segment.start) / segment.scale).T
+                for k in inside:
+                    forces[k] = segment.phase.force(states[k, :n])
+                    states[k, :n] = segment.phase.shown_overlap(states[k, :n], forces[k])
+        return states, forces
+
+
+def run(problem: Problem) -> Record:
+    """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
+    if problem.chain.dissipative:
+        from softcradle.physics.friction import piecewise as dry_adaptive
+
+        return dry_adaptive.run(problem, run)
+    chain, state = problem.chain, problem.state
+    solved = _Run(chain, state, problem.tolerance, problem.most_steps)
+    solved.until(np.inf if problem.duration is None else state.time + problem.duration)
+    times = problem.sample_times(solved.time)
+    if times.size and times[-1] > solved.time and not solved.warnings:
+        solved.until(float(times[-1]))
+    states, forces = solved.samples(times)
+    n = chain.contacts
+    return Record(
+        times, states[:, :n], states[:, n : 2 * n], states[:, 2 * n :], forces,
+        np.array([contact for _, contact in solved.switches], dtype=np.int64),
+        np.array([time for time, _ in solved.switches]),
+        _end(solved), solved.steps, solved.system.evaluations, solved.warnings, gave_up=solved.gave_up,
+    )  # fmt: skip
+
+
+def _end(solved: _Run) -> State:
+    n, y = solved.system.n, solved.y.copy()
+    return State(solved.time, y[:n], y[n : 2 * n], y[2 * n :], solved.phase.force(y[:n]))
+
+
+def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float, most_steps: int) -> str:
+    """Move `state` on by `duration` [s] in place. Returns why it stopped before, empty where it did not."""
+    if chain.dissipative:
+        from softcradle.physics.friction import piecewise as dry_adaptive
+
+        return dry_adaptive.advance(chain, state, duration, method, tolerance, most_steps, run)
+    solved = _Run(chain, state, tolerance, most_steps)
+    solved.until(state.time + duration)
+    end = _end(solved)
+    state.time = end.time
+    for target, source in ((state.overlap, end.overlap), (state.rate, end.rate), (state.anchor, end.anchor)):
+        target[:] = source
+    state.force[:] = end.force
+    return solved.gave_up

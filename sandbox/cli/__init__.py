@@ -1,0 +1,1 @@
+"""The softcradle command: arguments, console, tables, one module a command."""

@@ -1,0 +1,71 @@
+"""Arguments that several commands share, and the types that refuse a bad value in a sentence."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    from softcradle.scenes import Scene
+
+
+def positive(text: str) -> float:
+    """A finite number > 0; fractions such as 1/60 are welcome."""
+    numerator, slash, denominator = text.partition("/")
+    try:
+        value = float(numerator) / float(denominator) if slash else float(text)
+    except (ValueError, ZeroDivisionError):
+        value = math.nan
+    if not (math.isfinite(value) and value > 0.0):
+        raise argparse.ArgumentTypeError(f"must be a number > 0, not {text!r}")
+    return value
+
+
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """Type of a whole number from `least` to `most`."""
+
+    def checked(text: str) -> int:
+        if not re.fullmatch(r"\d{1,12}", text) or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"must be a whole number from {least} to {most}, not {text!r}")
+        return int(text)
+
+    return checked
+
+
+def size(text: str) -> tuple[int, int]:
+    """Width and height in pixels from a text such as 1280x720."""
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if match is None:
+        raise argparse.ArgumentTypeError(f"must be WIDTHxHEIGHT such as 1280x720, not {text!r}")
+    return int(match[1]), int(match[2])
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """The scene itself."""
+    parser.add_argument("scene", metavar="SCENE", help="name of a scene, or path of a scene file")
+
+
+def add_method(parser: argparse.ArgumentParser) -> None:
+    """How to compute it."""
+    from softcradle.physics import METHODS
+
+    names = ", ".join(method.name for method in METHODS)
+    parser.add_argument(
+        "--method", help=f"one of {names}; or auto: the cheapest that holds the tolerance as the wanted error"
+    )
+    parser.add_argument("--step", type=positive, metavar="SECONDS", help="step of a fixed-step method")
+
+
+def load_scene(name_or_path: str) -> Scene:
+    """The scene, or a UserError that says what is wrong with it."""
+    from softcradle.scenes import SceneError, load
+
+    try:
+        return load(name_or_path)
+    except SceneError as error:
+        raise UserError(str(error)) from None

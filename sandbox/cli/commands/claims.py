@@ -1,0 +1,56 @@
+"""`softcradle claims`: what the paper states, measured, as a table or as JSON."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from softcradle.sandbox.studies.claims import Claim
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Measure all claims and print them."""
+    from softcradle.sandbox.studies.claims import claims
+
+    found = claims()
+    if args.json:
+        _print_json(found)
+    else:
+        _print_table(found)
+    return 0
+
+
+def _print_json(found: list[Claim]) -> None:
+    import json
+    from dataclasses import asdict
+
+    from softcradle.physics.storage import versions
+
+    print(json.dumps({"claims": [asdict(claim) for claim in found], "versions": versions()}, indent=2, allow_nan=False))
+
+
+def _print_table(found: list[Claim]) -> None:
+    from rich.text import Text
+    from softcradle.sandbox.console import console, table
+    from softcradle.sandbox.studies.claims import Verdict
+
+    colours = {Verdict.HOLDS: "green", Verdict.LIMIT: "yellow", Verdict.FAILS: "red"}
+    made = table("claim", "place", "what we measure", "how", "verdict")
+    made.show_lines = True
+    for column, share in zip(made.columns, (5, 2, 10, 4, 2), strict=True):
+        column.ratio, column.overflow = share, "fold"
+    made.expand = True
+    for claim in found:
+        made.add_row(
+            claim.statement, claim.place, claim.measured, claim.how, Text(claim.verdict, colours[claim.verdict])
+        )
+    to = console()
+    to.print(made)
+    for verdict, colour in colours.items():
+        to.print(f"{verdict}: {sum(claim.verdict == verdict for claim in found)}", style=colour)

@@ -1,0 +1,92 @@
+"""`softcradle compare`: the same collision in several chains, in motion and in numbers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.cli.arguments import add_method, positive, size
+from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    from softcradle.sandbox.studies.compare.comparison_files import Report
+
+PAGE = ".html"
+DEFAULT = "out/compare.html"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="names of scenes, or scene files; all their lanes")
+    parser.add_argument(
+        "--contact", action="append", default=[], metavar="LAW",
+        help="beside one scene as it is, the same with LAW in every contact, such as 'power_law(1, 1/10)' or "
+        "'draft_gear(5, 0.2)'; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--match", nargs="?", const="force", choices=("force", "outcome"),
+        help="beside one scene also the power law nearest to its draft gear, or the draft gear nearest to its power law: "
+        "by the force of the struck contact (default), or by the outcome, final velocities and contact time",
+    )  # fmt: skip
+    parser.add_argument(
+        "-o", "--output", action="append", default=[], metavar="OUT",
+        help="report .html (with the film inside), film .mp4 .gif .webp .avif, or numbers .json; may be given several "
+        f"times (default: {DEFAULT}, nothing with --json)",
+    )  # fmt: skip
+    parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead of tables")
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels of the film (default: 1280x720 or higher)")
+    parser.add_argument("--slow", type=positive, help="seconds of film for a second of motion (default: the scenes')")
+    add_method(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Compare them."""
+    from softcradle.sandbox.studies.compare.comparison_files import Report, Wishes, checked_outputs, opened, write
+    from softcradle.sandbox.studies.compare.comparison_results import solved
+    from softcradle.sandbox.studies.compare.matched_side import matchable, with_match
+    from softcradle.sandbox.studies.compare.sides import chosen
+
+    comparison = chosen(args.scenes, args.contact, fewest=1 if args.match else 2)
+    if args.match:
+        matchable(comparison)
+    paths, found = _paths(args), None
+    wishes = Wishes(args.size, args.slow, args.method, args.step)
+    checked_outputs(paths, comparison, wishes)
+    with ExitStack() as stack:
+        places = opened(stack, paths)  # before the work: an unwritable place is said at once
+        if args.match:
+            comparison, found = with_match(comparison, args.match)
+        report = Report(comparison, solved(comparison, args.method, args.step), wishes, found)
+        for path in places:
+            write(path, report)
+    _print(report, paths, args.json)
+    return 0
+
+
+def _paths(args: argparse.Namespace) -> list[Path]:
+    if args.output or args.json:
+        return [Path(path) for path in args.output]
+    path = Path(DEFAULT)
+    try:
+        path.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {(error.strerror or str(error)).lower()}") from None
+    return [path]
+
+
+def _print(report: Report, paths: list[Path], as_json: bool) -> None:
+    from softcradle.sandbox.console import console
+    from softcradle.sandbox.studies.compare.comparison_tables import print_tables
+
+    if as_json:
+        print(json.dumps(report.plain(), indent=2, allow_nan=False))
+        return
+    to = console()
+    print_tables(to, report.comparison.title, report.results)
+    for note in report.notes():
+        to.print(note)
+    for path in paths:
+        to.print(f"written: {path}", soft_wrap=True)

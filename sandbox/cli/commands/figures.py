@@ -1,0 +1,50 @@
+"""`softcradle figures`: the figures of the paper and of the data it does not show, as pictures and numbers."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from softcradle.sandbox.console import console, table
+from softcradle.sandbox.studies.figures import FIGURES, named
+from softcradle.sandbox.user_error import UserError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("names", metavar="NAME", nargs="*", help="figures to draw, such as 1b 2c B (default: all)")
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", default="out/figures", help="where to write (default: out/figures)"
+    )
+    parser.add_argument("--list", action="store_true", help="list the figures instead")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Draw them, or list them."""
+    try:
+        figures = named(args.names)
+    except KeyError as error:
+        known = ", ".join(figure.name for figure in FIGURES)
+        raise UserError(f"there is no figure {error.args[0]!r}; there are {known}") from None
+    if args.list:
+        listed = table("name", "place in the paper", "what it shows")
+        for figure in figures:
+            listed.add_row(figure.name, figure.place, figure.caption)
+        console().print(listed)
+        return 0
+    folder = made_folder(args.output)
+    from softcradle.sandbox.studies.figures.figure_files import write
+
+    for figure in figures:
+        print("written:", ", ".join(str(path) for path in write(figure, folder)), flush=True)
+    return 0
+
+
+def made_folder(wanted: str) -> Path:
+    """The folder of that name, made if it is not there; UserError where it cannot be."""
+    folder = Path(wanted)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot write to {wanted}: {(error.strerror or str(error)).lower()}") from None
+    return folder

@@ -1,0 +1,74 @@
+"""`softcradle maps`: where a struck cluster moves like a rigid body, over softness or speed, and size."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    from softcradle.sandbox.studies.figures.solved_cases import Table
+    from softcradle.sandbox.studies.maps.rigidity_scan import Map
+
+NAMES = ("power-law", "draft-gear")
+COLUMNS, ROWS = 200, 20
+MOST = 2000  # points along either side
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument(
+        "names", metavar="NAME", nargs="*", help=f"maps to draw: {', '.join(NAMES)} (default: all)"
+    )  # fmt: skip
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", default="out/maps", help="where to write (default: out/maps)"
+    )
+    parser.add_argument(
+        "--points", metavar="WxH", default=f"{COLUMNS}x{ROWS}",
+        help=f"abscissae and cluster sizes (default: {COLUMNS}x{ROWS})",
+    )  # fmt: skip
+
+
+def main(args: argparse.Namespace) -> int:
+    """Compute, draw, write."""
+    for name in args.names:
+        if name not in NAMES:
+            raise UserError(f"there is no map {name!r}; there are {', '.join(NAMES)}")
+    columns, rows = _points(args.points)
+    from softcradle.sandbox.cli.commands.figures import made_folder
+    from softcradle.sandbox.studies.maps.rigidity_scan import maps
+
+    folder = made_folder(args.output)
+    for wanted in maps(columns, rows):
+        if not args.names or wanted.name in args.names:
+            paths = _write(wanted, _computed(wanted), folder)
+            print("written:", ", ".join(str(path) for path in paths), flush=True)
+    return 0
+
+
+def _points(text: str) -> tuple[int, int]:
+    columns, _, rows = text.partition("x")
+    if not (columns.isdigit() and rows.isdigit() and 2 <= int(columns) <= MOST and 2 <= int(rows) <= MOST):
+        raise UserError(f"--points must be two whole numbers from 2 to {MOST}, such as {COLUMNS}x{ROWS}, not {text!r}")
+    return int(columns), int(rows)
+
+
+def _computed(wanted: Map) -> Table:
+    from rich.console import Console
+    from rich.progress import Progress
+    from softcradle.sandbox.studies.maps.rigidity_scan import compute
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(f"{wanted.title}: collisions", total=2 * len(wanted.values) * len(wanted.sizes))
+        return compute(wanted, lambda done: progress.advance(task, done))
+
+
+def _write(wanted: Map, table: Table, folder: Path) -> list[Path]:
+    from softcradle.sandbox.studies.figures.figure_files import write_all
+    from softcradle.sandbox.studies.figures.figure_style import styled
+    from softcradle.sandbox.studies.maps.map_drawing import draw
+
+    with styled():
+        return write_all(draw(wanted, table), table, folder / f"map-{wanted.name}")

@@ -1,0 +1,65 @@
+"""`softcradle render`: a film or pictures of a scene."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.cli.arguments import add_method, add_scene, load_scene, positive, size
+from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    from softcradle.scenes import Scene
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    add_scene(parser)
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="OUT",
+        help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, or .kymograph.png: the "
+        "markers of the beads over time, a line of pixels of each frame of a camera",
+    )  # fmt: skip
+    parser.add_argument("--size", type=size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)")
+    parser.add_argument(
+        "--fps",
+        type=positive,
+        help="frames a second (default: 60, less for moving pictures); of a kymograph: those "
+        "of the camera for a second of motion (default: the paper's 2052 in SI units)",
+    )
+    parser.add_argument("--slow", type=positive, help="seconds of film for a second of motion (default: the scene's)")
+    parser.add_argument("--pixel-format", metavar="FORMAT", help="of an .mp4: yuv420p (plays everywhere) or yuv444p")
+    add_method(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Render it."""
+    scene = load_scene(args.scene)
+    if args.output.lower().endswith(".kymograph.png"):
+        return _kymograph(scene, args)
+    from softcradle.sandbox.film.scene_film import render_scene
+
+    report = render_scene(
+        scene,
+        args.output,
+        size=args.size,
+        fps=args.fps,
+        slow=args.slow,
+        method=args.method,
+        step=args.step,
+        pixels=args.pixel_format,
+    )
+    frames = f"{report.frames} frames, {report.duration:.1f} s of film" if report.frames > 1 else "one picture"
+    print(f"written: {report.output}, {frames}, in {report.seconds:.1f} s")
+    return 0
+
+
+def _kymograph(scene: Scene, args: argparse.Namespace) -> int:
+    for option in ("slow", "pixel_format"):
+        if getattr(args, option) is not None:
+            raise UserError(f"a kymograph is one picture: --{option.replace('_', '-')} is for films")
+    from softcradle.sandbox.film.kymograph import render_kymograph
+
+    report = render_kymograph(scene, args.output, args.size, fps=args.fps, method=args.method, step=args.step)
+    print(f"written: {report.output}, {report.frames} camera frames, in {report.seconds:.1f} s")
+    return 0

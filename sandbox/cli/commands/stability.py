@@ -1,0 +1,113 @@
+"""`softcradle stability`: maps of where each method breaks, and how."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.console import console, table
+from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    from softcradle.sandbox.studies.stability.failure_scans import Scan, Spot
+
+SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument(
+        "scans", metavar="SCAN", nargs="*", help="what to vary beside the step: alpha, n, preload (default: all)"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="PICTURE", default="out/stability.png",
+        help="picture to write, with a .csv of every run beside it (default: out/stability.png)",
+    )  # fmt: skip
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run, draw, say."""
+    from softcradle.sandbox.output_files import output_file
+    from softcradle.sandbox.studies.figures.figure_style import styled
+    from softcradle.sandbox.studies.stability.stability_chart import draw
+    from softcradle.sandbox.studies.stability.verdicts import write_csv
+
+    path = Path(args.output)
+    if path.suffix not in SUFFIXES:
+        raise UserError(f"cannot write {args.output}: stability writes {', '.join(SUFFIXES)}")
+    scans = _scans(args.scans)
+    with output_file(path) as picture, output_file(path.with_suffix(".csv")) as numbers:
+        spots = _spots(scans)
+        with styled():
+            draw(spots, scans).savefig(picture, dpi=140)
+        write_csv(spots, numbers)
+    _print(spots)
+    print(f"written: {path}, {path.with_suffix('.csv')}")
+    return 0
+
+
+def _scans(wanted: Sequence[str]) -> list[Scan]:
+    """The scans of those names, all for none."""
+    from softcradle.sandbox.studies.stability.failure_scans import SCANS
+
+    known = {scan.name: scan for scan in SCANS}
+    for name in wanted:
+        if name not in known:
+            raise UserError(f"there is no scan {name!r}; there are {', '.join(known)}")
+    return [known[name] for name in wanted] if wanted else list(SCANS)
+
+
+def _spots(scans: Sequence[Scan]) -> list[Spot]:
+    from rich.console import Console
+    from rich.progress import Progress
+    from softcradle.sandbox.studies.stability.failure_scans import finenesses, methods, spots
+
+    found = []
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        runs = sum(len(scan.values) * len(finenesses(method)) for scan in scans for method in methods())
+        task = progress.add_task("runs", total=runs)
+        for scan in scans:
+            for method in methods():
+                progress.update(task, description=f"{scan.name}, {method.name}")
+                for spot in spots(scan, method):
+                    found.append(spot)
+                    progress.advance(task)
+    return found
+
+
+def _print(spots: Sequence[Spot]) -> None:
+    from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
+    from softcradle.physics.methods import find_method
+    from softcradle.sandbox.studies.stability.failure_scans import KEPT
+    from softcradle.sandbox.studies.stability.verdicts import verdicts
+
+    made = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
+    for found in verdicts(spots):
+        first = "-" if found.first is None else f"{found.first.fineness:.2g} at {found.scan} = {found.first.value:.2g}"
+        how = ", ".join(f"{kind} {count}" for kind, count in found.kinds) or "-"
+        failed = f"{found.failed} of {found.runs}"
+        unsafe = "-" if find_method(found.method).adaptive else str(found.unsafe)
+        made.add_row(found.scan, found.method, failed, how, first, unsafe, str(found.silent))
+    to = console()
+    to.print(made)
+    to.print(
+        f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or {KEPT:g} times the tolerance; "
+        "chatter: contacts switch more "
+        "often than they should; error: they do not; blow-up: the energy has at least doubled. "
+        "Letters in the maps: c, e, b; red where no warning spoke of it."
+    )
+    to.print(_caution())
+
+
+def _caution() -> str:
+    """What pymunk's own rigid contacts do."""
+    from softcradle.sandbox.studies.stability.rigid_cradle import SECONDS, STEPS, blow, energy_kept
+
+    kept = ", ".join(f"{energy_kept(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
+    after = " ".join(f"{speed:.2f}" for speed in blow(STEPS[0]) + 0.0)
+    return (
+        f"caution: pymunk's own rigid contacts, a cradle of five after {SECONDS:g} s, keep of their energy {kept}; one on "
+        f"four ends with {after} at any step: the blow leaves with the last ball, not with the cluster."
+    )

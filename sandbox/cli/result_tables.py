@@ -1,0 +1,87 @@
+"""The results of a run as tables on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+from softcradle.sandbox.console import console, table
+
+if TYPE_CHECKING:
+    from softcradle.sandbox.trajectory_summary import Summary
+    from softcradle.scenes import Scene
+
+
+def print_report(scene: Scene, summaries: Sequence[Summary], outputs: Sequence[Path]) -> None:
+    """Print title and source, the tables of each lane, and what was written."""
+    to = console()
+    to.print(scene.title, style="bold")
+    if scene.source:
+        to.print(scene.source, style="dim")
+    for summary in summaries:
+        _print_lane(to, summary)
+    for path in outputs:
+        to.print(f"written: {path}")
+
+
+def _print_lane(to: Console, summary: Summary) -> None:
+    to.print()
+    if summary.label:
+        to.print(summary.label, style="bold cyan")
+    to.print(_beads(summary))
+    to.print(_contacts(summary))
+    to.print(_cost(summary))
+    for sentence in summary.warnings:
+        to.print(f"warning: {sentence}", style="yellow")
+
+
+def _beads(summary: Summary) -> Table:
+    made = table("bead", "mass [kg]", "velocity at start [m/s]", "final velocity [m/s]", numbers=True)
+    for i, bead in enumerate(summary.beads):
+        mass = "wall" if bead.mass is None else f"{bead.mass:g}"
+        made.add_row(str(i), mass, f"{bead.start_velocity:.8f}", f"{bead.final_velocity:.8f}")
+    return made
+
+
+def _contacts(summary: Summary) -> Table:
+    made = table(
+        "contact", "closed [s]", "opened [s]", "times", "largest overlap [m]", "largest force [N]", numbers=True
+    )
+    for i, contact in enumerate(summary.contacts):
+        made.add_row(
+            f"{i}-{i + 1}",
+            _time(contact.closed),
+            _time(contact.opened),
+            str(contact.times),
+            f"{contact.largest_overlap:.4g}",
+            f"{contact.largest_force:.6g}",
+        )
+    return made
+
+
+def _time(time: float | None) -> str:
+    return "never" if time is None else f"{time:.6f}"
+
+
+def _cost(summary: Summary) -> Table:
+    made = Table.grid(padding=(0, 2))
+    fineness = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
+    made.add_row("method", f"{summary.method}, {fineness}")
+    if summary.choice:
+        made.add_row("chosen", summary.choice)
+    made.add_row(
+        "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
+    )
+    if summary.absorbed_by_contacts or summary.absorbed_by_bed:
+        taken = f"{summary.absorbed_by_contacts:.6g} J by contacts, {summary.absorbed_by_bed:.6g} J by the bed"
+        made.add_row("absorbed", taken)
+    made.add_row("momentum error", f"{_error(summary.momentum_error)} at most")
+    made.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")
+    return made
+
+
+def _error(relative: float | None) -> str:
+    return "not defined" if relative is None else f"{relative:.1e}"

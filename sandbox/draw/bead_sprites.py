@@ -1,0 +1,99 @@
+"""Sprites of what stands on the ground: bead, draft gear (cylinder and piston) and wall."""
+
+from __future__ import annotations
+
+import math
+
+import pygame
+from softcradle.sandbox.draw.palette import FAINT, MUTED, PAPER, STEEL, Colour, mix
+from softcradle.sandbox.draw.supersampling import FINE, Sprites, sprites
+from softcradle.sandbox.draw.surface_cache import kept
+from softcradle.sandbox.draw.text import write
+
+GLASS = 212  # opacity of a bead's body: where two overlap, both outlines show and the lens between them darkens
+BODY = 0.80  # of a draft gear's length: the cylinder; the rest is its piston
+BODY_HEIGHT = 0.66
+PLATE = 0.055
+Canvas = pygame.Surface
+
+
+def dark(colour: Colour) -> Colour:
+    """Outline of a body of that colour."""
+    return mix(colour, (0, 0, 0), 0.35)
+
+
+@kept(24)
+def bead(diameter: float, colour: Colour, core: float) -> Sprites:
+    """Disc; `core` (0 to 1) is the radius of the dark core that shows the bead's share of the greatest mass."""
+    side = math.ceil(diameter)
+
+    def paint(fine: Canvas, shift: float) -> None:
+        centre, radius = (diameter / 2 * FINE + shift, side / 2 * FINE), diameter / 2 * FINE
+        rim = max(1.0, 0.03 * diameter) * FINE
+        pygame.draw.circle(fine, dark(colour), centre, radius)
+        pygame.draw.circle(fine, (*colour, GLASS), centre, radius - rim)
+        if core:
+            pygame.draw.circle(fine, (*mix(colour, (0, 0, 0), 0.22), GLASS), centre, core * (radius - rim))
+
+    return sprites((side, side), dark(colour), paint)
+
+
+@kept(16)
+def cylinder(length: float, height: float, colour: Colour) -> Sprites:
+    """The body of a draft gear with its annular head on the right."""
+    wide, tall = BODY * length, BODY_HEIGHT * height
+
+    def paint(fine: Canvas, shift: float) -> None:
+        body = pygame.Rect(round(shift), 0, round(wide * FINE), math.ceil(tall) * FINE)
+        corner = round(0.10 * tall * FINE)
+        pygame.draw.rect(fine, dark(colour), body, border_radius=corner)
+        rim = max(FINE, round(0.03 * height * FINE))
+        pygame.draw.rect(fine, colour, body.inflate(-2 * rim, -2 * rim), border_radius=corner)
+        head = pygame.Rect(body.right - round(0.07 * wide * FINE), 0, round(0.07 * wide * FINE), body.height)
+        pygame.draw.rect(fine, dark(colour), head, border_radius=corner // 2)
+
+    return sprites((math.ceil(wide), math.ceil(tall)), dark(colour), paint)
+
+
+@kept(6)
+def piston(length: float, height: float) -> Sprites:
+    """Rod and plate of a draft gear; its right edge is the plate's face, its left part hides inside the cylinder."""
+    wide, tall = 0.5 * length, 0.44 * height
+
+    def paint(fine: Canvas, shift: float) -> None:
+        full = math.ceil(tall) * FINE
+        plate = max(2 * FINE, round(PLATE * length * FINE))
+        rod = pygame.Rect(round(shift), round(0.34 * full), round(wide * FINE) - plate, round(0.32 * full))
+        pygame.draw.rect(fine, STEEL, rod)
+        face = pygame.Rect(rod.right, 0, plate, full)
+        pygame.draw.rect(fine, MUTED, face, border_radius=FINE)
+
+    return sprites((math.ceil(wide), math.ceil(tall)), MUTED, paint)
+
+
+@kept(4)
+def wall(length: float, height: float) -> Sprites:
+    """Hatched block."""
+
+    def paint(fine: Canvas, shift: float) -> None:
+        block = pygame.Rect(round(shift), 0, round(length * FINE), round(height * FINE))
+        fine.fill(mix(FAINT, PAPER, 0.5), block)
+        fine.set_clip(block)
+        step = max(2 * FINE, round(0.16 * height * FINE))
+        for x in range(block.left - block.height, block.right, step):
+            pygame.draw.line(fine, MUTED, (x, block.bottom), (x + block.height, block.top), FINE)
+        pygame.draw.rect(fine, MUTED, block, round(1.5 * FINE))
+        fine.set_clip(None)
+
+    return sprites((math.ceil(length), math.ceil(height)), MUTED, paint)
+
+
+@kept(4)
+def number(label: str, size: float) -> Sprites:
+    """The number of a bead, on a square of three times `size` [pixels]; apart from its body, to be on top of all."""
+    side = math.ceil(3 * size)
+
+    def paint(fine: Canvas, shift: float) -> None:
+        write(fine, label, (side / 2 * FINE + shift, side / 2 * FINE), size * FINE, PAPER, bold=True, align=(0.5, 0.5))
+
+    return sprites((side, side), PAPER, paint)

@@ -1,0 +1,115 @@
+"""Smooth shapes: drawn at four times the size and averaged down; sprites are kept for four positions within a pixel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import pygame
+from softcradle.sandbox.draw.palette import PAPER, Colour, mix
+from softcradle.sandbox.draw.surface_cache import kept
+
+FINE = 4  # supersampling, and positions within a pixel
+Point = tuple[float, float]
+Sprites = tuple[pygame.Surface, ...]
+
+
+def sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
+    """A shape at each quarter of a pixel: `paint(fine surface, shift in fine pixels)` draws it four times as large.
+
+    `rim` is the colour of the outline: the transparent surroundings have it too, or the edge would darken.
+    """
+    images = []
+    for shift in range(FINE):
+        fine = pygame.Surface(((size[0] + 1) * FINE, size[1] * FINE), pygame.SRCALPHA, 32)
+        fine.fill((*rim, 0))
+        paint(fine, float(shift))
+        images.append(pygame.transform.smoothscale(fine, (size[0] + 1, size[1])))
+    return tuple(images)
+
+
+def put(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
+    """Blit the sprite whose top left corner is at (x, y), `x` to a quarter of a pixel."""
+    quarters = round(x * FINE)
+    surface.blit(images[quarters % FINE], (quarters // FINE, round(y)))
+
+
+def bar(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
+    """Filled rectangle (left, top, width, height) with edges to a fraction of a pixel, over whatever is there."""
+    x, y, width, height = area
+    if width <= 0.0 or height <= 0.0:
+        return
+    (right_end, bottom_end), rows = surface.get_size(), _spans(y, y + height)
+    for left, right, across in _spans(x, x + width):
+        for top, bottom, down in rows:
+            share, tint = across * down, colour
+            if share <= 0.005 or left == right or top == bottom:
+                continue
+            if share <= 0.995 and 0 <= left < right_end and 0 <= top < bottom_end:
+                red, green, blue, _ = surface.get_at((left, top))
+                tint = mix((red, green, blue), colour, share)
+            surface.fill(tint, (left, top, right - left, bottom - top))
+
+
+def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
+    """Whole pixels and the two partly covered ones between `low` and `high`: (first, end, coverage)."""
+    first, last = math.floor(low), math.floor(high)
+    if first == last:
+        return [(first, first + 1, high - low)]
+    return [(first, first + 1, first + 1 - low), (first + 1, last, 1.0), (last, last + 1, high - last)]
+
+
+def stroke(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickness: float) -> None:
+    """Line through `points` with round joints, all in pixels of the (fine) surface."""
+    width = max(1, round(thickness))
+    if len(points) > 1:
+        pygame.draw.lines(fine, colour, False, points, width)
+    if width > 2:
+        for point in points:
+            pygame.draw.circle(fine, colour, point, width / 2)
+
+
+MARKERS = 5
+
+
+@kept(2)
+def marker(shape: int, radius: float, colour: Colour) -> Sprites:
+    """Disc, square, triangle, diamond or triangle on its head: `shape` counts through them."""
+    side = math.ceil(2 * radius + 4)
+
+    def paint(fine: pygame.Surface, shift: float) -> None:
+        centre = (side / 2 * FINE + shift, side / 2 * FINE)
+        for tint, size in ((PAPER, radius + 1.2), (colour, radius)):
+            _shape(fine, tint, shape % MARKERS, centre, size * FINE)
+
+    return sprites((side, side), PAPER, paint)
+
+
+def put_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:
+    """Draw a marker about `centre`."""
+    half = math.ceil(2 * radius + 4) / 2
+    put(surface, marker(shape, radius, colour), centre[0] - half, centre[1] - half)
+
+
+def _shape(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, radius: float) -> None:
+    if shape == 0:
+        pygame.draw.circle(surface, colour, centre, radius)
+        return
+    corners, first, size = {1: (4, 45, 1.2), 2: (3, -90, 1.3), 3: (4, 0, 1.25), 4: (3, 90, 1.3)}[shape]
+    angles = [math.radians(first + 360 * k / corners) for k in range(corners)]
+    corner = [(centre[0] + size * radius * math.cos(a), centre[1] + size * radius * math.sin(a)) for a in angles]
+    pygame.draw.polygon(surface, colour, corner)
+
+
+def arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
+    """Level arrow from `start`, `length` pixels to the right (left where negative)."""
+    x, y = start
+    if abs(length) < 2.5 * unit:
+        return
+    head = math.copysign(min(7.0 * unit, 0.6 * abs(length)), length)
+    bar(surface, colour, (min(x, x + length - head), y - unit, abs(length - head), 2.0 * unit))
+    tip, back = x + length, x + length - head
+    half = 0.6 * abs(head)
+    corners = [(tip, y), (back, y - half), (back, y + half)]
+    pygame.draw.polygon(surface, colour, corners)
+    pygame.draw.aalines(surface, colour, True, corners)

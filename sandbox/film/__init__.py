@@ -1,0 +1,1 @@
+"""Films and kymographs: frames into files."""

@@ -1,0 +1,132 @@
+"""Setups: the immutable half of a session. An edit replaces one; the history keeps the one of each frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.chain import Chain
+from softcradle.physics.contact import Contact
+from softcradle.physics.methods import find_method, refusal
+from softcradle.physics.scales import speed_scale
+from softcradle.physics.state import State
+from softcradle.sandbox.session.method_choice import choose_method, steps_in, suitable_step
+from softcradle.scenes import Lane, Scene
+
+FRAME_RATE = 120  # model frames in a second at the wall; drawn at 60 Hz every picture is two of them
+
+
+@dataclass(frozen=True)
+class LaneSetup:
+    """How one lane moves.
+
+    Attributes:
+        label: of the scene's lane.
+        chain: the Chain.
+        method: a name from METHODS.
+        step: longest step [s]; 0 for adaptive methods.
+        automatic: True: the method is chosen by :func:`choose_method`.
+        step_given: True: a person has given the step; else it is chosen, again after every edit.
+        tolerance: of adaptive methods.
+        locked: per contact the law it had before its piston was locked, else None.
+        speed: closing speed [m/s] that this scene is about; scales of steps, of the hand and of errors follow it.
+        start: the State to which a restart goes back; never changed in place.
+    """
+
+    label: str
+    chain: Chain
+    method: str
+    step: float
+    automatic: bool
+    step_given: bool
+    tolerance: float
+    locked: tuple[Contact | None, ...]
+    speed: float
+    start: State = field(compare=False, repr=False)
+
+    def with_start(self, start: State) -> LaneSetup:
+        """The same lane with another start."""
+        return replace(self, start=start)
+
+    def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
+        """The same lane, about the speeds `velocity` (n+1,) [m/s]; a chosen step follows."""
+        return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()
+
+    def with_chain(self, chain: Chain, locked: tuple[Contact | None, ...] | None = None) -> LaneSetup:
+        """The same lane with another chain; a chosen step follows. ValueError where the method does not take it."""
+        _check_dissipative(chain, self.method)
+        return replace(self, chain=chain, locked=self.locked if locked is None else locked).with_choice()
+
+    def with_choice(self) -> LaneSetup:
+        """The same lane with what nobody has given chosen anew."""
+        if self.automatic:
+            method, step = choose_method(self.chain, self.speed)
+            return replace(self, method=method, step=step)
+        return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.speed))
+
+    def with_method(self, name: str) -> LaneSetup:
+        """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
+        method = self.method if name == "auto" else find_method(name).name
+        _check_dissipative(self.chain, "conserving" if name == "auto" else method)
+        return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
+
+    def with_step(self, step: float | None) -> LaneSetup:
+        """The same method with steps of at most `step` [s]; None chooses. ValueError where the method does that."""
+        if step is None:
+            return replace(self, step_given=False).with_choice()
+        if find_method(self.method).adaptive:
+            raise ValueError(f"method {self.method} chooses its own steps")
+        return replace(self, step=step, step_given=True, automatic=False)
+
+    def step_for(self, frame_time: float) -> float | None:
+        """Step [s] for a frame of `frame_time` [s], see `steps_in`; None where the method chooses."""
+        if self.step == 0.0:
+            return None
+        return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
+
+
+def _check_dissipative(chain: Chain, method: str) -> None:
+    """Refuse a method that takes no friction where there is some."""
+    if chain.dissipative and not find_method(method).dissipative:
+        raise ValueError(refusal(find_method(method)))
+
+
+@dataclass(frozen=True)
+class Setup:
+    """All lanes and the slow motion they are shown in: `slow` wall seconds for one of the model."""
+
+    lanes: tuple[LaneSetup, ...]
+    slow: float = 1.0
+
+    @property
+    def frame_time(self) -> float:
+        """Model time of one frame [s]."""
+        return 1.0 / (FRAME_RATE * self.slow)
+
+
+def setup_of(scene: Scene) -> Setup:
+    """The setup with which a scene opens."""
+    return Setup(tuple(lane_setup(scene, lane) for lane in scene.lanes), scene.view.slow)
+
+
+def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
+    """How `lane` moves in `scene`: by the scene's method and step where it names them."""
+    chain = lane.chain()
+    speed = speed_scale(chain, lane.velocity)
+    method, step = choose_method(chain, speed)
+    setup = LaneSetup(
+        label=lane.label,
+        chain=chain,
+        method=method,
+        step=step,
+        automatic=scene.method is None,
+        step_given=False,
+        tolerance=1e-8 if scene.tolerance is None else scene.tolerance,
+        locked=(None,) * chain.contacts,
+        speed=speed,
+        start=State.at_start(chain, lane.velocity),
+    )
+    if scene.method is not None:
+        setup = setup.with_method(scene.method)
+    return setup if scene.step is None else setup.with_step(scene.step)

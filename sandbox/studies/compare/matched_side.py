@@ -1,0 +1,76 @@
+"""The nearest contact of the other family as one more side, and a sentence that says how near it comes."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any
+
+from softcradle.physics.analysis.contact_distance import Distance
+from softcradle.physics.analysis.matching import ALPHAS, NEAR, Match, match, only_contact
+from softcradle.sandbox.studies.compare.sides import Comparison, Side, with_contact
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes.contact_table import Law
+from softcradle.scenes.contact_text import contact_text, law_of
+
+COMPARED = {
+    "force": "forces of the struck contact differ by {} in the root mean square",
+    "outcome": "final velocities over the closing speed and the logarithm of the contact time differ by {} together",
+}
+
+
+def matchable(comparison: Comparison) -> Side:
+    """The side whose contact is to be matched, the first; UserError where that cannot be."""
+    side = comparison.sides[0]
+    if len(side.scene.lanes) > 1 or len({other.scene.title for other in comparison.sides}) > 1:
+        raise UserError("--match needs one scene with one lane")
+    try:
+        only_contact(side.lane.chain())
+    except ValueError as error:
+        raise UserError(f"{side.name}: {error}") from None
+    return side
+
+
+def with_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, Match]:
+    """The comparison with the nearest contact as its last side, and what was found."""
+    side = matchable(comparison)
+    found = match(side.lane.chain(), side.lane.velocity, distance)
+    law: Law = law_of(found.contact)
+    given = replace(side, name=contact_text(found.given))
+    nearest = with_contact(side, law)
+    nearest = replace(nearest, name=f"nearest: {nearest.name}")
+    sides = (given, *comparison.sides[1:], nearest)
+    return Comparison(f"{side.scene.title}, and its nearest {_family(found)}", sides), found
+
+
+def sentence(found: Match) -> str:
+    """What was found, how near it comes, and whether that is near at all."""
+    told = COMPARED[found.distance].format(f"{100.0 * found.residual:.2g} %")
+    kind, contact, given = _family(found), contact_text(found.contact), contact_text(found.given)
+    if found.near:
+        text = f"The {kind} nearest to {given} in this collision is {contact}: {told}."
+    else:
+        text = (
+            f"No {kind} comes near {given} in this collision: with the nearest, {contact}, {told} (near: {NEAR:.0%})."
+        )
+    if found.ends:
+        ends = " and ".join(found.ends)
+        text += f" Its {ends} lies at the end of the range searched{_range(found)}: beyond may be a nearer one."
+    return text
+
+
+def match_json(found: Match) -> dict[str, Any]:
+    """The match as plain numbers and texts."""
+    told = asdict(found) | {"ends": list(found.ends), "sentence": sentence(found)}
+    return told | {
+        "given": contact_text(found.given),
+        "contact": contact_text(found.contact),
+        "numbers": asdict(found.contact),
+    }
+
+
+def _family(found: Match) -> str:
+    return "power law" if found.contact.preload == 0.0 else "draft gear"
+
+
+def _range(found: Match) -> str:
+    return f" ({ALPHAS[0]:g} to {ALPHAS[1]:g})" if "alpha" in found.ends else ""

@@ -1,0 +1,92 @@
+"""heyoka's Taylor series with terminal events where a contact opens or closes.
+
+A series has no start where an overlap is zero: `radau` takes it through the first moment, and that time counts. A contact
+counts as open below a small overlap, scanned beside the tolerance.
+"""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache, partial
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import simulate
+from softcradle.sandbox.studies.precision.chart_cases import Case, Start
+from softcradle.sandbox.studies.precision.peers.peer_problem import MOST_STEPS, answer_of, times_of
+from softcradle.sandbox.studies.precision.solvers import Answer, Solver, tolerances
+
+Array = NDArray[np.float64]
+
+MOST_CONTACTS = 5  # deeper ones are too stiff for an explicit series
+HANDED_OVER = (1e-2, 1e-4)  # [s] after the first touch
+START_TOLERANCE = 1e-11  # finest that the start is computed to
+
+
+def solvers(case: Case) -> list[Solver]:
+    """One curve; none for preloads, walls, or contacts that are not all alike."""
+    chain = case.chain
+    soft = all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact) and len(set(chain.contact)) == 1
+    if chain.contacts > MOST_CONTACTS or not soft or set(chain.mass) != {1.0} or chain.drive or any(chain.gap):
+        return []
+    scanned = [(start, least) for start in HANDED_OVER for least in (1e-8, 1e-14)]
+    return [
+        Solver(
+            "heyoka after radau",
+            f"{start:g} s, {least:g} m",
+            tolerances(1e-14)[::2],
+            partial(_solve, case, start, least),
+        )
+        for start, least in scanned
+    ]
+
+
+@cache
+def _taylor(n: int, exponent: float, stiffness: float, tolerance: float, least: float) -> Any:
+    import heyoka as hy
+
+    overlap = [hy.make_vars(f"d{i}") for i in range(n)]
+    rate = [hy.make_vars(f"w{i}") for i in range(n)]
+    # par[i] is 1 while contact i is closed; the base is 1 while it is open, so that no power meets a negative number
+    force = [hy.par[i] * stiffness * (hy.par[i] * overlap[i] + 1.0 - hy.par[i]) ** exponent for i in range(n)]
+    force_of = [hy.expression(0.0), *force, hy.expression(0.0)]
+    system = [(overlap[i], rate[i]) for i in range(n)]
+    system += [(rate[i], force_of[i] - 2.0 * force_of[i + 1] + force_of[i + 2]) for i in range(n)]
+
+    def switched(i: int) -> Any:
+        def callback(solver: Any, direction: int) -> bool:
+            solver.pars[i] = 1.0 if direction > 0 else 0.0
+            return True
+
+        return hy.t_event(overlap[i] - least, callback=callback)
+
+    return hy.taylor_adaptive(
+        system, [1.0] * (2 * n), pars=[1.0] * n, tol=tolerance, t_events=[switched(i) for i in range(n)]
+    )
+
+
+def _solve(case: Case, start: float, least: float, tolerance: float, _start: Start, moments: Array) -> Answer:
+    import heyoka as hy
+
+    n, law = case.chain.contacts, case.chain.contact[0]
+    solver = _taylor(n, law.exponent, law.stiffness, tolerance, least)
+    early = moments[moments < start]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        first = simulate(
+            case.chain, case.velocity, start, "radau", None, np.append(early, start), max(tolerance, START_TOLERANCE)
+        )
+    state = np.hstack((first.overlap, first.rate))
+    solver.time, solver.pars[:], solver.state[:] = start, (first.overlap[-1] > least).astype(float), state[-1]
+    solver.reset_cooldowns()
+    states, seconds = list(state[:-1]), first.seconds
+    for time in times_of(case, moments)[early.size :]:
+        began = perf_counter()
+        outcome = solver.propagate_until(time, max_steps=MOST_STEPS)[0]
+        seconds += perf_counter() - began
+        if outcome != hy.taylor_outcome.time_limit:
+            return Answer(None, seconds)
+        states.append(solver.state.copy())
+    return answer_of(case, np.array(states), moments, seconds, np.nan)

@@ -1,0 +1,1 @@
+"""The hanging cradle: soft contacts beside pymunk's rigid ones."""

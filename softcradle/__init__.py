@@ -1,0 +1,51 @@
+"""softcradle: beads that only push on each other, softly. The public names of `softcradle.physics`, under one roof.
+
+>>> from softcradle import one_on, power_law, simulate
+>>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
+array([-0.57,  0.17,  0.45,  0.47,  0.47])
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from softcradle.physics import METHODS as METHODS
+    from softcradle.physics import Chain as Chain
+    from softcradle.physics import Contact as Contact
+    from softcradle.physics import SoftChain as SoftChain
+    from softcradle.physics import SoftContact as SoftContact
+    from softcradle.physics import State as State
+    from softcradle.physics import Trajectory as Trajectory
+    from softcradle.physics import advance as advance
+    from softcradle.physics import cluster_on_cluster as cluster_on_cluster
+    from softcradle.physics import draft_gear as draft_gear
+    from softcradle.physics import ensemble as ensemble
+    from softcradle.physics import hertz as hertz
+    from softcradle.physics import hooke as hooke
+    from softcradle.physics import one_on as one_on
+    from softcradle.physics import power_law as power_law
+    from softcradle.physics import simulate as simulate
+    from softcradle.physics import stable_step as stable_step
+    from softcradle.physics import step_force as step_force
+
+_CHECKOUT = Path(__file__).parents[1]
+if not (Path(__file__).parent / "physics").is_dir() and (_CHECKOUT / "physics" / "__init__.py").is_file():
+    __path__.append(str(_CHECKOUT))  # an installed wheel holds the three folders itself; a checkout has them beside
+
+
+def __getattr__(name: str) -> Any:
+    physics = import_module("softcradle.physics")
+    if name == "__version__":
+        from softcradle.physics.version import version
+
+        return version()
+    if name not in physics.__all__:
+        raise AttributeError(f"module 'softcradle' has no attribute {name!r}")
+    return getattr(physics, name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*import_module("softcradle.physics").__all__, "__version__"])

@@ -1,0 +1,140 @@
+"""Seeded random hands on the window: python -m tests.helpers.window_fuzz [--minutes 60] [--seed 0]
+
+Every frame stands for a 60th of a second. Ends with exit code 1 where an exception, a number that is none, or more than
+50 MB of growth after the first tenth appears.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pygame
+from softcradle.sandbox.window.keys import BINDINGS
+from softcradle.sandbox.window.scene.scene_page import Play
+
+from softcradle import scenes
+from tests.helpers.windows import FRAME, Driver
+
+GROWTH = 50.0  # MB
+NEVER = {"quit", "film", "save_scene", "save_session", "export", "screenshot", "fullscreen", "open", "sound"}
+KEYS = [binding.keys[0] for binding in BINDINGS if binding.action not in NEVER]
+SIZES = ((1280, 720), (1000, 600), (1600, 900))
+
+
+def memory() -> float:
+    """Resident memory of this process [MB]; 0 where the system does not say."""
+    status = Path("/proc/self/statm")
+    return int(status.read_text().split()[1]) * os.sysconf("SC_PAGESIZE") / 2**20 if status.exists() else 0.0
+
+
+class Fuzz:
+    """A driver whose hands are moved by chance."""
+
+    def __init__(self, seed: int, folder: Path) -> None:
+        self.chance, self.driver, self.folder = random.Random(seed), Driver("one-on-four"), folder
+        (self.folder / "bad.toml").write_text("title = 3")
+
+    def act(self) -> None:
+        """One random thing, and a few frames."""
+        chance, driver = self.chance, self.driver
+        if not isinstance(driver.app.page, Play):
+            driver.app.open(chance.choice((*scenes.names(), "hanging-cradle")))
+        kind = chance.choices(
+            ("key", "click", "drag", "wheel", "play", "type", "resize", "drop"), (4, 4, 4, 1, 3, 1, 0.05, 0.1)
+        )[0]
+        getattr(self, f"_{kind}")()
+        driver.frames(chance.randint(1, 12))
+        self.check()
+
+    def check(self) -> None:
+        """Every number shown is one."""
+        page = self.driver.app.page
+        if isinstance(page, Play):
+            for lane in page.session.lanes:
+                assert np.isfinite(lane.position).all()
+                assert np.isfinite(lane.velocity).all()
+                assert np.isfinite(lane.state.force).all()
+
+    def _point(self) -> tuple[int, int]:
+        width, height = self.driver.app.size
+        page = self.driver.app.page
+        if isinstance(page, Play) and self.chance.random() < 0.4:
+            view = self.chance.choice(page.scenery.views)
+            return tuple(map(round, view.centre(self.chance.randrange(len(view.edges)))))
+        return self.chance.randrange(width), self.chance.randrange(60, height)
+
+    def _key(self) -> None:
+        key = self.chance.choice(KEYS)
+        self.driver.key(key.code, key.modifiers)
+
+    def _play(self) -> None:
+        self.driver.key(pygame.K_SPACE)
+
+    def _click(self) -> None:
+        self.driver.click(self._point())
+
+    def _drag(self) -> None:
+        end = self._point()
+        self.driver.drag(self._point(), end, steps=self.chance.randint(2, 6))
+        self.driver.release(end)
+
+    def _wheel(self) -> None:
+        turn = self.chance.choice((-1, 1))
+        pygame.event.post(
+            pygame.Event(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False)
+        )
+
+    def _type(self) -> None:
+        page = self.driver.app.page
+        if isinstance(page, Play) and page.inspector.controls:
+            control = self.chance.choice(list(page.inspector.controls.values()))
+            self.driver.click(control.entry.rect.center)
+            control.entry.set_text("")
+            self.driver.type(self.chance.choice(("1", "0.1", "1e-3", "250", "-2", "nan", "1e99", "x")))
+            self.driver.key(pygame.K_RETURN)
+
+    def _resize(self) -> None:
+        size = self.chance.choice(SIZES)
+        pygame.display.set_mode(size, pygame.RESIZABLE)
+        pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
+
+    def _drop(self) -> None:
+        self.driver.drop_file(self.folder / "bad.toml")
+
+
+def main() -> int:
+    """Fuzz for as long as asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--minutes", type=float, default=60.0, help="of simulated input")
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)  # random hands press the buttons that write files, too
+        growth = run(Fuzz(args.seed, Path(folder)), round(args.minutes * 60.0 / FRAME))
+        os.chdir("/")
+    print(f"growth after warm-up {growth:.1f} MB")
+    return 1 if growth > GROWTH else 0
+
+
+def run(fuzz: Fuzz, total: int) -> float:
+    """`total` frames; returns the growth of memory after the first tenth [MB]."""
+    warm, told = 0.0, 0
+    while fuzz.driver.app.frames < total:
+        fuzz.act()
+        share = fuzz.driver.app.frames / total
+        warm = warm or (memory() if share > 0.1 else 0.0)
+        if int(share * 10) > told:
+            told = int(share * 10)
+            print(f"{10 * told} %: {memory():.0f} MB", flush=True)
+    fuzz.driver.close()
+    return memory() - warm
+
+
+if __name__ == "__main__":
+    sys.exit(main())

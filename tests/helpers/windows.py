@@ -1,0 +1,91 @@
+"""Driving the real window by posted events, without a screen."""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
+
+import pygame
+from softcradle.sandbox.window.app import App
+from softcradle.sandbox.window.scene.scene_page import Play
+
+FRAME = 1.0 / 60.0
+
+
+class Driver:
+    """Hands on the keyboard and the mouse of an App."""
+
+    def __init__(self, start: str | None = None, size: tuple[int, int] = (1280, 720)) -> None:
+        self.app = App(size, start)
+        assert self.app.warmer.complete.wait(300.0)
+        self.frames(2)
+
+    @property
+    def play(self) -> Play:
+        assert isinstance(self.app.page, Play)
+        return self.app.page
+
+    @property
+    def session(self):
+        return self.play.session
+
+    @property
+    def said(self) -> list[str]:
+        return [message.text for message in self.app.messages.shown]
+
+    def frames(self, count: int = 1) -> None:
+        for _ in range(count):
+            self.app.frame(FRAME)
+
+    def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
+        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode=text, scancode=0))
+        if text:
+            pygame.event.post(pygame.Event(pygame.TEXTINPUT, text=text))
+        pygame.event.post(pygame.Event(pygame.KEYUP, key=code, mod=modifiers, unicode=text, scancode=0))
+        self.frames(2)  # widgets answer with events of their own
+
+    def type(self, text: str) -> None:
+        for letter in text:
+            self.key(ord(letter), 0, letter)
+
+    def move(self, point: tuple[float, float], buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
+        place = (round(point[0]), round(point[1]))
+        pygame.mouse.set_pos(place)
+        self.app.manager.mouse_position = place
+        pygame.event.post(pygame.Event(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=buttons))
+        self.frames()
+
+    def press(self, point: tuple[float, float]) -> None:
+        self.move(point)
+        place = (round(point[0]), round(point[1]))
+        pygame.event.post(pygame.Event(pygame.MOUSEBUTTONDOWN, pos=place, button=1))
+        self.frames()
+
+    def release(self, point: tuple[float, float]) -> None:
+        place = (round(point[0]), round(point[1]))
+        pygame.event.post(pygame.Event(pygame.MOUSEBUTTONUP, pos=place, button=1))
+        self.frames()
+
+    def click(self, point: tuple[float, float]) -> None:
+        self.press(point)
+        self.release(point)
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
+        """Press at `start`, move to `end`; the button stays down."""
+        self.press(start)
+        for k in range(1, steps + 1):
+            share = k / steps
+            point = start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+            self.move(point, (1, 0, 0))
+
+    def bead(self, bead: int, lane: int = 0) -> tuple[float, float]:
+        return self.play.scenery.views[lane].centre(bead)
+
+    def drop_file(self, path: object) -> None:
+        pygame.event.post(pygame.Event(pygame.DROPFILE, file=str(path)))
+        self.frames(2)
+
+    def close(self) -> None:
+        self.app.close()

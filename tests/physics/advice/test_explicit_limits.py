@@ -1,0 +1,47 @@
+"""Failure is a value: what an explicit method cannot do is said by the trajectory, with what to use instead."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from softcradle.physics import METHODS, draft_gear, hertz, one_on, power_law, simulate, stable_step, step_force
+
+EXPLICIT = [method.name for method in METHODS if not method.set_valued]
+
+
+@pytest.mark.parametrize("method", EXPLICIT)
+def test_a_draft_gear_that_should_rest_is_reported_to_chatter(method):
+    chain = one_on(3, draft_gear(770.0, 0.0177), mass=0.396)
+    with pytest.warns(RuntimeWarning, match="chatter"):
+        result = simulate(chain, [0.5, 0, 0, 0], method=method, step=1e-4)
+    assert any("chatter" in sentence and "'conserving'" in sentence for sentence in result.warnings)
+
+
+def test_a_step_past_the_limit_is_reported():
+    chain = one_on(5, power_law(1.0, 0.02))
+    step = 10 * stable_step(chain, [1, 0, 0, 0, 0, 0], error=1e-2)
+    with pytest.warns(RuntimeWarning, match="past its limit"):
+        assert simulate(chain, [1, 0, 0, 0, 0, 0], method="verlet", step=step).warnings
+
+
+@pytest.mark.parametrize("method", ["conserving", "accurate", "radau"])
+def test_methods_that_carry_touching_contacts_have_nothing_to_report(method):
+    chain = one_on(3, draft_gear(770.0, 0.0177), mass=0.396)
+    assert simulate(chain, [0.5, 0, 0, 0], method=method).warnings == ()
+
+
+@pytest.mark.parametrize("contact", [hertz(1.0), power_law(1.0, 0.5), power_law(1.0, 0.1)])
+@pytest.mark.parametrize("error", [1e-2, 1e-3])
+def test_within_the_estimate_the_error_holds(contact, error):
+    chain, velocity = one_on(2, contact), [1.0, 0.0, 0.0]
+    truth = simulate(chain, velocity, tolerance=1e-10).final_velocity
+    result = simulate(chain, velocity, method="verlet", step=stable_step(chain, velocity, error))
+    assert np.abs(result.final_velocity - truth).max() < 3 * error  # "within a factor of a few"
+
+
+def test_the_estimate_shrinks_with_the_error_and_with_the_mass():
+    velocity = [1.0, 0.0, 0.0]
+    for contact in (power_law(1.0, 0.1), draft_gear(1.0, 0.1), step_force(1.0)):
+        chain = one_on(2, contact)
+        assert stable_step(chain, velocity, 1e-4) < stable_step(chain, velocity, 1e-2)
+        assert stable_step(one_on(2, contact, mass=0.1), velocity) < stable_step(chain, velocity)

@@ -1,0 +1,185 @@
+"""The closed forms against quadrature, the truth, and what the methods find."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from softcradle.physics import (
+    Chain,
+    Contact,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+    step_force,
+)
+from softcradle.physics.analysis.closed_forms import (
+    LinearChain,
+    critical_speed,
+    long_linear_chain,
+    one_on_one,
+    rigid_collision,
+    rigid_stroke,
+)
+
+from tests.helpers.relations import SET_VALUED
+from tests.helpers.truth import CRITICAL_SPEEDS, ELASTIC, GEAR, GEARS
+
+LAWS = [power_law(1.0, 0.1), power_law(2.0, 1 / 14), hooke(3.0), hertz(2.0), draft_gear(2.0, 0.3), step_force(1.5)]
+EQUAL_GEARS = {name: tuple(int(count) for count in name.split("-on-")) for name in CRITICAL_SPEEDS}
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+@pytest.mark.parametrize("speed", [0.3, 2.0])
+def test_one_on_one_is_energy_and_quadrature(law, speed):
+    mass = 0.7
+    depth, time, force = one_on_one(law, mass, speed)
+    energy = 0.5 * mass * speed**2
+    assert law.energy(depth) == pytest.approx(energy, rel=1e-13)
+    assert law.force(depth) == pytest.approx(force, rel=1e-13)
+
+    def inverse_rate(u: float) -> float:
+        """dt/du with d = depth (1 - u**2): smooth at the turning point u = 0."""
+        d = depth * (1.0 - u * u)
+        # E(depth) - E(d) over u**2 without cancellation near u = 0
+        left = (energy - law.energy(d)) / (u * u) if u > 1e-4 else force * depth
+        return 2.0 * depth / math.sqrt(2.0 * left / mass)
+
+    assert 2.0 * quad(inverse_rate, 0.0, 1.0, epsabs=0, epsrel=1e-10)[0] == pytest.approx(time, rel=1e-7)
+
+
+def test_one_on_one_agrees_with_the_truth():
+    truth = ELASTIC[0]
+    stroke = one_on_one(power_law(1.0, 0.1), 0.5, 1.0)
+    assert stroke == pytest.approx((truth.largest_overlap[0], truth.contact_time, truth.peak_force[0]), rel=1e-14)
+
+
+def test_no_closed_form_is_said_in_a_sentence():
+    with pytest.raises(ValueError, match=r"no closed form for a preload with exponent 1\.5"):
+        one_on_one(Contact(1.0, 1.0, 1.5), 1.0, 1.0)
+    with pytest.raises(ValueError, match="needs draft gears"):
+        critical_speed(step_force(1.0), [1.0, 1.0, 1.0], 1)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+@pytest.mark.parametrize("method", SET_VALUED, ids=lambda method: method.name)
+def test_one_on_one_swaps_velocities(law, method):
+    found = simulate(Chain([2.0, 2.0], law), [1.5, -0.5], method=method.name, samples=3)
+    assert found.final_velocity == pytest.approx([-0.5, 1.5], abs=1e-7)  # ten times the default tolerance
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 10])
+def test_the_step_force_is_the_rigid_limit(n):
+    chain = one_on(n, step_force(1.0))
+    found = simulate(chain, [1] + [0] * n, method="scipy")
+    rigid = rigid_collision(chain.mass, 1)
+    assert rigid == pytest.approx([(1 - n) / (1 + n)] + [2 / (n + 1)] * n)
+    assert found.final_velocity == pytest.approx(rigid, abs=1e-10)
+    assert rigid_stroke(step_force(1.0), chain.mass, 1).contact_time == pytest.approx(2 * n / (n + 1))
+    assert found.contact_intervals[0] == (pytest.approx((0.0, 2 * n / (n + 1)), abs=1e-9),)
+
+
+def test_small_exponents_tend_to_the_rigid_limit():
+    rigid = rigid_collision([1.0] * 4, 1)
+    spread = []
+    for alpha in (1e-1, 1e-2, 1e-3):
+        found = simulate(one_on(3, power_law(1.0, alpha)), [1, 0, 0, 0], method="scipy", tolerance=1e-6, samples=2)
+        spread.append(float(np.abs(found.final_velocity - rigid).max()))
+    assert spread == sorted(spread, reverse=True)
+    assert spread[0] > 1e-3
+    assert spread[-1] < 1e-5
+
+
+@pytest.mark.parametrize("name", EQUAL_GEARS)
+def test_critical_speeds(name):
+    strikers, targets = EQUAL_GEARS[name]
+    found = critical_speed(GEAR, [0.396] * (strikers + targets), strikers)
+    assert found == pytest.approx(CRITICAL_SPEEDS[name], rel=1e-14)
+    if strikers == 1:  # design §4, from the energy at which the next contact yields
+        depth, reduced = 0.0177, 0.396 * targets / (targets + 1)
+        assert found**2 == pytest.approx(770 * depth**2 / reduced * ((targets / (targets - 1)) ** 2 - 1), rel=1e-12)
+
+
+def test_one_on_one_has_no_critical_speed():
+    assert critical_speed(GEAR, [1.0, 2.0], 1) == math.inf
+
+
+@pytest.mark.parametrize("truth", [case for case in GEARS if "1.5vc" not in case.name], ids=lambda truth: truth.name)
+def test_rigid_gears_are_two_rigid_bodies(truth):
+    mass, speed = truth.chain.mass, truth.start[0]
+    assert speed < critical_speed(GEAR, mass, 1)
+    assert rigid_collision(mass, 1, speed) == pytest.approx(truth.final, rel=1e-14)
+    stroke = rigid_stroke(GEAR, mass, 1, speed)
+    assert stroke == pytest.approx((truth.largest_overlap[0], truth.contact_time, truth.peak_force[0]), rel=1e-13)
+
+
+@pytest.mark.parametrize(("strikers", "targets"), [(1, 2), (1, 5), (2, 2), (2, 3), (3, 1)])
+@pytest.mark.parametrize("method", SET_VALUED, ids=lambda method: method.name)
+def test_both_sides_of_the_critical_speed(strikers, targets, method):
+    mass = np.linspace(0.9, 1.2, strikers + targets)
+    chain = cluster_on_cluster(strikers, targets, draft_gear(5.0, 0.2), mass)
+    critical = critical_speed(draft_gear(5.0, 0.2), mass, strikers)
+    struck = strikers - 1
+    for factor, rigid in ((0.999, True), (1.01, False)):
+        speed = factor * critical
+        start = np.repeat([speed, 0.0], [strikers, targets])
+        found = simulate(chain, start, method=method.name, samples=401)
+        inner = np.delete(found.overlap, struck, axis=1)[found.force[:, struck] > 0.0]
+        assert (inner.max() <= 0.0) == rigid
+        error = np.abs(found.final_velocity - rigid_collision(mass, strikers, speed)).max() / speed
+        assert error < 1e-9 if rigid else error > 1e-9
+
+
+def test_eigenmodes_agree_with_the_truth():
+    truth = next(case for case in ELASTIC if case.name == "one on 4, Hooke")
+    chain = LinearChain(truth.chain.mass, 1.0, truth.start)
+    assert chain.first_opening() == pytest.approx(truth.contact_time, rel=1e-14)
+    assert chain.velocity(truth.contact_time)[0] == pytest.approx(truth.final[0], abs=1e-15)
+    assert chain.overlap(truth.time) == pytest.approx(truth.overlap, abs=1e-14)
+    assert chain.velocity(truth.time) == pytest.approx(truth.velocity, abs=1e-14)
+
+
+def test_eigenmodes_of_unequal_beads_agree_with_the_reference():
+    mass, stiffness = [1.0, 3.0, 0.5, 2.0], [1.0, 4.0, 0.7]
+    modes = LinearChain(mass, stiffness, [1, 0, 0, 0])
+    end = min(modes.first_opening(i) for i in range(3))
+    chain = Chain(mass, [hooke(k) for k in stiffness])
+    found = simulate(chain, [1, 0, 0, 0], end, "scipy", samples=20)
+    assert found.overlap == pytest.approx(modes.overlap(found.time), abs=1e-9)
+    assert found.velocity == pytest.approx(modes.velocity(found.time), abs=1e-9)
+
+
+def test_a_long_linear_chain_returns_a_bessel_number():
+    kept, time = long_linear_chain()
+    assert (kept, time) == pytest.approx((-0.1322795, 2.56781), rel=2e-6)
+    modes = LinearChain(np.ones(40), 1.0, np.eye(40)[0])
+    assert modes.first_opening() == pytest.approx(time, rel=1e-12)
+    assert modes.velocity(time)[0] == pytest.approx(kept, rel=1e-12)
+    assert long_linear_chain(4.0, 9.0) == pytest.approx((kept, time * 2 / 3))
+
+
+def test_hertz_one_on_nine():
+    expected = [-0.0710850171, -0.0302737894, -0.0158333972, -0.0088856952, -0.0051265832]
+    expected += [-0.0029859782, -0.0017376684, 0.0026719549, 0.1473903072, 0.9858658664]
+    found = simulate(one_on(9, hertz(1.0)), [1] + [0] * 9, method="scipy", samples=2)
+    assert found.final_velocity == pytest.approx(expected, abs=6e-11)
+
+
+def test_hertz_solitary_pulse():
+    n = 60
+    found = simulate(one_on(n, hertz(1.0)), [1] + [0] * n, 75.0, "yoshida4", step=0.01, samples=7501)
+    overlap, rate = found.overlap[:, 30:50], found.rate[:, 30:50]
+    crest = overlap.max(axis=0)
+    # the rate falls through 0 between the two samples around the crest: interpolate
+    falling = (rate[:-1] > 0.0) & (rate[1:] <= 0.0) & (overlap[:-1] > 0.5)
+    row, column = np.nonzero(falling.T)[::-1]
+    passing = found.time[row] + 0.01 * rate[row, column] / (rate[row, column] - rate[row + 1, column])
+    assert crest == pytest.approx(0.742309, abs=2e-5)
+    assert found.velocity[:, 30:50].max(axis=0) == pytest.approx(0.681631, abs=2e-5)
+    assert 1.0 / np.polyfit(column, passing, 1)[0] == pytest.approx(0.840509, abs=1e-5)

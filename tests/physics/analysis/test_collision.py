@@ -1,0 +1,186 @@
+"""Measures of a collision: against the quadruple-precision answers, closed forms, and each other."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
+from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
+from softcradle.physics.analysis.measures import at, dwell, energy_inside, impulses, rigidity
+
+from tests.helpers.truth import ELASTIC, GEARS, Truth
+
+GEAR, MASS = draft_gear(770.0, 0.0177), 0.396
+
+
+def measures(case: Truth) -> CollisionMeasures:
+    return measured(collide(case.chain, case.start))
+
+
+@pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
+def test_against_the_truth(case):
+    found = measures(case)
+    assert found.struck == case.struck
+    assert found.contact_time == pytest.approx(case.contact_time, rel=1e-8)
+    assert [c.peak_force for c in found.contacts] == pytest.approx(list(case.peak_force), rel=1e-5)
+    targets = case.final[case.struck + 1 :]
+    assert found.rigidity == pytest.approx(np.ptp(targets) / targets.mean(), abs=1e-6)
+    mass = np.array(case.chain.mass)
+    passed = [(mass * (case.final - case.start))[k + 1 :].sum() for k in range(case.chain.contacts)]
+    assert [c.momentum for c in found.contacts] == pytest.approx(passed, rel=1e-7)
+
+
+@pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
+def test_lost_restitution_is_energy_inside_the_clusters(case):
+    """1 - e^2 of the energy of approach stays inside; with one striker all of that is in the target cluster."""
+    found = measures(case)
+    strikers = case.struck + 1
+    mass = np.array(case.chain.mass)
+    first, second = mass[:strikers].sum(), mass[strikers:].sum()
+    approach = 0.5 * first * second / (first + second) * (case.start[0] - case.start[-1]) ** 2
+    share = found.energy_inside * 0.5 * (mass * case.start**2).sum() / approach
+    lost = 1.0 - found.restitution**2
+    assert lost == pytest.approx(share if strikers == 1 else 2.0 * share, abs=1e-7)  # two on two is symmetric
+
+
+@pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
+def test_force_summed_up_is_the_momentum_passed(case):
+    trajectory = collide(case.chain, case.start)
+    summed = np.trapezoid(trajectory.force, trajectory.time, axis=0)
+    assert impulses(trajectory, case.struck) == pytest.approx(
+        summed, rel=1e-3
+    )  # forces of soft contacts leap up at the touch
+
+
+@pytest.mark.parametrize("share", [0.3, 0.99])
+def test_gears_below_the_critical_speed_are_rigid(share):
+    chain = one_on(3, GEAR, MASS)
+    speed = share * critical_speed(GEAR, chain.mass, 1)
+    found = measured(collide(chain, [speed, 0.0, 0.0, 0.0]))
+    stroke = rigid_stroke(GEAR, chain.mass, 1, speed)
+    assert found.final_velocity == pytest.approx(tuple(rigid_collision(chain.mass, 1, speed)), abs=1e-9)
+    assert found.rigidity_at_detachment == pytest.approx(0.0, abs=1e-9)
+    assert found.restitution == pytest.approx(1.0, abs=1e-9)
+    assert found.contact_time == pytest.approx(stroke.contact_time, rel=1e-9)
+    assert found.peak_force == pytest.approx(stroke.peak_force, rel=1e-6)
+    accelerations = [contact.peak_acceleration for contact in found.contacts]  # Eq. (4): one acceleration for all
+    assert accelerations == pytest.approx([stroke.peak_force / (3 * MASS)] * 3, rel=1e-6)
+    for inner in found.contacts[1:]:
+        assert inner.loaded == 0.0
+        assert inner.touching == pytest.approx(stroke.contact_time, rel=1e-9)
+
+
+def test_gears_above_the_critical_speed_are_not():
+    chain = one_on(3, GEAR, MASS)
+    speed = 1.5 * critical_speed(GEAR, chain.mass, 1)
+    found = measured(collide(chain, [speed, 0.0, 0.0, 0.0]))
+    assert found.rigidity > 0.5 > found.rigidity_at_detachment > 0.01
+    assert found.restitution < 0.95
+    assert found.contacts[1].loaded > 0.5 * found.contact_time
+
+
+def test_softer_is_more_rigid_in_every_measure():
+    found = [measured(collide(one_on(4, power_law(1.0, a)), [1, 0, 0, 0, 0])) for a in (1.5, 0.5, 0.1, 1 / 14)]
+    for name, falls in (("rigidity", True), ("energy_inside", True), ("restitution", False)):
+        values = [getattr(one, name) for one in found]
+        assert values == sorted(values, reverse=falls), name
+    during, after = found[-1].rigidity_at_detachment, found[-1].rigidity
+    assert during < after < 0.25  # the velocities diverge after the detachment, Sec. IV
+
+
+def test_a_hard_cradle_keeps_its_energy_inside_the_targets():
+    found = measured(collide(one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]))
+    assert found.rigidity > 3.0
+    assert found.restitution < 0.4
+    assert found.energy_inside > 0.6
+
+
+def test_times_of_a_contact_add_up():
+    trajectory = collide(one_on(3, GEAR, MASS), [1.3, 0, 0, 0])
+    times = dwell(trajectory, 0)
+    assert (times >= -1e-12).all()
+    assert times.sum(axis=1) == pytest.approx(np.full(3, trajectory.time[-1]), rel=1e-9)
+
+
+def test_a_longer_way_to_the_target_changes_nothing():
+    near, far = Chain([1, 1, 1], power_law(1.0, 0.2)), Chain([1, 1, 1], power_law(1.0, 0.2), [0.7, 0.0])
+    a, b = (measured(collide(chain, [1, 0, 0])) for chain in (near, far))
+    assert b.detachment == pytest.approx(a.detachment + 0.7, rel=1e-8)
+    assert b.contact_time == pytest.approx(a.contact_time, rel=1e-8)
+    assert b.contacts[1].open == pytest.approx(a.contacts[1].open, abs=1e-7)
+    assert b.rigidity == pytest.approx(a.rigidity, rel=1e-6)
+
+
+def test_against_a_wall():
+    chain = Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5])
+    found = measured(collide(chain, [1.0, 1.0, 0.0]))
+    assert found.struck == 1
+    assert found.rigidity is None  # behind the struck contact there is only the wall
+    assert found.peak_acceleration is None
+    assert found.contacts[1].momentum == pytest.approx(4.0, rel=0.02)  # a little goes back and forth inside
+    assert 0.9 < found.restitution <= 1.0
+
+
+def test_the_struck_contact():
+    assert struck_contact([1, 1, 0]) == 1
+    assert struck_contact([0, 0, -1, -1]) == 1
+    with pytest.raises(ValueError, match="no two neighbours approach"):
+        struck_contact([0, 0, 1])
+    with pytest.raises(ValueError, match="no two neighbours approach"):
+        measured(simulate(one_on(2, hertz(1.0)), [0, 0, 1]))
+
+
+def test_rigidity():
+    assert rigidity([[1.0, 1.0], [3.0, 1.0]]) == pytest.approx([0.0, 1.0])
+    assert math.isinf(rigidity([-1.0, 1.0]))
+
+
+def test_between_samples():
+    trajectory = simulate(cluster_on_cluster(1, 1, power_law(1.0, 0.5)), [1, 0], samples=11)
+    assert at(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
+    assert at(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
+    assert energy_inside(trajectory, 0) == pytest.approx(0.0)
+
+
+def test_loss_of_one_on_one_is_its_restitution():
+    chain = one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS)
+    found = measured(collide(chain, [1.0, 0.0]))
+    assert found.restitution == pytest.approx(0.6, abs=2e-3)  # sqrt(1 - loss)
+    assert found.absorbed_by_contacts == pytest.approx(0.5 * 0.64, rel=1e-2)  # of the energy of approach, half of all
+    assert found.absorbed_by_bed == 0.0
+    assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
+    assert found.energy_deficit == pytest.approx(found.absorbed_by_contacts, rel=1e-2)
+
+
+def test_the_bed_takes_momentum():
+    friction, speed, way = 0.2, 1.0, 0.05
+    chain = Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction)
+    trajectory = collide(chain, [speed, 0.0, 0.0, 0.0])
+    found = measured(trajectory)
+    left = 0.5 * MASS * (trajectory.velocity[-1] ** 2).sum() / (0.5 * MASS * speed**2)
+    assert found.absorbed_by_bed == pytest.approx(1.0 - left, rel=1e-9)
+    assert found.rigidity == pytest.approx(0.0, abs=1e-9)
+    assert found.contacts[1].touching == pytest.approx(found.contact_time, rel=2e-3)  # resting side by side is no touch
+    impact = math.sqrt(speed**2 - 2.0 * friction * 9.80665 * way)
+    free = measured(collide(one_on(3, GEAR, MASS), [impact, 0.0, 0.0, 0.0]))
+    assert found.contact_time == pytest.approx(free.contact_time, rel=0.2)
+    # the bed pulls at up to four beads while the striker touches
+    most = 4.0 * friction * 9.80665 * found.contact_time / impact
+    assert 0.2 * most < found.momentum_deficit < most
+    assert 0.0 < found.energy_deficit < 0.5
+    assert found.restitution < free.restitution
+    gained = 3.0 * MASS * at(trajectory, trajectory.velocity, found.detachment)[1]
+    taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # all three slide while they are pushed
+    assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
+    last = found.contacts[2].momentum  # to the last of the three
+    assert last == pytest.approx((gained + taken) / 3.0, rel=2e-3)
+
+
+def test_where_nothing_rubs_nothing_is_missing_but_what_contacts_store():
+    found = measured(collide(one_on(3, GEAR, MASS), [0.5, 0.0, 0.0, 0.0]))
+    assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
+    assert found.energy_deficit == pytest.approx(0.0, abs=1e-9)
+    assert (found.absorbed_by_contacts, found.absorbed_by_bed) == (0.0, 0.0)

@@ -1,0 +1,199 @@
+"""The mode-coupling model: its equations, its overlaps, its accuracy, and the cases it is exact for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import beta
+from softcradle.physics import (
+    Chain,
+    Contact,
+    Trajectory,
+    cluster_on_cluster,
+    draft_gear,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+)
+from softcradle.physics.analysis.measures import depth_bound, depth_law, response_times, time_scale_separation
+from softcradle.physics.analysis.mode_coupling import Reduction, mode_coupling
+
+MIXED = Chain(
+    [1.3, 0.7, 1.1, 0.9, 1.6],
+    [Contact(0.0, f0, 1.0 / k) for f0, k in ((1.2, 9), (0.8, 11), (1.4, 13), (0.6, 10))],
+)
+HIT = [1.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_equations_are_those_of_the_paper():
+    """Eqs. (A2), (A3) with M = m2 + ... + mn, written out."""
+    found = mode_coupling(MIXED, HIT)
+    m0, m1, *rest = MIXED.mass
+    f01, f12 = (np.asarray(MIXED.contact[i].force(mode)) for i, mode in enumerate((found.phi, found.psi)))
+    np.testing.assert_allclose(found.acceleration[:, 0], -(1 / m0 + 1 / m1) * f01 + f12 / m1, atol=1e-12)
+    np.testing.assert_allclose(found.acceleration[:, 1], f01 / m1 - (1 / m1 + 1 / sum(rest)) * f12, atol=1e-12)
+
+
+def test_the_modes_solve_their_equations():
+    """Second differences of Phi and psi are the right-hand sides."""
+    times = np.linspace(0.3, 1.1, 161)
+    found = mode_coupling(MIXED, HIT, 1.2, samples=times, tolerance=1e-10)
+    for k, mode in enumerate((found.phi, found.psi)):
+        second = np.diff(mode, 2) / (times[1] - times[0]) ** 2
+        np.testing.assert_allclose(second, found.acceleration[1:-1, k], atol=2e-4)
+
+
+def test_overlaps_follow_the_first_one():
+    """Eq. (A1), written out; Eq. (6) is its homogeneous case."""
+    found = mode_coupling(MIXED, HIT)
+    psi, mass = np.maximum(found.psi, 0.0), MIXED.mass
+    for i in (2, 3):
+        alpha, f0 = MIXED.contact[i].exponent, MIXED.contact[i].stiffness
+        share = sum(mass[i + 1 :]) * MIXED.contact[1].stiffness / (sum(mass[2:]) * f0)
+        expected = share ** (1 / alpha) * psi ** (MIXED.contact[1].exponent / alpha)
+        np.testing.assert_allclose(found.trajectory.overlap[:, i], expected, rtol=1e-12)
+    same = mode_coupling(one_on(5, power_law(1.0, 0.1)), [1.0] + [0.0] * 5)
+    ratio = same.trajectory.overlap[100, 1:] / same.psi[100]
+    np.testing.assert_allclose(ratio, depth_law(5, 0.1), rtol=1e-12)
+
+
+def test_forces_give_every_inner_bead_the_same_acceleration():
+    """Eq. (4) from what it is for, and the forces are those of the overlaps."""
+    model = mode_coupling(MIXED, HIT).trajectory
+    net = model.force[:, 1:] - np.column_stack((model.force[:, 2:], np.zeros(model.time.size)))
+    acceleration = net / np.array(MIXED.mass[2:])
+    np.testing.assert_allclose(acceleration[:, 1:], acceleration[:, :1].repeat(2, axis=1), atol=1e-14)
+    forces = np.column_stack([c.force(d) for c, d in zip(MIXED.contact, model.overlap.T, strict=True)])
+    np.testing.assert_allclose(forces, model.force, atol=1e-9)
+
+
+def test_rates_are_the_slopes_of_the_overlaps():
+    times = np.linspace(0.4, 1.2, 401)
+    model = mode_coupling(MIXED, HIT, 1.3, samples=times, tolerance=1e-10).trajectory
+    slope = np.gradient(model.overlap, times, axis=0)[1:-1]
+    np.testing.assert_allclose(slope, model.rate[1:-1], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [one_on(2, power_law(1.0, 0.1)), Chain([1.5, 0.7, 1.0], [hooke(2.0), power_law(0.6, 0.07)])],
+    ids=["homogeneous", "mixed"],
+)
+def test_two_targets_need_no_reduction(chain):
+    velocity = [1.0, 0.0, 0.0]
+    full, model = simulate(chain, velocity, method="radau"), mode_coupling(chain, velocity, method="radau")
+    np.testing.assert_array_equal(model.trajectory.overlap, full.overlap)
+    np.testing.assert_array_equal(model.trajectory.final_velocity, full.final_velocity)
+
+
+def test_model_is_hamiltonian():
+    """L is symmetric: the energy of the three-bead chain is conserved from the singular start to the last return."""
+    modes = mode_coupling(MIXED, HIT, tolerance=1e-12).reduced
+    energy = modes.kinetic_energy + modes.contact_energy
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
+    np.testing.assert_allclose(modes.momentum, modes.momentum[0], rtol=1e-11)
+
+
+@pytest.mark.parametrize("alpha", [1 / 10, 1 / 30])
+def test_start_is_the_series(alpha):
+    """Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)), from times of 1e-30 on."""
+    times = np.logspace(-30, -20, 11)
+    found = mode_coupling(one_on(4, power_law(1.0, alpha)), HIT, 1.0, samples=times)
+    np.testing.assert_allclose(found.phi, times, rtol=1e-9)
+    # the next term is smaller by t**(alpha (1 + alpha)); the method itself is asked for forces to a few 1e-3 here
+    slack = alpha * 2.0 * times ** (alpha * (1 + alpha)) + 3e-3
+    series = times ** (2 + alpha) / ((1 + alpha) * (2 + alpha))
+    assert (np.abs((found.psi / series) ** alpha - 1.0) < slack).all()
+
+
+def test_cluster_on_cluster_has_a_mode_on_either_side():
+    chain = cluster_on_cluster(3, 3, power_law(1.0, 1 / 14))
+    found = mode_coupling(chain, [1.0] * 3 + [0.0] * 3)
+    assert found.reduction.modes == (1, 2, 3)
+    np.testing.assert_allclose(found.psi, found.psi_bar, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(found.trajectory.overlap, found.trajectory.overlap[:, ::-1], rtol=1e-6, atol=1e-12)
+
+
+def test_striker_and_target_exchanged_have_the_same_modes():
+    one, four = one_on(4, power_law(1.0, 0.1)), cluster_on_cluster(4, 1, power_law(1.0, 0.1))
+    there = mode_coupling(one, HIT, 1.5)
+    back = mode_coupling(four, [1.0] * 4 + [0.0], 1.5)
+    np.testing.assert_allclose(there.phi, back.phi, atol=1e-8)
+    np.testing.assert_allclose(there.psi, back.psi_bar, atol=1e-8)
+    assert there.psi_bar is None
+    assert back.psi is None
+
+
+@pytest.mark.parametrize(("n", "alpha"), [(2, 0.1), (4, 0.1), (5, 0.2)])
+def test_driven_cluster_has_the_closed_period_and_amplitude(n, alpha):
+    force = 0.8
+    chain = Chain([1.0] * n, power_law(1.0, alpha), drive=[force] + [0.0] * (n - 1))
+    amplitude = ((1 + alpha) * force * (n - 1) / n) ** (1 / alpha)
+    period = math.sqrt(2 * amplitude / force) * beta(0.5 / alpha, 0.5) / alpha
+    found = mode_coupling(chain, [0.0] * n, 2 * period, "conserving", period / 20000, 41)
+    assert found.phi is None
+    assert found.psi.max() == pytest.approx(amplitude, rel=1e-5)
+    assert found.psi[[20, 40]].max() < 1e-5 * amplitude
+    np.testing.assert_allclose(found.psi[:21], found.psi[20:], atol=1e-4 * amplitude)
+
+
+def test_agrees_with_the_full_chain_where_modes_are_separate():
+    chain = one_on(4, power_law(1.0, 1 / 20))
+    full = simulate(chain, HIT, 1.5, method="radau", samples=np.linspace(0.1, 1.5, 50))
+    model = mode_coupling(chain, HIT, 1.5, samples=full.time)
+    np.testing.assert_allclose(model.trajectory.force, full.force, rtol=1e-3)
+
+
+def test_a_lump_keeps_the_drive_of_its_beads():
+    chain = Chain([1, 1, 1, 1], power_law(1, 0.1), drive=[0.0, 0.1, 0.2, 0.3])
+    assert Reduction.of(chain, [1, 0, 0, 0]).reduced.drive == pytest.approx((0.0, 0.1, 0.5))
+
+
+def test_result_is_a_trajectory_like_any_other(tmp_path):
+    model = mode_coupling(MIXED, HIT).trajectory
+    model.save(str(tmp_path / "model.npz"))
+    np.testing.assert_array_equal(Trajectory.load(str(tmp_path / "model.npz")).force, model.force)
+    assert model.momentum[-1] == pytest.approx(MIXED.mass[0], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("chain", "velocity", "sentence"),
+    [
+        (MIXED, [0.0] * 5, "one cluster that strikes another"),
+        (MIXED, [0.0, 1.0, 0.0, 0.0, 0.0], "one cluster that strikes another"),
+        (MIXED, [0.0, 0.0, 0.0, 1.0, 1.0], "one cluster that strikes another"),
+        (one_on(3, draft_gear(1.0, 1.0)), [1, 0, 0, 0], "contact 1 has a preload"),
+        (Chain([1, 1, 1], power_law(1, 0.1), [0.5, 0.1]), [1, 0, 0], "contact 1 has a gap"),
+        (Chain([1, 1, 1], power_law(1, 0.1), drive=[0, 1, 0]), [0, 0, 0], "a drive on the first bead"),
+    ],
+)
+def test_other_starts_are_refused(chain, velocity, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        mode_coupling(chain, velocity, 1.0)
+
+
+def test_depth_law_stays_below_its_bound():
+    for n in range(2, 20):
+        for alpha in (1 / 3, 1 / 10, 1 / 50):
+            assert (depth_law(n, alpha) <= depth_bound(n, alpha) * (1 + 1e-12)).all()
+
+
+def test_response_time_is_that_of_small_oscillations():
+    """Two unit beads on a linear contact: omega**2 = 2 k."""
+    found = simulate(one_on(1, hooke(8.0)), [1.0, 0.0], method="radau")
+    assert response_times(found)[0] == pytest.approx(1.0 / 4.0)
+
+
+def test_time_scales_separate_as_alpha_goes_to_zero():
+    separation = [
+        time_scale_separation(simulate(one_on(4, power_law(1.0, a)), HIT, method="radau", tolerance=1e-6))
+        for a in (1 / 5, 1 / 10, 1 / 20)
+    ]
+    assert (np.diff(separation, axis=0)[:, 1:] < 0.0).all()
+    assert (np.diff(separation[1]) < 0.0).all()
+    assert separation[1][2] < 1e-2 < separation[1][0]
+    with pytest.raises(ValueError, match="does not close and open again"):
+        time_scale_separation(simulate(one_on(1, hooke(1.0)), [0.0, 1.0], 1.0, method="radau"))

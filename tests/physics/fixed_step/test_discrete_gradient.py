@@ -1,0 +1,202 @@
+"""conserving: energy and momentum to round-off at any step in every scene, touching exact, the resolvent's identities."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, power_law, simulate, step_force
+from softcradle.physics.fixed_step.discrete_gradient import mean_forces
+from softcradle.physics.numerics.contact_law import energy
+from softcradle.physics.numerics.resolvent import resolvent
+from softcradle.physics.scales import contact_scales
+from test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
+
+from softcradle import scenes
+from tests.helpers.relations import EPSILON, kinetic_energy
+from tests.physics.adaptive.test_adaptive_methods import GEAR, critical_speed
+
+STEPS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # [s], whatever the scene's own times
+MOST_STEPS = 20_000  # of the shortest step: enough for the whole of most collisions
+
+
+def lanes():
+    return [
+        pytest.param(lane.chain(), np.array(lane.velocity), id=f"{name}-{k}")
+        for name in scenes.names()
+        for k, lane in enumerate(scenes.load(name).lanes)
+    ]
+
+
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize(("chain", "velocity"), lanes())
+def test_energy_and_momentum_in_every_scene(chain, velocity, step):
+    duration = min(step * MOST_STEPS, 20.0)
+    found = simulate(chain, velocity, duration, "conserving", step, samples=101)  # a warning is an error
+    total = found.ledger
+    assert np.abs(total - total[0]).max() < 1e-11 * max(total[0], np.abs(found.work).max())
+    if chain.walls == 0 and not chain.friction:
+        momentum = found.momentum - found.impulse
+        scale = np.array(chain.mass) @ np.abs(found.velocity).max(axis=0)
+        assert np.abs(momentum - momentum[0]).max() < 1e-12 * scale
+
+
+@pytest.mark.parametrize("parts", [3, 7, 100, 1000])
+@pytest.mark.parametrize("n", [2, 3, 10])
+def test_touching_is_exact(parts, n):
+    """Below the critical speed the inner overlaps are 0, not small, and their forces those of a rigid train."""
+    speed = 0.9 * critical_speed(n)
+    mass = n / (n + 1)
+    pulse = 2 * math.sqrt(mass / GEAR.stiffness) * math.atan(speed * math.sqrt(mass * GEAR.stiffness) / GEAR.preload)
+    found = simulate(one_on(n, GEAR), [speed] + [0.0] * n, 0.9 * pulse, "conserving", pulse / parts, samples=41)
+    assert (found.overlap[:, 1:] == 0.0).all()
+    assert np.abs(np.diff(found.velocity[:, 1:])).max() < 1e-14
+    shares = np.arange(n - 1, 0, -1) / n
+    pushed = found.force[:, 0] > 0.0
+    assert pushed.sum() > 30
+    assert found.force[pushed, 1:] == pytest.approx(found.force[pushed, :1] * shares, rel=1e-12)
+
+
+def test_a_step_force_moves_as_a_rigid_cluster_at_any_step():
+    for step in (1e-3, 0.02, 0.3, 5.0):
+        found = simulate(one_on(4, step_force(1.0)), [1, 0, 0, 0, 0], 20.0, "conserving", step, samples=21)
+        assert found.final_velocity == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=1e-12)
+        during = found.force[:, 0] > 0.0
+        assert (found.overlap[during, 1:] == 0.0).all()
+        assert np.abs(found.overlap[:, 1:]).max() < 1e-14  # afterwards the beads fly on side by side
+
+
+# Collisions of up to 40 contacts at whose steps earlier solvers cycled, overflowed or took round-off for a failure
+HARD = [(seed, 3) for seed in (6, 9, 33)] + [(seed, 30) for seed in (146, 169)] + [(594, 0), (136, 1000), (1879, 1000)]
+
+
+@pytest.mark.parametrize(("seed", "parts"), [*HARD, (169, 1000), (146, 1000)])
+def test_collisions_that_were_hard(seed, parts):
+    chain, velocity = random_collision(seed, 40)
+    longest, shortest = (float(f(contact_scales(chain, velocity)[1])) for f in (np.max, np.min))
+    step = longest / parts if parts else shortest / 1000
+    found = simulate(chain, velocity, 3000 * step if not parts else 3 * parts * step, "conserving", step, samples=31)
+    assert_sane(found)
+    assert_momentum(found, velocity)
+    assert energy_error(found, velocity) < 1e-11
+
+
+def test_a_step_that_newton_cannot_do_is_done_in_shorter_ones():
+    """Seed 9 at a part of its step: 129 iterations go round in a ring. Energy is kept all the same."""
+    chain, velocity = random_collision(9, 40)
+    step = float(contact_scales(chain, velocity)[1].max()) / 3
+    state = State.at_start(chain, velocity)
+    moving = kinetic_energy(chain, velocity)
+    for part in (1.0, 0.8, 1.0, 0.3, 1.0, 0.6):
+        advance(chain, state, part * step, "conserving", part * step)
+        stored = sum(float(contact.energy(d)) for contact, d in zip(chain.contact, state.overlap, strict=True))
+        assert kinetic_energy(chain, state.velocity(chain)) + stored == pytest.approx(moving, rel=1e-11)
+
+
+LAW = st.tuples(
+    st.sampled_from([0.0, 0.3, 4.0]),
+    st.sampled_from([1e-3, 1.0, 50.0]),
+    st.sampled_from([1 / 50, 0.1, 0.5, 1.0, 1.5, 3.0]),
+)
+START = st.one_of(st.just(0.0), st.floats(-12, 1).map(lambda x: 10.0**x), st.floats(-12, 1).map(lambda x: -(10.0**x)))
+WEIGHT = st.floats(-10, 3).map(lambda x: 10.0**x)
+SUM = st.one_of(st.just(0.0), st.floats(-12, 2).map(lambda x: 10.0**x), st.floats(-12, 2).map(lambda x: -(10.0**x)))
+SIZES = st.floats(0, 1)
+
+
+def solved(law, start, weight, s, guess=0.5):
+    preload, stiffness, exponent = law
+    start_power = start**exponent if start > 0.0 else 0.0
+    return resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess * s)
+
+
+@given(LAW, START, WEIGHT, SUM, SIZES)
+def test_the_resolvent_solves_its_equation(law, start, weight, s, guess):
+    end, force, slope = solved(law, start, weight, s, guess)
+    assert end + weight * force == pytest.approx(
+        s, rel=1e-12, abs=1e-12 * (abs(start) + abs(s) + weight * force) + 1e-300
+    )
+    assert force >= 0.0
+    assert 0.0 <= slope * weight <= 1.0 + 1e-12
+
+
+@given(LAW, START, WEIGHT, SUM, SIZES)
+def test_its_force_is_the_mean_force(law, start, weight, s, guess):
+    """(E(d1) - E(d0)) / (d1 - d0): the work is the energy, to round-off of the larger energy."""
+    end, force, _ = solved(law, start, weight, s, guess)
+    before, after = energy(*law, start), energy(*law, end)
+    assert force * (end - start) == pytest.approx(after - before, rel=1e-11, abs=1e-13 * max(before, after) + 1e-300)
+
+
+@given(LAW, START, WEIGHT, SUM, SUM)
+def test_it_is_monotone_and_no_step_is_longer_than_its_argument(law, start, weight, one, other):
+    low, high = sorted((one, other))
+    (d_low, f_low, _), (d_high, f_high, _) = solved(law, start, weight, low), solved(law, start, weight, high)
+    slack = 1e-12 * (abs(low) + abs(high) + abs(start))
+    assert -slack <= d_high - d_low <= high - low + slack
+    assert -slack <= weight * (f_high - f_low) <= high - low + slack
+
+
+@given(LAW, START, WEIGHT, SUM, SIZES, SIZES)
+def test_it_does_not_depend_on_the_guess(law, start, weight, s, one, other):
+    first, second = solved(law, start, weight, s, one), solved(law, start, weight, s, other)
+    assert first[0] == pytest.approx(second[0], rel=1e-9, abs=1e-13 * abs(s))
+    assert first[1] == pytest.approx(second[1], rel=1e-9, abs=1e-13 * abs(s) / weight)
+
+
+@given(LAW, START, WEIGHT, SUM)
+def test_its_slope_is_that_of_its_force(law, start, weight, s):
+    nudge = 1e-6 * abs(s)
+    assume(nudge > 0.0)
+    (d0, f0, slope), (d1, f1, other) = solved(law, start, weight, s), solved(law, start, weight, s + nudge)
+    assume((d0 > 0.0) == (d1 > 0.0) and (d0 == 0.0) == (d1 == 0.0))  # no kink between
+    low, high = sorted((slope, other))
+    round_off = 1e-12 * (abs(s) + abs(start)) / weight
+    assert (
+        (0.9 * low - 1e-9 / weight) * nudge - round_off <= f1 - f0 <= (1.1 * high + 1e-9 / weight) * nudge + round_off
+    )
+
+
+def test_a_touching_contact_carries_what_it_must():
+    law = (2.0, 5.0, 1.0)
+    for s in np.linspace(0.0, 2.0, 9) * 0.1:
+        assert solved(law, 0.0, 0.1, s)[:2] == (0.0, s / 0.1)
+    end, force, _ = solved(law, 0.0, 0.1, 0.3)
+    assert end > 0.0
+    assert force > 2.0
+
+
+def test_what_does_not_converge_is_told():
+    """`mean_forces` returns a negative count: here a matrix that is none of a chain's, whose solution does not exist."""
+    n = 2
+    law = np.array([[0.0, 1.0, 3.0]] * n)
+    arrays = np.ones(n), np.full(n + 1, 1e3), np.ones(n), np.zeros(n), np.ones(n), np.zeros(n), np.zeros((6, n))
+    assert mean_forces(1.0, law, *arrays) < 0
+
+
+def test_a_soft_cluster_keeps_its_depth():
+    """Overlaps of ((n-i)/(n-1))**30: the deepest are far below round-off of positions and follow the forces' shares."""
+    found = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, 0.3, "conserving", 1e-3, samples=[0.2, 0.3])
+    assert 0.0 < found.overlap[-1, -1] < 1e-25
+    assert found.force[-1] == pytest.approx(found.force[-1, 0] * np.arange(10, 0, -1) / 10, rel=0.05)
+
+
+def test_two_walls_and_what_rests_between():
+    """The common part of forces between two walls is free; steps of any length leave the beads where they are."""
+    chain = Chain([math.inf, 1.0, 2.0, math.inf], draft_gear(1.0, 1.0))
+    found = simulate(chain, [0.0] * 4, 10.0, "conserving", 0.7, samples=5)
+    assert not found.velocity.any()
+    assert not found.overlap.any()
+
+
+def test_round_off_adds_up_to_less_than_one_rounding_a_step():
+    steps = 100_000
+    chain = Chain([math.inf, 1.0, math.inf], hooke(1.0))
+    state = State.at_start(chain, [0.0, 0.0, 0.0])
+    state.overlap[:] = 1.5, 0.5
+    advance(chain, state, 0.1 * steps, "conserving", 0.1)
+    stored = 0.5 * (state.overlap**2).sum()
+    assert stored + kinetic_energy(chain, state.velocity(chain)) == pytest.approx(1.25, rel=steps * EPSILON)

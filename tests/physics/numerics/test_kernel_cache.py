@@ -1,0 +1,110 @@
+"""The disk cache of compiled kernels: keyed by their sources, never stale, and the digits of plain Python."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from softcradle.physics.numerics.jit import cache_folder, jit
+from softcradle.physics.source_digest import digest_of, kernel_sources
+
+ROOT = Path(__file__).parents[3]
+PHYSICS = ROOT / "physics"
+
+# prints the bytes of a short run of every kernel method: final velocities, an overlap row, and a live advance
+DIGITS = """
+from softcradle import Chain, State, advance, draft_gear, hertz, hooke, power_law, simulate, METHODS
+chain = Chain([1, 2, 0.5, 1, 3], [power_law(1, 0.1), hertz(2.0), draft_gear(3, 0.1), hooke(4.0)], [0, 0.01, 0, 0])
+start = [1, 0, 0, 0.25, -0.5]
+for method in METHODS:
+    if method.module == "softcradle.physics.fixed_step.runner":
+        found = simulate(chain, start, 0.5, method.name, step=0.01, samples=7)
+        print(method.name, found.final_velocity.tobytes().hex(), found.overlap[3].tobytes().hex(), found.steps)
+        state = State.at_start(chain, start)
+        advance(chain, state, 0.123, method.name, step=0.01)
+        print(state.overlap.tobytes().hex(), state.rate.tobytes().hex(), state.force.tobytes().hex())
+"""
+
+ONE_FORCE = """
+from softcradle import Chain, hooke, simulate
+print(simulate(Chain([1, 1], hooke(1.0)), [1, 0], 0.5, "verlet", step=0.01, samples=2).final_velocity[0])
+"""
+
+
+def run(code: str, folder: Path = ROOT, **environment: str) -> str:
+    kept = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
+    found = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=kept | environment, capture_output=True, text=True, check=False
+    )
+    assert found.returncode == 0, found.stderr
+    return found.stdout
+
+
+def test_the_key_follows_every_source(tmp_path):
+    copy = tmp_path / "physics"
+    shutil.copytree(PHYSICS, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    sources = kernel_sources(copy)
+    assert [path.relative_to(copy) for path in sources] == [path.relative_to(PHYSICS) for path in kernel_sources()]
+    keys = {digest_of(sources), digest_of(kernel_sources())}
+    assert len(keys) == 1
+    for path in sources:
+        path.write_text(path.read_text() + "# edited\n")
+        keys.add(digest_of(kernel_sources(copy)))
+    (copy / "added.py").write_text("from softcradle.physics.numerics.jit import jit\n")
+    keys.add(digest_of(kernel_sources(copy)))
+    assert len(keys) == len(sources) + 2
+
+
+def test_sources_of_kernels_are_all_that_they_import():
+    names = {path.relative_to(PHYSICS).as_posix() for path in kernel_sources()}
+    assert {"numerics/contact_law.py", "adaptive/dop853_tableau.py", "pymunk_contacts/compiled_law.py"} <= names
+    assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/runner.py"}
+
+
+def test_the_folder_moves_with_numba_cache_dir(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert cache_folder() == tmp_path / "kernels" / digest_of(kernel_sources())
+
+
+def test_plain_python_gives_the_same_digits():
+    assert run(DIGITS, NUMBA_DISABLE_JIT="1") == run(DIGITS)
+
+
+def test_without_numba_the_same_functions_run(tmp_path):
+    (tmp_path / "numba.py").write_text("raise ImportError('no wheel for this machine')")
+    assert run(DIGITS, PYTHONPATH=str(tmp_path)) == run(DIGITS)
+
+
+def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
+    """Doubling the force in a copy of the package, with the compiled originals in the same cache, doubles it."""
+    pytest.importorskip("numba")
+    home = tmp_path / "house"
+    for name in ("physics", "softcradle"):
+        shutil.copytree(ROOT / name, home / name, ignore=shutil.ignore_patterns("__pycache__"))
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    before = float(run(ONE_FORCE, home, **cache))
+    assert float(run(ONE_FORCE, home, **cache)) == before
+    (written,) = (tmp_path / "cache" / "kernels").iterdir()
+    assert list(written.rglob("*.nbi"))  # it was cached at all
+
+    law = home / "physics" / "numerics" / "contact_law.py"
+    times = law.stat()
+    text = law.read_text()
+    assert text.count("return preload + stiffness * power(overlap, exponent)") == 1
+    law.write_text(text.replace("return preload + stiffness * power", "return preload + 2.0 * stiffness * power"))
+    os.utime(law, (times.st_atime, times.st_mtime))  # not even a changed time gives the edit away
+    shutil.rmtree(law.parent / "__pycache__", ignore_errors=True)
+    plain = float(run(ONE_FORCE, home, NUMBA_DISABLE_JIT="1"))
+    assert float(run(ONE_FORCE, home, **cache)) == plain != before
+    assert len(list((tmp_path / "cache" / "kernels").iterdir())) == 2
+
+
+def test_compiling_leaves_other_users_of_numba_alone():
+    numba = pytest.importorskip("numba")
+    before = numba.config.CACHE_DIR
+    jit(lambda x: x)
+    assert before == numba.config.CACHE_DIR

@@ -1,0 +1,125 @@
+"""Compiled callbacks: the same digits as Python ones, shared, and never used where anything is unexpected."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from softcradle.physics import Contact, hooke, power_law
+from softcradle.physics.pymunk_contacts import compiled_force as native
+
+from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
+
+compiled_only = pytest.mark.skipif(bool(native.unavailable()), reason=native.unavailable())
+
+
+@pytest.mark.parametrize("law", LAWS)
+@compiled_only
+def test_compiled_and_python_give_the_same_digits(law):
+    ends = []
+    for compiled in (True, False):
+        space, bodies, contacts = cradle(law, compiled)
+        assert all(contact.native is compiled for contact in contacts)
+        run(space)
+        ends.append([tuple(body.position) + tuple(body.velocity) for body in bodies])
+    assert ends[0] == ends[1]
+
+
+@compiled_only
+@settings(deadline=None)
+@given(
+    st.floats(0, 1e3),
+    st.floats(0, 1e3),
+    st.sampled_from([0.01, 1 / 14, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0]),
+    st.floats(1e-12, 0.9),
+)
+def test_same_force_to_the_last_bit(preload, stiffness, exponent, overlap):
+    if preload + stiffness == 0.0:
+        return
+    impulses = []
+    for compiled in (True, False):
+        space, _, contact = pair(1.0 - overlap, Contact(preload, stiffness, exponent), native=compiled)
+        space.step(1.0)
+        impulses.append(contact.impulse)
+    assert impulses[0] == impulses[1]
+
+
+@compiled_only
+def test_many_contacts_share_one_compiled_function():
+    before = native._callback()
+    contacts = [cradle(power_law(1.0, 0.1 + 0.01 * i), True)[2] for i in range(50)]
+    assert native._callback() is before
+    assert len({id(contact._compiled_law) for row in contacts for contact in row}) == 200
+
+
+@compiled_only
+def test_changing_a_contact_compiles_nothing():
+    space, _, contact = pair(0.75, native=True)
+    law, address = contact._compiled_law, native._callback()[0]
+    contact.contact = power_law(5.0, 0.3)
+    assert contact._compiled_law is law
+    assert native._callback()[0] is address
+    space.step(1.0)
+    assert contact.impulse == 5.0 * 0.25**0.3
+
+
+def test_native_true_refuses_what_it_cannot_compile():
+    with pytest.raises(RuntimeError, match="not a Contact"):
+        pair(law=Quadratic(), native=True)
+
+
+CHECK_FALLBACK = """
+import pymunk
+from softcradle.physics import hertz, native
+from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
+space = pymunk.Space()
+balls = [pymunk.Body(1, 1) for _ in range(3)]
+for i, ball in enumerate(balls):
+    ball.position = i, 0
+    space.add(ball)
+contacts = [SoftContact(a, b, (0, 0), (0, 0), 1, hertz(1e4)) for a, b in zip(balls, balls[1:])]
+space.add(*contacts)
+balls[0].velocity = 1, 0
+for _ in range(1000):
+    space.step(1e-4)
+print(native.unavailable(), [c.native for c in contacts], [b.velocity.x.hex() for b in balls], sep="|")
+try:
+    SoftContact(*balls[:2], (0, 0), (0, 0), 1, hertz(1.0), native=True)
+except RuntimeError as error:
+    print("refused", error)
+"""
+
+
+def fallback(**environment):
+    environment = {**os.environ, **environment}
+    done = subprocess.run(
+        [sys.executable, "-c", CHECK_FALLBACK], env=environment, capture_output=True, text=True, check=True
+    )
+    return done.stdout
+
+
+def test_without_compiler_the_python_callback_gives_the_same_digits():
+    without = fallback(NUMBA_DISABLE_JIT="1").splitlines()
+    reason, used, digits = without[0].split("|")
+    assert "NUMBA_DISABLE_JIT" in reason
+    assert used == "[False, False]"
+    assert without[1].startswith("refused no compiled callback")
+    assert "native=None" in without[1]
+    usual = fallback(NUMBA_DISABLE_JIT="0").splitlines()[0].split("|")
+    assert usual[2] == digits
+
+
+def test_another_memory_layout_is_noticed(monkeypatch):
+    """As if pymunk kept something else in the slot: the callback is not used, the contact works."""
+    native._callback.cache_clear()
+    monkeypatch.setattr(native, "LAW_SLOT", 17)
+    try:
+        assert "another way" in native.unavailable()
+        space, (a, _), contact = pair(0.75, hooke(10.0))
+        space.step(1.0)
+        assert contact.native is False
+        assert a.velocity.x == -2.5
+    finally:
+        native._callback.cache_clear()

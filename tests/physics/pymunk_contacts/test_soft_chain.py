@@ -1,0 +1,212 @@
+"""SoftChain in a user's own Space: energy and momentum at sixty steps a second, whatever the contacts."""
+
+import itertools
+import math
+
+import numpy as np
+import pymunk
+import pytest
+from softcradle.physics import SoftChain, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
+from softcradle.physics.chain import Chain
+
+from tests.helpers.spaces import LAWS, chain_row, momentum, total_energy
+
+FRAME = 1.0 / 60.0
+
+
+def run(space, seconds, step=FRAME):
+    for _ in range(round(seconds / step)):
+        space.step(step)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.3])
+@pytest.mark.parametrize("law", [*LAWS, power_law(1.0, 1 / 14), hertz(1e6), hooke(1e9)], ids=str)
+def test_a_collision_in_steps_of_a_frame_keeps_energy_and_momentum(law, gap):
+    space, bodies, chain = chain_row(law, gap)
+    energy = total_energy(bodies, chain)
+    largest = 0.0
+    for _ in range(600):
+        space.step(FRAME)
+        assert total_energy(bodies, chain) == pytest.approx(energy, rel=1e-10)
+        assert momentum(bodies) == pytest.approx(1.0, abs=1e-12)
+        largest = max(largest, chain.energy)
+    assert bodies[4].velocity.x > 0.2
+    assert largest > 0.0 or law.stiffness > 1e5, "energy went through the contacts"
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_energy_can_be_read_from_the_bodies_alone(law):
+    """Without chain.energy: at x = X + (step/2) V, from the positions of the bodies."""
+    space, bodies, _ = chain_row(law, gap=0.3)
+    for _ in range(300):
+        space.step(FRAME)
+        places = [body.position.x + 0.5 * FRAME * body.velocity.x for body in bodies]
+        stored = sum(law.energy(1.0 - (b - a)) for a, b in itertools.pairwise(places))
+        kinetic = sum(0.5 * body.mass * body.velocity.x**2 for body in bodies)
+        assert stored + kinetic == pytest.approx(0.5, rel=1e-10)
+
+
+@pytest.mark.parametrize("step", [1e-4, 1e-2, 0.1, 0.25])
+@pytest.mark.parametrize("law", [power_law(10.0, 0.1), hertz(1e4), draft_gear(770.0, 0.0177)], ids=str)
+def test_no_step_is_too_large(law, step):
+    space, bodies, chain = chain_row(law, gap=0.3, speed=2.0)
+    for _ in range(round(1.5 / step) + 10):
+        space.step(step)
+        assert total_energy(bodies, chain) == pytest.approx(2.0, rel=1e-11)
+    assert bodies[4].velocity.x > bodies[0].velocity.x
+
+
+@pytest.mark.parametrize("law", [power_law(1.0, 0.1), power_law(1.0, 1 / 30), hertz(20.0), step_force(1.0)], ids=str)
+def test_moves_as_method_conserving(law):
+    """The same equations from bodies as from overlaps, overlaps included that no position resolves."""
+    step = 0.01
+    read_out = 0.5 * step  # bodies are half a step behind their velocities
+    space, bodies, chain = chain_row(law, gap=[0.3 + read_out, 0, 0, 0, 0, 0, 0], beads=8, masses=[1.0] * 8)
+    model = Chain([1.0] * 8, law, [0.3, 0, 0, 0, 0, 0, 0])
+    times = step * np.arange(1, 151)
+    expected = simulate(model, [1.0] + [0.0] * 7, 1.5, "conserving", step, samples=times)
+    for row in range(150):
+        space.step(step)
+        np.testing.assert_allclose(chain.overlaps, expected.overlap[row], rtol=1e-6, atol=1e-13)
+        found = [body.velocity.x for body in bodies]
+        np.testing.assert_allclose(found, expected.velocity[row], rtol=0, atol=1e-11)
+    if law.exponent < 0.05:
+        assert 0.0 < expected.overlap[60].min() < 1e-18
+        np.testing.assert_allclose(chain.overlaps, expected.overlap[-1], rtol=1e-6)
+
+
+def test_velocities_of_the_paper_in_steps_of_a_frame():
+    """One on four, alpha = 1/10, Fig. 1b: second order in the step, 1e-3 at sixty steps a second."""
+    truth = [-0.56758562, 0.17392147, 0.45407871, 0.46978361, 0.46980183]
+    errors = []
+    for step in (FRAME, FRAME / 4):
+        space, bodies, _ = chain_row(power_law(1.0, 0.1), gap=[0.3, 0, 0, 0], masses=[1.0] * 5)
+        run(space, 8.0, step)
+        errors.append(np.abs(np.array([body.velocity.x for body in bodies]) - truth).max())
+    assert errors[0] < 1e-3
+    assert errors[1] < 0.3 * errors[0]
+
+
+@pytest.mark.parametrize("direction", [(0.6, 0.8), (0.0, -1.0)])
+def test_a_row_in_any_direction(direction):
+    straight = chain_row(hertz(1e3), gap=0.3)
+    turned = chain_row(hertz(1e3), gap=0.3, direction=direction)
+    for space, _, _ in (straight, turned):
+        run(space, 3.0)
+    for body, other in zip(straight[1], turned[1], strict=True):
+        assert other.velocity.dot(direction) == pytest.approx(body.velocity.x, abs=1e-9)
+        assert other.velocity.cross(direction) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", [hooke(100.0), hertz(1e5), power_law(1.0, 0.1)], ids=str)
+def test_a_bent_row(law):
+    """Twenty degrees at every body: forces couple by the cosine; lines that turn cost second-order in the step."""
+    lost = []
+    for step in (FRAME, FRAME / 10):
+        space = pymunk.Space()
+        bodies = [pymunk.Body(1.0, math.inf) for _ in range(6)]
+        place = pymunk.Vec2d(0.0, 0.0)
+        for i, body in enumerate(bodies):
+            body.position = place
+            place += pymunk.Vec2d(1.0, 0.0).rotated(0.35 * (i + 1))
+        start = bodies[0].velocity = pymunk.Vec2d(1.0, 0.0).rotated(0.35)
+        chain = SoftChain(bodies, law, 1.0)
+        space.add(*bodies, *chain)
+        run(space, 4.0, step)
+        total = sum((body.velocity for body in bodies), pymunk.Vec2d(0.0, 0.0))
+        assert total == pytest.approx(start, abs=1e-12)
+        assert bodies[5].velocity.length > 0.1
+        lost.append(abs(1.0 - total_energy(bodies, chain) / 0.5))
+    assert lost[0] < 1e-3
+    assert lost[1] < 0.05 * lost[0]
+
+
+def test_a_wall_that_moves():
+    """A kinematic body drives the row: bodies leave an elastic wall of speed u at 2 u."""
+    space, bodies, chain = chain_row(hertz(1e5), beads=2, masses=[math.inf, 1.0], gap=0.5)
+    run(space, 2.0)
+    assert bodies[0].velocity.x == 1.0
+    assert bodies[1].velocity.x == pytest.approx(2.0, rel=1e-9)
+    assert chain.energy == 0.0
+
+
+@pytest.mark.parametrize("law", [hertz(1e6), power_law(200.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
+def test_a_column_bounces_without_loss_under_gravity(law):
+    space, bodies, chain = chain_row(
+        law, gap=[0.5, 0, 0], beads=4, direction=(0, 1), masses=[math.inf] + [1.0] * 3, speed=0
+    )
+    space.gravity = 0.0, -10.0
+    energy = 10.0 * (1.5 + 2.5 + 3.5)
+    heights = []
+    for _ in range(600):
+        space.step(FRAME)
+        found = sum(0.5 * body.velocity.dot(body.velocity) + 10.0 * place.y for body, place in
+                    zip(bodies[1:], chain.positions[1:], strict=True)) + chain.energy  # fmt: skip
+        assert found == pytest.approx(energy, abs=0.5 * 3 * 10.0 * 10.0 * FRAME**2 / 4)
+        heights.append(found)
+    assert np.ptp(heights) < 1e-9, "after the first half step it stays"
+
+
+def test_a_column_rests_on_its_preload():
+    space, bodies, chain = chain_row(
+        draft_gear(1e4, 0.02), beads=5, direction=(0, 1), masses=[math.inf] + [1.0] * 4, speed=0
+    )
+    space.gravity = 0.0, -10.0
+    run(space, 10.0)
+    np.testing.assert_allclose([body.position.y for body in bodies], range(5), atol=1e-12)
+    np.testing.assert_allclose(chain.forces, [40.0, 30.0, 20.0, 10.0], rtol=1e-9)
+
+
+def hanging(law, beads=5, length=1.0, angle=0.6, radius=0.05):
+    """A Newton's cradle on strings, the first ball lifted; rigid shapes where there is no law."""
+    space = pymunk.Space()
+    space.gravity = 0.0, -9.81
+    bodies = [pymunk.Body(1.0, 1e-3) for _ in range(beads)]
+    for i, body in enumerate(bodies):
+        lifted = -angle if i == 0 else 0.0
+        body.position = 2 * radius * i + length * math.sin(lifted), -length * math.cos(lifted)
+        string = pymunk.PinJoint(space.static_body, body, (2 * radius * i, 0.0), (0.0, 0.0))
+        string.distance = length
+        space.add(body, string)
+        if law is None:
+            ball = pymunk.Circle(body, radius)
+            ball.elasticity = 1.0
+            space.add(ball)
+    chain = law and SoftChain(bodies, law, 2 * radius)
+    space.add(*(chain or []))
+    return space, bodies, chain
+
+
+def swinging(bodies, chain):
+    """Energy over that of the start, at the time of the velocities."""
+    places = [body.position + 0.5 * FRAME * body.velocity for body in bodies]
+    total = sum(0.5 * body.velocity.dot(body.velocity) + 9.81 * (place.y + 1.0) for body, place in
+                zip(bodies, places, strict=True))  # fmt: skip
+    return (total + (chain.energy if chain else 0.0)) / (9.81 * (1.0 - math.cos(0.6)))
+
+
+def energies(law, beads, seconds):
+    space, bodies, chain = hanging(law, beads)
+    found = []
+    for _ in range(round(seconds / FRAME)):
+        space.step(FRAME)
+        found.append(swinging(bodies, chain))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("law", [hertz(1e6), hooke(1e4), power_law(100.0, 0.1)], ids=str)
+def test_a_hanging_cradle_keeps_its_energy_for_twenty_seconds(law):
+    """pymunk's strings alone take some in twenty seconds; the collisions take no more than one ball's string does."""
+    string_alone, cradle = energies(None, 1, 20.0), energies(law, 5, 20.0)
+    assert cradle.max() < 1.0 + 1e-3
+    assert cradle[-1] > string_alone[-1]
+    assert cradle[-1] > 0.9
+
+
+def test_a_hanging_cradle_starts_like_a_free_one():
+    """The first blow at the lowest point, its speed from the fall: as if there were no strings."""
+    law, speed = hertz(1e6), math.sqrt(2.0 * 9.81 * (1.0 - math.cos(0.6)))
+    space, bodies, _ = hanging(law)
+    run(space, 0.54, FRAME / 64)
+    expected = simulate(one_on(4, law), [speed, 0, 0, 0, 0]).final_velocity
+    np.testing.assert_allclose([body.velocity.x for body in bodies], expected, atol=0.01)

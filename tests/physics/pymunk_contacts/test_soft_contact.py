@@ -1,0 +1,230 @@
+"""SoftContact in a user's own Space: forces, geometry, errors, copies."""
+
+import copy
+import itertools
+import math
+import pickle
+
+import pymunk
+import pytest
+from softcradle.physics import draft_gear, hertz, hooke, power_law
+from softcradle.physics.pymunk_contacts import compiled_force as native
+from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
+
+from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("native", [None, False])
+def test_one_step_gives_the_impulse_of_the_law(law, native):
+    space, (a, b), contact = pair(0.75, law, native=native)
+    space.step(0.01)
+    assert contact.overlap == pytest.approx(0.25, abs=1e-15)
+    assert contact.impulse == pytest.approx(0.01 * law.force(0.25), rel=1e-14)
+    assert a.velocity.x == pytest.approx(-contact.impulse, rel=1e-14)
+    assert b.velocity.x == pytest.approx(contact.impulse / 3.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("native", [None, False])
+def test_it_never_pulls(native):
+    space, (a, b), contact = pair(1.0, native=native)
+    b.velocity = 5.0, 0.0
+    run(space)
+    assert a.velocity == (0.0, 0.0)
+    assert b.velocity == (5.0, 0.0)
+    assert contact.overlap < -1.0
+
+
+def test_anchors_turn_with_their_bodies():
+    """Ends of two rods, both turned: the push goes along the line between the anchors and turns the bodies."""
+    space = pymunk.Space()
+    a, b = pymunk.Body(1.0, 2.0), pymunk.Body(1.0, 2.0)
+    a.angle, b.angle, b.position = math.pi / 2, math.pi, (1.0, 1.4)
+    contact = SoftContact(a, b, (1.0, 0.0), (1.0, 0.0), 0.5, hooke(10.0))  # ends at (0, 1) and (0, 1.4)
+    space.add(a, b, contact)
+    assert contact.overlap == pytest.approx(0.1)
+    space.step(1e-6)
+    impulse = 1e-6 * 10.0 * 0.1
+    assert a.velocity == pytest.approx((0.0, -impulse), abs=1e-18)
+    assert b.velocity == pytest.approx((0.0, impulse), abs=1e-18)
+    assert a.angular_velocity == pytest.approx(0.0, abs=1e-18)
+    assert b.angular_velocity == pytest.approx(-impulse / 2.0, rel=1e-9)
+
+
+def test_beside_joints_gravity_and_shapes():
+    """A ball on a string, pushed by a second that rests on the ground: each part does what it does alone."""
+    space = pymunk.Space()
+    space.gravity = 0.0, -10.0
+    ground = pymunk.Segment(space.static_body, (-5, -1.0), (5, -1.0), 0.0)
+    hanging, resting = pymunk.Body(1.0, 1.0), pymunk.Body(1.0, math.inf)
+    resting.position = -0.9, -0.5
+    ball = pymunk.Circle(resting, 0.5)
+    string = pymunk.PinJoint(space.static_body, hanging, (0.0, 2.0), (0.0, 0.0))
+    contact = SoftContact(resting, hanging, (0.0, 0.5), (0.0, 0.0), 1.0, hooke(200.0))
+    space.add(ground, hanging, resting, ball, string, contact)
+    run(space, 1e-4, 850)
+    assert contact.overlap < 0.0, "pushed apart"
+    assert hanging.velocity.x == pytest.approx(1.0, rel=0.03), "half of the 1 J each"
+    assert resting.velocity.x == pytest.approx(-1.0, rel=0.03)
+    assert hanging.position.get_distance((0.0, 2.0)) == pytest.approx(2.0, abs=1e-2)
+    assert resting.position.y == pytest.approx(-0.5, abs=1e-2)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_momentum_to_round_off(law):
+    space, bodies, _ = cradle(law, speed=3.0)
+    run(space, 1e-3, 2000)
+    momentum = sum(body.mass * body.velocity.x for body in bodies)
+    assert momentum == pytest.approx(3.0, abs=1e-13)
+    assert [body.velocity.y for body in bodies] == [0.0] * 5
+
+
+def test_hertz_cradle_gives_the_known_velocities():
+    """Unit masses, one on nine: design's digits, from pymunk with substeps; first order in the step."""
+    space = pymunk.Space()
+    bodies = [pymunk.Body(1.0, math.inf) for _ in range(10)]
+    for i, body in enumerate(bodies):
+        body.position = 4.0 * i, 0.0
+    space.add(*bodies)
+    space.add(*[SoftContact(a, b, (0, 0), (0, 0), 4.0, hertz(1.0)) for a, b in itertools.pairwise(bodies)])
+    bodies[0].velocity = 1.0, 0.0
+    run(space, 2e-3, 20000)
+    expected = [
+        -0.0710850,
+        -0.0302738,
+        -0.0158334,
+        -0.0088857,
+        -0.0051266,
+        -0.0029860,
+        -0.0017377,
+        0.0026720,
+        0.1473903,
+    ]
+    assert [body.velocity.x for body in bodies] == pytest.approx([*expected, 0.9858659], abs=2e-5)
+
+
+@pytest.mark.parametrize("native", [None, False])
+def test_a_new_contact_or_distance_counts_at_once(native):
+    space, _, contact = pair(0.75, hooke(10.0), native=native)
+    space.step(1e-9)
+    contact.contact = draft_gear(20.0, 0.1)
+    space.step(1e-9)
+    assert contact.impulse == pytest.approx(1e-9 * (2.0 + 5.0))
+    contact.touching_distance = 1.05
+    space.step(1e-9)
+    assert contact.impulse == pytest.approx(1e-9 * (2.0 + 6.0))
+    assert contact.rest_length == 1.05
+    contact.rest_length = 0.5
+    space.step(1e-9)
+    assert contact.impulse == 0.0
+    assert contact.touching_distance == 0.5
+
+
+def test_a_law_of_ones_own():
+    space, (a, _), contact = pair(0.75, Quadratic())
+    assert contact.native is False
+    space.step(1.0)
+    assert contact.impulse == 6.25
+    assert a.velocity.x == -6.25
+    contact.contact = hooke(4.0)
+    assert contact.native is not bool(native.unavailable())
+    contact.contact = Quadratic()
+    assert contact.native is False
+
+
+def test_an_error_in_a_law_reaches_the_caller_of_step_once():
+    space, (a, b), contact = pair(0.75, Quadratic(fails_at=0.2))
+    with pytest.raises(ZeroDivisionError, match=r"overlap 0\.25"):
+        space.step(0.01)
+    assert a.velocity == (0.0, 0.0), "no wrong force"
+    b.position = 2.0, 0.0
+    space.step(0.01)
+    b.position = 0.75, 0.0
+    with pytest.raises(ZeroDivisionError):
+        space.step(0.01)
+    contact.contact = hooke(10.0)
+    run(space)
+    assert a.velocity.x < -0.1
+
+
+def test_several_errors_of_a_step_are_told_as_one():
+    space, bodies, _ = cradle(Quadratic(fails_at=0.0))
+    for i, body in enumerate(bodies):
+        body.position = 0.9 * i, 0.0
+    with pytest.raises(ZeroDivisionError) as caught:
+        space.step(0.01)
+    assert caught.value.__notes__ == ["3 more callbacks failed in the same step"]
+
+
+def test_a_law_that_gives_no_number_is_an_error_too():
+    space, _, contact = pair(0.75, Quadratic())
+    contact.contact.force = lambda overlap: None
+    with pytest.raises(TypeError):
+        space.step(0.01)
+
+
+def test_interrupting_a_callback_stops_the_step():
+    space, _, contact = pair(0.75, Quadratic())
+
+    def interrupted(overlap):
+        raise KeyboardInterrupt
+
+    contact.contact.force = interrupted
+    with pytest.raises(KeyboardInterrupt):
+        space.step(0.01)
+
+
+@pytest.mark.parametrize("native", [None, False])
+@pytest.mark.parametrize(
+    "duplicate", [copy.deepcopy, lambda space: space.copy(), lambda s: pickle.loads(pickle.dumps(s))]
+)
+def test_copies_move_alike(native, duplicate):
+    space, bodies, _ = cradle(power_law(2.0, 0.5), native)
+    run(space, count=300)
+    other = duplicate(space)
+    for each in (space, other):
+        run(each)
+    assert [tuple(body.velocity) for body in other.bodies] == [tuple(body.velocity) for body in bodies]
+    assert [contact.native for contact in other.constraints] == [contact.native for contact in space.constraints]
+    assert bodies[4].velocity.x > 0.03
+
+
+def test_a_force_func_of_ones_own_replaces_the_contact():
+    space, _, contact = pair(0.75)
+    contact.force_func = lambda spring, distance: 7.0
+    space.step(1.0)
+    assert contact.impulse == 7.0
+    assert contact.native is False
+
+
+@pytest.mark.parametrize("distance", [0.0, -1.0, math.nan, math.inf])
+def test_bad_distances(distance):
+    with pytest.raises(ValueError, match="touching_distance"):
+        SoftContact(pymunk.Body(1, 1), pymunk.Body(1, 1), (0, 0), (0, 0), distance, hooke(1.0))
+    contact = pair()[2]
+    with pytest.raises(ValueError, match="touching_distance"):
+        contact.touching_distance = distance
+    assert contact.touching_distance == 1.0
+
+
+def test_bad_contacts_leave_the_old_one():
+    contact = pair(law=hooke(10.0))[2]
+    with pytest.raises(ValueError, match="contact must be"):
+        contact.contact = 10.0
+    with pytest.raises(AttributeError, match="set its contact"):
+        contact.stiffness = 10.0
+    with pytest.raises(AttributeError, match="damper"):
+        contact.damping = 1.0
+    assert contact.contact == hooke(10.0)
+    assert contact.stiffness == contact.damping == 0.0
+
+
+@pytest.mark.parametrize("collide", [False, True])
+def test_it_takes_the_place_of_a_collision(collide):
+    """Discs that overlap are pushed by the contact alone, unless the user wants both."""
+    space, bodies, contact = pair(0.75, hooke(1e-6))
+    assert not contact.collide_bodies
+    contact.collide_bodies = collide
+    space.add(*[pymunk.Circle(body, 0.5) for body in bodies])
+    run(space)
+    assert (bodies[1].position.x - bodies[0].position.x > 0.76) is collide

@@ -1,0 +1,227 @@
+"""The reference itself: contact modes, located switches, pushes, and every other method against it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import softcradle.physics.reference.runner
+from softcradle.physics import (
+    Chain,
+    State,
+    advance,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+)
+from softcradle.physics import step_force as step
+from softcradle.physics.reference.phases import LOADED, OPEN, TOUCHING, Phase, System, settle
+
+from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
+from tests.helpers.truth import GEAR, GEARS
+
+SOFT = [power_law(1.0, 0.5), power_law(2.0, 0.3), power_law(1.0, 0.4)]
+CHAINS = {
+    "Hertz cradle": (one_on(4, hertz(1.0)), [1, 0, 0, 0, 0], None),
+    "soft": (Chain([1, 2, 1, 0.5], SOFT), [1, 0, 0, 0], None),
+    "gaps": (Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0]), [2, 0, 0.5, -1], None),
+    "Hooke interface": (Chain([1, 1, 1, 1], [hooke(1.0), hertz(4.0), power_law(1.0, 0.8)]), [1, 0, 0, 0], None),
+    "three clusters": (Chain([1, 1, 1, 1, 1], hooke(2.0), [0.0, 0.3, 0.3, 0.0]), [1, 1, 0, -1, -1], None),
+    "wall behind": (Chain([1, 2, 1, math.inf], hertz(2.0), 0.1), [1, 0, 0, 0], None),
+    "between walls": (Chain([math.inf, 1, 2, math.inf], hooke(5.0), 0.2), [0, 1, -0.5, 0], 4.0),
+    "one gear": (Chain([1, 2], draft_gear(3.0, 0.1)), [1, 0], None),
+}
+STEPS_A_SECOND = 4000
+
+
+def system(chain, velocity, push=None):
+    """A reference System of a chain, and its start as y."""
+    start = State.at_start(chain, velocity)
+    depth = np.ones(chain.contacts)
+    return System(chain, push, 1.0, depth, 1e-8), np.concatenate((start.overlap, start.rate, start.anchor))
+
+
+def modes(chain, velocity):
+    built, y = system(chain, velocity)
+    everywhere = np.ones(chain.contacts, dtype=bool)
+    mode = settle(built, y, np.full(chain.contacts, OPEN, dtype=np.int8), everywhere)
+    return mode.tolist(), Phase.of(built, mode).force(y[: chain.contacts])
+
+
+def test_the_paper_case():
+    found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], method="scipy")
+    expected = [-0.56758562, 0.17392147, 0.45407871, 0.46978361, 0.46980183]
+    assert found.final_velocity == pytest.approx(expected, abs=1e-8)
+    assert found.tolerance == 1e-8
+    assert found.step == 0.0
+    assert found.warnings == ()
+    assert 0 < found.steps < found.evaluations
+
+
+def test_an_alpha_of_a_thirtieth_is_no_hindrance():
+    """Inner overlaps of 1e-29: they rest on their multiplier until the tolerance can tell them from 0."""
+    found = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, method="scipy", tolerance=1e-7)
+    finer = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, method="scipy", tolerance=1e-8)
+    assert found.final_velocity == pytest.approx(finer.final_velocity, abs=1e-6)
+    assert found.evaluations < 50_000
+
+
+@pytest.mark.parametrize("case", CHAINS)
+@pytest.mark.parametrize("method", FIXED_STEP, ids=lambda method: method.name)
+def test_fixed_steps_agree_with_it(method, case):
+    chain, velocity, duration = CHAINS[case]
+    exact = simulate(chain, velocity, duration, "scipy", samples=33)
+    found = simulate(chain, velocity, exact.time[-1], method.name, 1.0 / STEPS_A_SECOND, exact.time)
+    onset = 1.0 if "gear" in case else 1.0 + min(contact.exponent for contact in chain.contact)
+    bound = 10.0 * STEPS_A_SECOND ** -min(method.order, onset)  # forces and masses are near 1
+    assert np.abs(found.velocity - exact.velocity).max() < bound
+    assert np.abs(found.position - exact.position).max() < bound
+    assert np.abs(found.final_velocity - exact.final_velocity).max() < bound
+
+
+@pytest.mark.parametrize("case", CHAINS)
+@pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
+def test_adaptive_methods_agree_with_it(method, case):
+    chain, velocity, duration = CHAINS[case]
+    duration = duration or 1.1 * simulate(chain, velocity, None, "scipy", samples=2).time[-1]
+    exact = simulate(chain, velocity, duration, "scipy", samples=33, tolerance=1e-10)
+    found = simulate(chain, velocity, exact.time[-1], method.name, samples=exact.time, tolerance=1e-7)
+    assert np.abs(found.final_velocity - exact.final_velocity).max() < 1e-6 * np.ptp(velocity)
+    # within a second or third collision a sample also has the error of when it began: displacement over closing speed
+    assert np.abs(found.velocity - exact.velocity).max() < 3e-6 * np.ptp(velocity)
+    assert np.abs(found.overlap - exact.overlap).max() < 1e-5
+    assert_switches_at_zero_overlap(found, exact, 1e-6 * np.ptp(velocity))
+
+
+def assert_switches_at_zero_overlap(found, exact, speed):
+    """As many switches as there are, each when the exact overlap is 0 to what `speed` [m/s] moves in the time so far.
+
+    Not by time: beads that part slowly, or push each other through others that do, touch at no sharp time.
+    """
+    assert [len(pairs) for pairs in found.contact_intervals] == [len(pairs) for pairs in exact.contact_intervals]
+    switches = sorted((t, i) for i, pairs in enumerate(found.contact_intervals) for pair in pairs for t in pair)
+    switches = [(t, i) for t, i in switches if t < math.inf]
+    path = simulate(
+        exact.chain, exact.velocity[0], exact.time[-1], "scipy", samples=[t for t, _ in switches], tolerance=1e-10
+    )
+    for row, (time, contact) in enumerate(switches):
+        assert abs(path.overlap[row, contact]) <= speed * time + 1e-12
+
+
+def test_touching_contacts_carry_a_multiplier():
+    """One on three gears below the critical speed: inner overlaps exactly 0, forces those of a rigid cluster."""
+    truth = GEARS[0]
+    found = simulate(truth.chain, truth.start, method="scipy", samples=truth.time)
+    assert (found.overlap[:, 1:] == 0.0).all()
+    assert (found.rate[:, 1:] == 0.0).all()
+    assert found.force[:, 1:] == pytest.approx(found.force[:, :1] * [2 / 3, 1 / 3], rel=1e-12)
+    assert found.contact_intervals[1:] == (found.contact_intervals[0],) * 2  # they push exactly as long as it does
+
+
+def test_beads_at_rest_are_let_alone():
+    found = simulate(Chain([1, 1, 1, 1], GEAR, [0, 0.5, 0]), [0, 0, 0, 0], 1.0, "scipy", samples=3)
+    assert not found.velocity.any()
+    assert found.contact_intervals == ((), (), ())
+
+
+@pytest.mark.parametrize("law", [GEAR, step(1.0), power_law(1.0, 0.1), hertz(1.0)], ids=str)
+def test_modes_at_a_touch(law):
+    rests = TOUCHING if law.preload else LOADED  # without preload a touching contact carries next to nothing
+    mode, _ = modes(Chain([1, 1, 1], law), [1, 0, 0])
+    assert mode[0] == LOADED
+    assert mode[1] in (rests, TOUCHING)
+    assert modes(Chain([1, 1, 1], law), [-1, 0, 1])[0] == [OPEN, OPEN]
+    assert modes(Chain([1, 1, 1], law), [0, 0, 0])[0] == [TOUCHING, TOUCHING]
+
+
+def test_which_contacts_give_way_is_a_complementarity_problem():
+    """At f = 0 or between nothing closes, at the capacity nothing opens: over random preloads and masses."""
+    draw = np.random.default_rng(5)
+    for _ in range(200):
+        n = int(draw.integers(2, 12))
+        laws = [draft_gear(1.0, float(preload)) for preload in 10.0 ** draw.uniform(-2, 1, n)]
+        chain = Chain(10.0 ** draw.uniform(-2, 2, n + 1), laws)
+        start = np.zeros(n + 1)
+        start[0] = 1.0  # the first contact is struck and pushes with its preload, the rest touch
+        mode, force = modes(chain, start)
+        built, _ = system(chain, start)
+        closing = -built.coupling @ force
+        scale = 1e-12 * np.abs(built.coupling).max() * force.max()
+        assert mode[0] == LOADED
+        for i in range(1, n):
+            assert 0.0 <= force[i] <= built.capacity[i] * (1 + 1e-9)
+            assert mode[i] != OPEN
+            assert abs(closing[i]) <= scale if mode[i] == TOUCHING else closing[i] >= -scale
+
+
+def test_jacobian_is_the_slope_of_the_slope():
+    chain = Chain([1, 2, 3, math.inf, 0.5], [power_law(1, 0.3), draft_gear(2, 0.1), hertz(2.0), hooke(3.0)])
+    built, _ = system(chain, [1, 0, 0, 0, 0])
+    phase = Phase.of(built, np.array([LOADED, TOUCHING, LOADED, LOADED], dtype=np.int8))
+    y, width = np.array([0.1, 0.0, 0.2, 0.3, 1.0, 0.0, 0.5, 0.6, 0.1, 0.0]), 1e-6
+    columns = [(phase.slope(y + width * e) - phase.slope(y - width * e)) / (2 * width) for e in np.eye(y.size)]
+    assert phase.jacobian(y) == pytest.approx(np.array(columns).T, abs=1e-8)
+
+
+@pytest.mark.parametrize(("push", "spread"), [(0.5, 0.0), (3.0, 0.1)])
+def test_a_push_on_touching_gears(push, spread):
+    """Below the preload the row moves as one, exactly; above it the first contact yields and swings."""
+    chain = Chain([1.0, 1.0, 1.0], draft_gear(4.0, 0.25))
+    state = State.at_start(chain, [0, 0, 0])
+    state.push = np.array([push, 0.0, 0.0])
+    advance(chain, state, 0.8, "scipy")
+    velocity = state.velocity(chain)
+    assert velocity.sum() == pytest.approx(push * 0.8, rel=1e-9)
+    if spread:
+        assert np.ptp(velocity) > spread
+    else:
+        assert velocity == pytest.approx([push * 0.8 / 3] * 3, rel=1e-12)
+        assert state.force == pytest.approx([push * 2 / 3, push / 3], rel=1e-9)
+
+
+def test_a_pull_opens_a_touching_contact():
+    chain = Chain([1.0, 1.0], draft_gear(4.0, 0.25))
+    state = State.at_start(chain, [0, 0])
+    state.push = np.array([-1.0, 0.0])
+    advance(chain, state, 1.0, "scipy")
+    assert state.velocity(chain) == pytest.approx([-1.0, 0.0], abs=1e-12)
+    assert state.overlap[0] == pytest.approx(-0.5, rel=1e-12)
+    assert state.force[0] == 0.0
+
+
+def test_running_out_of_phases_is_a_value(monkeypatch):
+    monkeypatch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 3)
+    with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = .* 3 changes of contacts"):
+        found = simulate(cluster_on_cluster(2, 3, hertz(1.0)), [1, 1, 0, 0, 0], method="scipy")
+    assert len(found.warnings) == 1
+    assert np.isfinite(found.velocity).all()
+
+
+def test_running_out_of_evaluations_is_a_value(monkeypatch):
+    monkeypatch.setattr("softcradle.physics.reference.phases.MOST_EVALUATIONS", 100)
+    with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = 6\..*e-15 s after 101 evaluations"):
+        found = simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="scipy")
+    assert found.final_velocity == pytest.approx([1, 0, 0], abs=1e-12)
+
+
+def test_two_walls_hold_a_bead_between_them():
+    """Statically indeterminate: the bead stays, whatever the two multipliers."""
+    chain = Chain([math.inf, 1.0, math.inf], draft_gear(1.0, 1.0))
+    found = simulate(chain, [0, 0, 0], 1.0, "scipy", samples=3)
+    assert not found.velocity.any()
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_scales_of_length_and_time_do_not_matter(method):
+    """Grains of micrometres that touch for microseconds move as their image in metres and seconds."""
+    length, time = 1e-6, 1e-7
+    large = simulate(one_on(3, hertz(1.0)), [1, 0, 0, 0], 4.0, method, samples=5)
+    stiffness = 1.0 / (time**2 * math.sqrt(length))
+    small = simulate(one_on(3, hertz(stiffness)), [length / time, 0, 0, 0], 4.0 * time, method, samples=5)
+    assert small.velocity * time / length == pytest.approx(large.velocity, abs=1e-8)
+    assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)

@@ -1,0 +1,159 @@
+"""The contact law: force is the slope of energy, overlap undoes force, and one overlap answers every push."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.numerics import contact_law as kernel
+
+preloads = st.one_of(st.just(0.0), st.floats(1e-3, 1e3))
+stiffnesses = st.floats(1e-3, 1e3)
+exponents = st.one_of(st.sampled_from([0.1, 1 / 14, 1.0, 1.5]), st.floats(0.02, 3.0))
+contacts = st.one_of(st.builds(Contact, preloads, stiffnesses, exponents), st.builds(step_force, st.floats(1e-3, 1e3)))
+overlaps = st.floats(-12.0, 2.0).map(lambda power: 10.0**power)
+
+
+def row(contact):
+    return contact.preload, contact.stiffness, contact.exponent
+
+
+def resolvent(contact, s, b):
+    """The one (overlap, force) with overlap + s * force = b, by bisection on Contact.overlap."""
+    if b <= 0.0:
+        return b, 0.0
+    if b <= s * contact.preload:
+        return 0.0, b / s
+    if contact.stiffness == 0.0:
+        return b - s * contact.preload, contact.preload
+    low, high = contact.preload, b / s  # in force: deep in a cluster overlaps of 1e-40 still carry some
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if contact.overlap(middle) + s * middle > b else (middle, high)
+    return contact.overlap(low), low
+
+
+@given(contacts, overlaps)
+def test_force_is_the_slope_of_energy(contact, overlap):
+    width = 1e-4 * overlap
+    slope = (contact.energy(overlap + width) - contact.energy(overlap - width)) / (2.0 * width)
+    # width**2 / 6 times the third derivative, and round-off of the difference
+    assert slope == pytest.approx(contact.force(overlap), rel=1e-7)
+
+
+@given(contacts, overlaps)
+def test_overlap_undoes_force(contact, overlap):
+    assume(contact.stiffness > 0.0)
+    force = contact.force(overlap)
+    lost = 1.0 + contact.preload / (contact.stiffness * overlap**contact.exponent)  # digits, to the preload
+    assume(lost < 1e6)
+    assert contact.overlap(force) == pytest.approx(overlap, rel=4e-15 * lost * max(1.0, 1.0 / contact.exponent))
+
+
+@given(contacts, st.floats(0.0, 1.0))
+def test_preload_is_carried_without_overlap(contact, part):
+    assert contact.overlap(part * contact.preload) == 0.0
+
+
+@given(contacts, overlaps, overlaps)
+def test_force_and_energy_grow_with_overlap(contact, one, other):
+    small, large = sorted((one, other))
+    assert 0.0 < contact.force(small) <= contact.force(large)
+    assert 0.0 < contact.energy(small) <= contact.energy(large)
+    # a convex energy lies above its tangent
+    rise = contact.energy(large) - contact.energy(small)
+    assert rise >= contact.force(small) * (large - small) * (1 - 1e-9) - 1e-12 * contact.energy(large)
+
+
+@given(contacts, st.floats(0.0, 1e3))
+def test_an_open_contact_neither_pushes_nor_pulls(contact, distance):
+    assert contact.force(-distance) == 0.0
+    assert contact.energy(-distance) == 0.0
+
+
+@given(contacts, st.floats(1e-6, 1e3), st.floats(-10.0, 1e3))
+def test_resolvent_has_one_answer_in_each_state(contact, s, b):
+    overlap, force = resolvent(contact, s, b)
+    # one unit in the last place of the force is force / (a (force - preload)) of them in the overlap
+    excess = force - contact.preload
+    lost = overlap * force / (contact.exponent * excess) if excess > 0.0 else 0.0
+    assert overlap + s * force == pytest.approx(b, abs=1e-15 * (abs(b) + lost))
+    if b <= 0.0:
+        assert overlap == b
+        assert force == 0.0
+    elif b <= s * contact.preload:
+        assert overlap == 0.0
+        assert 0.0 < force <= contact.preload * (1 + 1e-15)
+    else:
+        assert force >= contact.preload
+        assert contact.force(overlap) == pytest.approx(force, rel=1e-12) or overlap < 1e-300
+
+
+@given(contacts, st.floats(1e-3, 1e3), st.floats(-10.0, 1e3), st.floats(-10.0, 1e3))
+def test_resolvent_never_spreads_two_pushes_apart(contact, s, one, other):
+    (d1, f1), (d2, f2) = resolvent(contact, s, one), resolvent(contact, s, other)
+    slack = 1e-9 * (1.0 + abs(one) + abs(other))
+    assert (d1 - d2) * (one - other) >= -slack  # monotone
+    assert (d1 - d2) ** 2 + (s * (f1 - f2)) ** 2 <= (one - other) ** 2 + slack**2 + slack * abs(one - other)
+
+
+@given(contacts, overlaps)
+def test_kernels_have_the_same_law(contact, overlap):
+    for d in (overlap, -overlap, 0.0):
+        assert kernel.force(*row(contact), d) == pytest.approx(contact.force(d), rel=2e-15)
+        assert kernel.energy(*row(contact), d) == pytest.approx(contact.energy(d), rel=2e-15)
+
+
+def test_named_constructors():
+    assert row(power_law(2.0, 0.1)) == (0.0, 2.0, 0.1)
+    assert row(draft_gear(770.0, 0.0177)) == (770.0 * 0.0177, 770.0, 1.0)
+    assert row(hertz(3.0)) == (0.0, 3.0, 1.5)
+    assert row(hooke(3.0)) == (0.0, 3.0, 1.0)
+    assert row(step_force(3.0))[:2] == (3.0, 0.0)
+    assert draft_gear(770.0, 0.0177).force(0.01) == pytest.approx(770.0 * (0.0177 + 0.01))  # Eq. (C1)
+
+
+def test_arrays_keep_their_shape_and_scalars_are_floats():
+    contact, overlap = Contact(1.0, 2.0, 0.5), np.array([[-1.0, 0.0, 0.25], [1.0, 4.0, 9.0]])
+    assert contact.force(overlap).tolist() == [[0.0, 0.0, 2.0], [3.0, 5.0, 7.0]]
+    for method in (contact.force, contact.energy, contact.overlap):
+        assert type(method(2.0)) is float
+        assert method(overlap).shape == (2, 3)
+        assert [method(d) for d in overlap.ravel()] == method(overlap).ravel().tolist()
+
+
+@pytest.mark.parametrize("overlap", [1e-6, 1e-3, 1.0])
+def test_small_exponents_tend_to_the_step_force(overlap):
+    errors = [abs(power_law(3.0, alpha).force(overlap) - step_force(3.0).force(overlap)) for alpha in (0.1, 1e-2, 1e-3)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] <= 3.0 * 1e-3 * abs(math.log(overlap)) * (1 + 1e-9)
+
+
+def test_a_step_force_cannot_be_exceeded():
+    assert step_force(2.0).overlap([1.0, 2.0, 2.1]).tolist() == [0.0, 0.0, math.inf]
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Contact(-1.0, 1.0, 1.0), "preload must be a finite number >= 0, not -1.0"),
+        (lambda: Contact(0.0, math.nan, 1.0), "stiffness must be a finite number >= 0, not nan"),
+        (lambda: Contact(0.0, math.inf, 1.0), "stiffness must be a finite number >= 0, not inf"),
+        (lambda: power_law(1.0, 0.0), r"exponent must be > 0, not 0.0; its limit 0 is step_force\(f0\)"),
+        (lambda: power_law(0.0, 0.1), "both 0: the contact would never push"),
+        (lambda: step_force(0.0), "both 0: the contact would never push"),
+        (lambda: draft_gear(1.0, -0.1), "precompression must be a finite number >= 0, not -0.1"),
+    ],
+)
+def test_bad_numbers_are_refused_in_a_sentence(make, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        make()
+
+
+def test_a_contact_cannot_be_changed():
+    with pytest.raises(AttributeError):
+        hooke(1.0).stiffness = 2.0

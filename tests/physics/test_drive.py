@@ -1,0 +1,130 @@
+"""A steady external force on beads: every method knows it, its work and impulse balance, and bad ones are refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import METHODS, Chain, State, Trajectory, advance, hooke, power_law, simulate
+from softcradle.physics.adaptive.integrate import integrate
+from softcradle.physics.fixed_step.step_loop import march
+from softcradle.physics.scales import speed_scale
+from softcradle.scenes import SceneError
+
+from softcradle import scenes
+
+PUSHED = Chain([1.0, 2.0, 1.0, 0.5], power_law(1.0, 0.2), drive=[1.0, 0.0, 0.0, 0.0])
+REST = [0.0] * 4
+SCENE = """
+title = "pushed"
+duration = 2.0
+[[lanes]]
+mass = [1.0, 2.0, 1.0]
+contact = {law = "power", f0 = 1.0, alpha = 0.2}
+velocity = [0.0, 0.0, 0.0]
+drive = [1.0, 0.0, "1/2"]
+"""
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return simulate(PUSHED, REST, 2.0, method="scipy", tolerance=1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_every_method_drives(method, reference):
+    step = {} if method.adaptive else {"step": 1e-4}
+    found = simulate(PUSHED, REST, 2.0, method=method.name, **step)
+    np.testing.assert_allclose(found.final_velocity, reference.final_velocity, atol=2e-4)
+    np.testing.assert_allclose(found.momentum, found.impulse, atol=1e-10)
+    energy = found.kinetic_energy + found.contact_energy
+    np.testing.assert_allclose(energy, found.work, atol=1e-3 * energy.max())
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_advance_drives_and_adds_the_push(method):
+    step = {} if method.adaptive else {"step": 1e-3}
+    alone = State.at_start(PUSHED, REST)
+    half = Chain(PUSHED.mass, PUSHED.contact, drive=[0.5, 0.0, 0.0, 0.0])
+    split = State.at_start(half, REST)
+    split.push = np.array([0.5, 0.0, 0.0, 0.0])
+    advance(PUSHED, alone, 0.5, method=method.name, **step)
+    advance(half, split, 0.5, method=method.name, **step)
+    assert alone.velocity(PUSHED)[0] > 0.1
+    # an adaptive method may choose other steps, and then agrees to its tolerance
+    np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9, atol=1e-8 * method.adaptive)
+
+
+def test_pushed_against_a_wall_bounces_on_its_contact():
+    """A bead under weight on a linear spring: ``w d / w_static = 1 - cos``, period 2 pi sqrt(m/k)."""
+    chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])
+    period = 2.0 * math.pi * math.sqrt(2.0 / 50.0)
+    found = simulate(chain, [0.0, 0.0], period, method="scipy", samples=33)
+    np.testing.assert_allclose(
+        found.overlap[:, 0], 3.0 / 50.0 * (1.0 - np.cos(2.0 * math.pi * found.time / period)), atol=1e-8
+    )
+
+
+def test_speed_scale_of_a_driven_chain_at_rest_has_its_units():
+    """Linear bead on a wall: the speed is ``F / sqrt(k m)`` within a factor, and grows with the force."""
+    chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])
+    strong = Chain([2.0, math.inf], hooke(50.0), drive=[3e6, 0.0])
+    assert speed_scale(chain, [0.0, 0.0]) == pytest.approx(3.0 / math.sqrt(100.0), rel=2.0)
+    assert speed_scale(strong, [0.0, 0.0]) == pytest.approx(1e6 * speed_scale(chain, [0.0, 0.0]))
+    assert speed_scale(chain, [50.0, 0.0]) == 50.0
+
+
+def test_drive_is_stored_and_zero_drive_is_none(tmp_path, reference):
+    reference.save(str(tmp_path / "driven.npz"))
+    assert Trajectory.load(str(tmp_path / "driven.npz")).chain == PUSHED
+    assert Chain(PUSHED.mass, PUSHED.contact, drive=[0.0] * 4).drive is None
+
+
+@pytest.mark.parametrize("drive", [[1.0], 1.0, [math.nan, 0, 0, 0], [math.inf, 0, 0, 0]])
+def test_bad_drives_are_refused(drive):
+    with pytest.raises(ValueError, match="drive"):
+        Chain(PUSHED.mass, PUSHED.contact, drive=drive)
+
+
+def test_a_driven_chain_needs_a_duration():
+    with pytest.raises(ValueError, match="duration"):
+        simulate(PUSHED, REST)
+
+
+def test_a_scene_may_drive():
+    (lane,) = scenes.parse(SCENE).lanes
+    assert lane.chain().drive == (1.0, 0.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("duration = 2.0\n", ""), "the scene needs a duration"),
+        ((', "1/2"]', "]"), "drive is a list of 2, but 3 beads need 3"),
+        (("drive = [1.0", 'drive = ["fast"'), "drive"),
+    ],
+)
+def test_a_bad_drive_in_a_scene_is_refused(change, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        scenes.parse(SCENE.replace(*change))
+
+
+def test_kernels_see_one_type_of_force_from_outside():
+    """A read-only array is another type to them: all of a method would be compiled once more, in the middle of play."""
+    chain = Chain([1.0, 1.0], power_law(1.0, 0.1), drive=[1.0, 0.0])
+    state = State.at_start(chain, [0.0, 0.0])
+    force = state.external(chain)
+    assert force.flags.writeable
+    assert not np.shares_memory(force, chain.drive_force)
+    for method in ("conserving", "radau"):
+        advance(Chain([1.0, 1.0], power_law(1.0, 0.1)), State.at_start(chain, [0.0, 0.0]), 1e-3, method=method)
+    before = [_signatures(kernel) for kernel in (march, integrate)]
+    for method in ("conserving", "radau"):
+        advance(chain, State.at_start(chain, [0.0, 0.0]), 1e-3, method=method)
+    assert [_signatures(kernel) for kernel in (march, integrate)] == before
+
+
+def _signatures(kernel: object) -> int:
+    """Types that `kernel` is compiled for; 0 where it runs as plain Python."""
+    return len(getattr(kernel, "signatures", ()))

@@ -1,0 +1,179 @@
+"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from softcradle.physics import Chain, Contact, Trajectory, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics.atomic_files import output_file, output_folder
+
+
+@pytest.fixture(scope="module")
+def collision() -> Trajectory:
+    return simulate(one_on(3, [hertz(1.0), power_law(1.0, 0.1), power_law(2.0, 0.2)]), [1, 0, 0, 0], samples=31)
+
+
+def assert_equal(one: Trajectory, other: Trajectory) -> None:
+    for field in fields(Trajectory):
+        ours, theirs = getattr(one, field.name), getattr(other, field.name)
+        if isinstance(ours, np.ndarray):
+            assert ours.dtype == theirs.dtype
+            np.testing.assert_array_equal(ours, theirs, err_msg=field.name)
+        else:
+            assert type(ours) is type(theirs)
+            assert ours == theirs, field.name
+
+
+def test_saved_trajectory_is_read_back_equal(collision, tmp_path):
+    collision.save(tmp_path / "one.npz")
+    assert_equal(Trajectory.load(tmp_path / "one.npz"), collision)
+    assert [path.name for path in tmp_path.iterdir()] == ["one.npz"]
+
+
+@given(data=st.data())
+@settings(max_examples=40, deadline=None)
+def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):
+    n = data.draw(st.integers(1, 4))
+    count = data.draw(st.integers(1, 5))
+    number = st.floats(allow_nan=False)
+    positive = st.floats(min_value=1e-6, max_value=1e6)
+    interval = st.tuples(number, number | st.just(math.inf))
+
+    def array(*shape: int) -> np.ndarray:
+        size = math.prod(shape)
+        return np.array(data.draw(st.lists(number, min_size=size, max_size=size)), dtype=float).reshape(shape)
+
+    contact = st.builds(Contact, positive, positive, positive)
+    chain = Chain(
+        [math.inf, *data.draw(st.lists(positive, min_size=n, max_size=n))],
+        data.draw(st.lists(contact, min_size=n, max_size=n)),
+        data.draw(st.floats(0.0, 1e3)),
+    )
+    made = Trajectory(
+        chain=chain,
+        time=array(count),
+        overlap=array(count, n),
+        rate=array(count, n),
+        anchor=array(count, 2),
+        force=array(count, n),
+        final_velocity=array(n + 1),
+        contact_intervals=tuple(tuple(data.draw(st.lists(interval, max_size=3))) for _ in range(n)),
+        method=data.draw(st.text()),
+        step=data.draw(positive),
+        steps=data.draw(st.integers(0, 10**12)),
+        warnings=tuple(data.draw(st.lists(st.text(), max_size=2))),
+    )
+    path = tmp_path_factory.mktemp("any") / "one.npz"
+    with np.errstate(all="ignore"):  # positions are sums of arbitrary numbers here, and may overflow
+        made.save(path)
+    assert_equal(Trajectory.load(path), made)
+
+
+def test_file_needs_no_pickle_and_says_what_made_it(collision, tmp_path):
+    collision.save(tmp_path / "one.npz")
+    with np.load(tmp_path / "one.npz", allow_pickle=False) as file:
+        metadata = json.loads(str(file["metadata"]))
+        np.testing.assert_array_equal(file["velocity"], collision.velocity)
+        np.testing.assert_array_equal(file["position"], collision.position)
+        assert file["contact_intervals"].shape[1] == 3
+    assert metadata["method"] == collision.method
+    assert metadata["step"] == collision.step
+    assert metadata["chain"]["contact"][0] == {"preload": 0.0, "stiffness": 1.0, "exponent": 1.5, "loss": 0.0}
+    assert set(metadata["versions"]) == {"softcradle", "numpy", "python"}
+
+
+def test_wall_and_contact_that_never_opens_survive(tmp_path):
+    chain = Chain([1.0, math.inf], draft_gear(100.0, 0.1), gap=0.5)
+    cut_short = simulate(chain, [1.0, 0.0], duration=0.5005, method="verlet", step=1e-4)
+    assert cut_short.contact_intervals[0][-1][1] == math.inf
+    cut_short.save(tmp_path / "wall.npz")
+    assert_equal(Trajectory.load(tmp_path / "wall.npz"), cut_short)
+
+
+def test_csv_has_a_row_a_sample_and_units(collision, tmp_path):
+    collision.to_csv(tmp_path / "one.csv")
+    with (tmp_path / "one.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = list(csv.reader(file))
+    assert len(rows) == len(collision.time)
+    column = {name: np.array([float(row[i]) for row in rows]) for i, name in enumerate(header)}
+    assert header[0] == "time [s]"
+    np.testing.assert_array_equal(column["velocity 3 [m/s]"], collision.velocity[:, 3])
+    np.testing.assert_array_equal(column["force 0-1 [N]"], collision.force[:, 0])
+    np.testing.assert_array_equal(column["momentum [N s]"], collision.momentum)
+    energy = column["kinetic energy [J]"] + column["contact energy [J]"]
+    np.testing.assert_array_equal(energy, collision.kinetic_energy + collision.contact_energy)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x03\x04 torn"])
+def test_other_files_are_refused_in_a_sentence(content, tmp_path):
+    path = tmp_path / "other.npz"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"other\.npz: not a trajectory"):
+        Trajectory.load(path)
+
+
+def test_npz_of_someone_else_and_of_the_future_is_refused(collision, tmp_path):
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    with pytest.raises(ValueError, match="not a trajectory"):
+        Trajectory.load(tmp_path / "other.npz")
+    np.savez(tmp_path / "future.npz", metadata=np.array(json.dumps({"format": 99})))
+    with pytest.raises(ValueError, match="format 99"):
+        Trajectory.load(tmp_path / "future.npz")
+
+
+def test_failed_write_leaves_the_old_file(collision, tmp_path, monkeypatch):
+    path = tmp_path / "one.npz"
+    path.write_bytes(b"old")
+
+    def disk_full(*_arguments: object, **_keywords: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", disk_full)
+    with pytest.raises(OSError, match="No space"):
+        collision.save(path)
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("write", [Trajectory.save, Trajectory.to_csv])
+def test_folder_that_is_not_there_is_named(collision, tmp_path, write):
+    with pytest.raises(FileNotFoundError, match=r"there is no folder .*missing"):
+        write(collision, tmp_path / "missing" / "one")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_appears_whole_or_not_at_all(tmp_path):
+    target = tmp_path / "frames"
+    with output_folder(target) as temporary:
+        (temporary / "1.png").write_bytes(b"one")
+        assert not target.exists()
+    assert [path.name for path in target.iterdir()] == ["1.png"]
+    with pytest.raises(FileExistsError, match="not an empty folder"), output_folder(target):
+        pass
+    assert [path.name for path in target.iterdir()] == ["1.png"]
+
+
+def test_broken_folder_leaves_nothing(tmp_path):
+    def breaks() -> None:
+        with output_folder(tmp_path / "frames") as temporary:
+            (temporary / "1.png").write_bytes(b"one")
+            raise RuntimeError("no ink")
+
+    with pytest.raises(RuntimeError, match="no ink"):
+        breaks()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_output_file_has_the_suffix_and_the_usual_permissions(tmp_path):
+    (tmp_path / "usual").write_bytes(b"")
+    with output_file(tmp_path / "film.mp4") as temporary:
+        assert temporary.suffix == ".mp4"
+        temporary.write_bytes(b"film")
+    assert (tmp_path / "film.mp4").stat().st_mode == (tmp_path / "usual").stat().st_mode

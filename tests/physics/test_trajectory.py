@@ -1,0 +1,229 @@
+"""What `simulate` returns and `advance` does: samples, durations, gaps, events, and no memory taken a step."""
+
+from __future__ import annotations
+
+import gc
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, simulate
+
+from tests.helpers.relations import ADAPTIVE, FIXED_STEP, LIVE, NAMES, separating
+
+CRADLE = one_on(4, hertz(1.0))
+START = [1.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def fineness(method, step):
+    return {} if method in [m.name for m in ADAPTIVE] else {"step": step}
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_shapes(method):
+    found = simulate(CRADLE, START, 2.0, method, samples=13)
+    assert found.time.shape == found.kinetic_energy.shape == found.contact_energy.shape == found.momentum.shape == (13,)
+    assert found.position.shape == found.velocity.shape == (13, 5)
+    assert found.overlap.shape == found.rate.shape == found.force.shape == (13, 4)
+    assert found.anchor.shape == (13, 2)
+    assert found.final_velocity.shape == (5,)
+    assert len(found.contact_intervals) == 4
+    assert found.method == method
+    assert found.seconds > 0.0
+    assert found.evaluations >= 1
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_a_number_of_samples_is_even_from_start_to_end(method):
+    found = simulate(CRADLE, START, 2.0, method, samples=9)
+    assert found.time == pytest.approx(np.linspace(0.0, 2.0, 9), abs=1e-15)
+    assert found.velocity[0].tolist() == START
+    assert found.velocity[-1] == pytest.approx(found.final_velocity, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_given_sample_times_are_those(method):
+    times = [0.0, 0.1, 0.1, 0.7123456, 1.5]
+    found = simulate(CRADLE, START, 2.0, method, samples=times)
+    assert found.time.tolist() == times
+    assert found.position[1].tolist() == found.position[2].tolist()
+    fine = simulate(CRADLE, START, 2.0, method, samples=2001)
+    for k, time in enumerate(times):  # a sample lies on the path through its neighbours
+        expected = [np.interp(time, fine.time, fine.position[:, i]) for i in range(5)]
+        assert found.position[k] == pytest.approx(expected, abs=2e-5)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_samples_leave_the_path_alone(method):
+    ends = [simulate(CRADLE, START, 2.0, method, samples=s).final_velocity for s in (2, 37, [0.5, 1.234])]
+    assert ends[0].tolist() == ends[1].tolist() == ends[2].tolist()
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_samples_agree_with_each_other(method):
+    found = simulate(CRADLE, START, 3.0, method, samples=50)
+    assert found.overlap == pytest.approx(found.position[:, :-1] - found.position[:, 1:], abs=1e-12)
+    assert found.rate == pytest.approx(found.velocity[:, :-1] - found.velocity[:, 1:], abs=1e-12)
+    resting = (found.overlap <= 0.0) & (found.force != 0.0)
+    assert not resting.any()
+    mass = np.array(CRADLE.mass)
+    assert found.kinetic_energy == pytest.approx(0.5 * found.velocity**2 @ mass)
+    stored = np.array([[c.energy(d) for c, d in zip(CRADLE.contact, row, strict=True)] for row in found.overlap])
+    assert found.contact_energy == pytest.approx(stored.sum(axis=1))
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_without_a_duration_it_runs_until_all_are_apart(method):
+    found = simulate(CRADLE, START, method=method)
+    assert separating(found.final_velocity, 1e-9)
+    assert (found.overlap[-1] <= 1e-9).all()
+    openings = [intervals[-1][1] for intervals in found.contact_intervals]
+    assert found.time[-1] == pytest.approx(max(openings), rel=5e-3)
+    longer = simulate(CRADLE, START, 3 * found.time[-1], method)
+    assert longer.final_velocity == pytest.approx(found.final_velocity, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_without_a_duration_samples_may_lie_beyond(method):
+    end = simulate(CRADLE, START, method=method, samples=2).time[-1]
+    found = simulate(CRADLE, START, method=method, samples=[0.0, 2 * end, 3 * end])
+    assert found.time[-1] == 3 * end
+    assert found.velocity[1:] == pytest.approx(np.tile(found.final_velocity, (2, 1)), abs=1e-12)
+    moved = found.position[2] - found.position[1]
+    assert moved == pytest.approx(end * found.final_velocity, abs=1e-9)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_a_duration_of_zero_is_the_start(method):
+    found = simulate(CRADLE, START, 0.0, method, samples=2)
+    assert found.velocity.tolist() == [START, START]
+    assert found.final_velocity.tolist() == START
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_beads_that_part_are_done_at_once(method):
+    found = simulate(one_on(2, hertz(1.0)), [-1.0, 0.0, 2.0], method=method, samples=2)
+    assert found.time.tolist() == [0.0, 0.0]
+    assert found.contact_intervals == ((), ())
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_a_gap_is_flown_through_freely(method):
+    chain = Chain([1.0, 1.0], hertz(1.0), 100.0)
+    found = simulate(chain, [0.5, 0.0], method=method, samples=[0.0, 100.0, 199.0], duration=210.0)
+    assert found.position[:, 0] == pytest.approx([0.0, 50.0, 99.5], abs=1e-9)
+    closed, opened = found.contact_intervals[0][0]
+    assert closed == pytest.approx(200.0, abs=1e-3)
+    touching = simulate(Chain([1.0, 1.0], hertz(1.0)), [0.5, 0.0], method=method)
+    assert opened - closed == pytest.approx(touching.contact_intervals[0][0][1], abs=0.02)
+    assert found.final_velocity == pytest.approx(touching.final_velocity, abs=1e-4)
+
+
+@pytest.mark.parametrize("method", [method.name for method in FIXED_STEP])
+def test_free_flight_costs_no_steps_worth_mentioning(method):
+    near = simulate(Chain([1.0, 1.0], hertz(1.0), 0.0), [1.0, 0.0], method=method, samples=2)
+    far = simulate(Chain([1.0, 1.0], hertz(1.0), 1e4), [1.0, 0.0], method=method, samples=2)
+    if method != "pymunk":  # which steps its Space through the gap
+        assert far.evaluations < near.evaluations + 10
+    assert far.final_velocity == pytest.approx(near.final_velocity, abs=1e-4)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_intervals_tell_when_a_contact_opened_for_good(method):
+    found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], method=method)
+    assert found.contact_intervals[0][0] == pytest.approx((0.0, math.pi / math.sqrt(2)), abs=0.01)
+    cut = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1.0, method)
+    assert cut.contact_intervals[0][0][1] == math.inf
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_advance_is_simulate(method):
+    chain = Chain([1.0, 2.0, 1.0, 0.5], [hertz(1.0), hooke(2.0), power_law(1.0, 0.5)], [0.0, 0.1, 0.0])
+    start = [1.0, 0.0, 0.0, -0.5]
+    state = State.at_start(chain, start)
+    for _ in range(8):
+        advance(chain, state, 0.25, method, **fineness(method, 2**-10))
+    found = simulate(chain, start, 2.0, method, samples=2, **fineness(method, 2**-10))
+    exact = [m.name for m in LIVE]
+    assert state.time == 2.0
+    assert state.velocity(chain) == pytest.approx(found.velocity[-1], abs=1e-13 if method in exact else 1e-8)
+    assert state.position(chain) == pytest.approx(found.position[-1], abs=1e-13 if method in exact else 1e-8)
+    assert state.force == pytest.approx(found.force[-1], abs=1e-12 if method in exact else 1e-7)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_advance_by_nothing_changes_nothing(method):
+    state = State.at_start(CRADLE, START)
+    advance(CRADLE, state, 0.0, method, **fineness(method, 1e-3))
+    assert state.velocity(CRADLE).tolist() == START
+    assert state.time == 0.0
+
+
+@pytest.mark.parametrize("method", [method.name for method in LIVE])
+def test_advance_takes_no_memory_a_step(method):
+    chain = one_on(50, hertz(1.0))
+    state = State.at_start(chain, [1.0] + [0.0] * 50)
+    advance(chain, state, 0.01, method, step=1e-3)  # compiles, and takes its scratch memory
+    peaks = []
+    for count in (10, 10_000):
+        gc.collect()
+        tracemalloc.start()
+        advance(chain, state, count * 1e-4, method, step=1e-4)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] <= peaks[0] + 512  # a thousand times the steps
+
+
+@given(st.floats(0.05, 3.0), st.floats(1e-3, 0.3), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
+@settings(max_examples=25)
+@pytest.mark.parametrize("method", [method.name for method in LIVE])
+def test_any_step_duration_and_samples_go_together(method, duration, step, parts):
+    times = np.sort(np.array(parts)) * duration
+    found = simulate(CRADLE, START, duration, method, step, times)
+    assert found.time.tolist() == times.tolist()
+    assert found.steps <= duration / step + 2
+    ended = simulate(CRADLE, START, duration, method, step, [duration])
+    assert ended.velocity[-1] == pytest.approx(found.final_velocity, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"method": "rk4"}, "unknown method 'rk4'; there are euler, verlet"),
+        ({"duration": -1.0}, "duration must be a finite time >= 0, not -1.0"),
+        ({"duration": math.inf}, "duration must be a finite time >= 0, not inf"),
+        ({"step": 0.0}, "step must be a finite time > 0, not 0.0"),
+        ({"step": math.nan}, "step must be a finite time > 0, not nan"),
+        ({"samples": 1}, r"samples must be at least 2 \(start and end\), not 1"),
+        ({"samples": []}, "at least one time"),
+        ({"samples": [1.0, 0.5]}, "ascending"),
+        ({"samples": [-1.0, 0.5]}, ">= 0"),
+        ({"samples": [0.5, 3.0], "duration": 2.0}, "within the duration 2.0"),
+        ({"tolerance": 0.0}, "tolerance must be > 0, not 0.0"),
+        ({"method": "scipy", "step": 0.1}, "method 'scipy' chooses its own steps"),
+    ],
+)
+def test_bad_options_are_refused_in_a_sentence(options, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        simulate(CRADLE, START, **options)
+
+
+def test_two_walls_need_a_duration():
+    with pytest.raises(ValueError, match="two walls may never come apart: give a duration"):
+        simulate(Chain([math.inf, 1.0, math.inf], hertz(1.0), 0.1), [0.0, 1.0, 0.0])
+
+
+def test_bad_starts_are_refused_in_a_sentence():
+    with pytest.raises(ValueError, match=r"5 beads need 5 velocities, not shape \(2,\)"):
+        simulate(CRADLE, [1.0, 0.0])
+    with pytest.raises(ValueError, match="duration must be a finite time >= 0, not -1"):
+        advance(CRADLE, State.at_start(CRADLE, START), -1)
+
+
+def test_a_gear_may_rest_at_zero_overlap_and_still_push():
+    found = simulate(one_on(2, draft_gear(1.0, 1.0)), [0.1, 0.0, 0.0], 0.05, "scipy", samples=3)
+    assert found.overlap[-1, 1] == 0.0
+    assert found.force[-1, 1] == pytest.approx(found.force[-1, 0] / 2)

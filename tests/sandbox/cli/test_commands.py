@@ -1,0 +1,201 @@
+"""The command: its help, its commands, and what they print and write."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from softcradle.physics import Trajectory
+from softcradle.sandbox.cli.main import COMMANDS, main
+from softcradle.sandbox.trajectory_summary import summarise
+
+from softcradle import scenes
+
+FINAL = [-0.56758562, 0.17392147, 0.45407871, 0.46978361, 0.46980183]
+
+
+def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(arguments) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def test_help_lists_every_command_with_a_line(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--help"])
+    out = capsys.readouterr().out
+    for command in COMMANDS:
+        assert f"    {command.name} " in out
+        assert command.help.split(",")[0] in out
+
+
+@pytest.mark.parametrize("command", [command.name for command in COMMANDS])
+def test_every_command_has_help(command, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([command, "--help"])
+    assert f"usage: softcradle {command}" in capsys.readouterr().out
+
+
+def test_nothing_asked_opens_the_window(monkeypatch):
+    opened = []
+    monkeypatch.setattr("softcradle.sandbox.cli.commands.play.main", lambda args: opened.append(args.scene) or 0)
+    assert main([]) == 0
+    assert main(["play", "one-on-four"]) == 0
+    assert opened == [None, "one-on-four"]
+
+
+def test_version(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--version"])
+    assert capsys.readouterr().out.startswith("softcradle ")
+
+
+def test_help_imports_nothing_heavy():
+    heavy = [
+        "numpy",
+        "pydantic",
+        "rich",
+        "numba",
+        "pymunk",
+        "pygame",
+        "av",
+        "scipy",
+        "matplotlib",
+        "softcradle.physics.contact",
+    ]
+    code = (
+        "import sys\nfrom softcradle.sandbox.cli.main import main\n"
+        "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
+        f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stderr == "[]\n"
+
+
+def test_module_is_the_command():
+    told = subprocess.run([sys.executable, "-m", "sandbox", "run", "nope"], capture_output=True, text=True, check=False)
+    assert told.returncode == 2
+    assert told.stderr.startswith("softcradle: there is no scene 'nope'")
+
+
+def test_reader_that_goes_away_is_no_error():
+    shell = f"{sys.executable} -m sandbox scenes mixed | true; exit ${{PIPESTATUS[0]}}"
+    told = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
+    assert told.stderr == ""
+
+
+def test_scenes_lists_all(capsys):
+    out = output(capsys, "scenes")
+    for name in scenes.names():
+        assert name in out
+        assert scenes.load(name).title in out
+
+
+def test_scene_s_file_can_be_printed_to_start_from(capsys):
+    assert scenes.parse(output(capsys, "scenes", "galilean")) == scenes.load("galilean")
+
+
+def test_check_of_a_good_scene(capsys):
+    assert output(capsys, "check", "galilean") == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n"
+
+
+def test_run_prints_velocities_contacts_errors_and_cost(capsys):
+    out = output(capsys, "run", "one-on-four", "--method", "verlet", "--step", "1/2000")
+    assert "One bead on four" in out
+    assert "Fig. 1b" in out
+    row = next(line.split() for line in out.splitlines() if line.strip().startswith("4 "))
+    assert float(row[3]) == pytest.approx(FINAL[4], abs=3e-3)
+    struck = next(line.split() for line in out.splitlines() if line.strip().startswith("0-1 "))
+    assert float(struck[1]) == pytest.approx(1.0, abs=1e-3)
+    assert float(struck[2]) == pytest.approx(2.80128, abs=1e-3)
+    assert float(struck[4]) == pytest.approx(0.44966, abs=1e-3)
+    assert float(struck[5]) == pytest.approx(0.92318, abs=1e-3)
+    for word in ("method", "verlet, step 0.0005 s", "energy error", "momentum error", "steps", "evaluations", "ms"):
+        assert word in out
+
+
+def test_json_holds_the_same_numbers(capsys):
+    told = json.loads(output(capsys, "run", "one-on-four", "--json"))
+    (lane,) = told["lanes"]
+    np.testing.assert_allclose([bead["final_velocity"] for bead in lane["beads"]], FINAL, atol=3e-3)
+    assert lane["energy_error"] < 1e-3
+    assert lane["momentum_error"] < 1e-12
+    assert told["versions"]["softcradle"]
+    assert lane["contacts"][0]["closed"] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_run_writes_everything(capsys, tmp_path):
+    out = output(capsys, "run", "two-on-two", "-o", str(tmp_path / "two.npz"), "--samples", "11", "--method", "euler")
+    assert "written: " in out
+    made = Trajectory.load(tmp_path / "two.npz")
+    assert made.method == "euler"
+    assert made.time.shape == (11,)
+    assert made.chain == scenes.load("two-on-two").lanes[0].chain()
+    assert [path.name for path in tmp_path.iterdir()] == ["two.npz"]
+
+
+def test_lanes_are_written_one_file_each(capsys, tmp_path):
+    output(capsys, "run", "galilean", "-o", str(tmp_path / "who.csv"), "--duration", "1.5", "--samples", "4")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["who-1.csv", "who-2.csv"]
+    with (tmp_path / "who-2.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["time [s]"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
+    assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
+
+
+def test_render_makes_one_picture_and_says_so(capsys, tmp_path):
+    from PIL import Image
+
+    out = output(capsys, "render", "one-on-four", "-o", str(tmp_path / "one.png"), "--size", "640x360")
+    assert out.startswith(f"written: {tmp_path / 'one.png'}, one picture, in ")
+    with Image.open(tmp_path / "one.png") as picture:
+        assert picture.size == (640, 360)
+        assert len(picture.getcolors(1 << 20) or []) > 10
+
+
+def test_warning_of_the_physics_is_a_sentence(capsys, monkeypatch):
+    def warns(_args: object) -> int:
+        warnings.warn("the step is too long", RuntimeWarning, stacklevel=1)
+        return 0
+
+    monkeypatch.setattr("softcradle.sandbox.cli.commands.check.main", warns)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        assert main(["check", "mixed"]) == 0
+    assert capsys.readouterr().err == "softcradle: warning: the step is too long\n"
+
+
+def test_same_run_twice_is_the_same_to_the_last_digit(capsys):
+    def told() -> list[dict[str, object]]:
+        lanes = json.loads(output(capsys, "run", "beads-against-gear", "--json"))["lanes"]
+        return [{key: value for key, value in lane.items() if key != "milliseconds"} for lane in lanes]
+
+    assert told() == told()
+
+
+def test_errors_are_relative_to_the_start():
+    """A motion whose energy falls by a quarter and whose momentum by a half, made up to know the answer."""
+    chain = scenes.load("one-on-four").lanes[0].chain()
+    n = chain.contacts
+    apart = np.full((2, n), -1.0)
+    rate = np.zeros((2, n))
+    # Beads 0 and 4 at speeds +2 and 0, then +1 and -... : rates are differences of neighbours.
+    velocity = np.array([[2.0, 0, 0, 0, 0], [1.0, 0, 0, 0, np.sqrt(2.0)]])
+    rate = velocity[:, :-1] - velocity[:, 1:]
+    anchor = np.column_stack([np.zeros(2), velocity[:, chain.anchor]])
+    made = Trajectory(
+        chain=chain, time=np.array([0.0, 1.0]), overlap=apart, rate=rate, anchor=anchor, force=np.zeros((2, n)),
+        final_velocity=velocity[-1], contact_intervals=((),) * n, method="made up",
+    )  # fmt: skip
+    summary = summarise("lane", made)
+    assert summary.energy_error == pytest.approx(0.25)
+    assert summary.energy_error_at_end == pytest.approx(0.25)
+    assert summary.momentum_error == pytest.approx((1.0 + np.sqrt(2.0) - 2.0) / 2.0)
+    assert summary.contacts[0].closed is None
+    assert summary.contacts[0].times == 0

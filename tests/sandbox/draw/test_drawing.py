@@ -1,0 +1,400 @@
+"""Pictures: what is on them is what the history says, and drawing changes nothing."""
+
+import math
+
+import numpy as np
+import pygame
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
+from softcradle.sandbox.draw.curve_panels import spread
+from softcradle.sandbox.draw.drawable_trajectory import Track
+from softcradle.sandbox.draw.lane_drawing import rigid_shares
+from softcradle.sandbox.draw.number_format import (
+    decades,
+    factor,
+    fixed,
+    index,
+    power_of_ten,
+    round_down,
+    round_step,
+    scientific,
+    ticks,
+)
+from softcradle.sandbox.draw.palette import OKABE_ITO, PAPER, STEEL, bead_colours
+from softcradle.sandbox.draw.shared_scales import followed, left_edges
+from softcradle.sandbox.draw.surface_cache import forget, kept
+from softcradle.sandbox.draw.text import font, shortened, width, wrapped
+from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.film.scene_film import simulated, strongest_row
+from softcradle.scenes.library import parse
+
+SIZE = (960, 540)
+
+SOFT = """
+title = "Soft and hard"
+text = "Some words."
+source = "Fig. 0"
+[[lanes]]
+label = "soft"
+beads = [1, 3]
+contact = {law = "power", f0 = 1.0, alpha = 0.25}
+velocity = 1.0
+"""
+TWO = (
+    SOFT
+    + """
+[[lanes]]
+label = "hard"
+beads = [1, 3]
+contact = {law = "hertz", stiffness = 30.0}
+velocity = 1.0
+"""
+)
+GEAR = """
+title = "Gear"
+[[lanes]]
+beads = [1, 1]
+contact = {law = "draft_gear", stiffness = 770.0, precompression = 0.0177}
+velocity = 0.5
+mass = 0.4
+[view]
+slow = 60.0
+length = 0.12
+"""
+WALL = """
+title = "Wall"
+[[lanes]]
+mass = [1.0, 2.0, 0.5, inf]
+velocity = [1.0, 0.0, 0.0, 0.0]
+contact = [{law = "step", f0 = 1.0}, {law = "draft_gear", stiffness = 5.0, precompression = 0.1},
+           {law = "hooke", stiffness = 10.0}]
+gap = 0.3
+"""
+MANY = """
+title = "Many"
+[[lanes]]
+beads = [1, 40]
+contact = {law = "hertz", stiffness = 100.0}
+velocity = 1.0
+"""
+AT_REST = """
+title = "Nothing moves"
+duration = 1.0
+[[lanes]]
+velocity = [0.0, 0.0]
+contact = {law = "hooke", stiffness = 1.0}
+"""
+
+
+def history(text, rows_per_second=40.0):
+    scene = parse(text)
+    return scene, simulated(scene, rows_per_second * scene.view.slow)
+
+
+@pytest.fixture(scope="module")
+def soft():
+    return history(SOFT)
+
+
+@pytest.fixture(scope="module")
+def two():
+    return history(TWO)
+
+
+def painted(picture, row, **options):
+    surface = pygame.Surface(picture.size, 0, 32)
+    picture.paint(surface, row, **options)
+    return pixels_of(surface)[..., 2::-1].astype(int).copy()
+
+
+def near(pixels, colour, tolerance=6):
+    return (np.abs(pixels - np.array(colour)) <= tolerance).all(axis=-1)
+
+
+def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
+    scene, tracks = two
+    before = [{name: getattr(t, name).copy() for name in ("time", "position", "overlap", "force")} for t in tracks]
+    picture = Picture(scene, tracks, SIZE)
+    middle, row = len(tracks[0].time) // 2, len(tracks[0].time) // 3
+    first = painted(picture, middle)
+    other = painted(picture, row, told=0.5)
+    assert (painted(picture, middle) == first).all()
+    assert (painted(Picture(scene, tracks, SIZE), middle) == first).all()
+    assert (other != first).any()
+    for track, held in zip(tracks, before, strict=True):
+        assert all((getattr(track, name) == array).all() for name, array in held.items())
+
+
+def test_draw_is_the_picture_of_that_row(soft):
+    scene, tracks = soft
+    surface = pygame.Surface(SIZE, 0, 32)
+    draw(surface, scene, tracks, 20)
+    assert (pixels_of(surface)[..., 2::-1] == painted(Picture(scene, tracks, SIZE), 20)).all()
+
+
+def test_bars_are_as_high_as_the_forces(soft):
+    scene, tracks = soft
+    picture = Picture(scene, tracks, SIZE)
+    stage, row = picture.lanes[0].stage, strongest_row(tracks)
+    above = painted(picture, row)[stage.rect.top : math.floor(stage.foot_of_bars), stage.rect.left : stage.rect.right]
+    heights = [near(above, colour).sum(axis=0).max() for colour in stage.contact_colours]
+    expected = stage.bar_room * tracks[0].force[row] / (picture.scales.force / 1.12)
+    lines_across = 3  # the line of the rigid cluster, and two partly covered pixels
+    assert heights == pytest.approx(expected, abs=lines_across)
+    assert min(expected) > 10
+
+
+def test_beads_are_where_they_are_and_overlap_darker(soft):
+    scene, tracks = soft
+    picture = Picture(scene, tracks, SIZE)
+    stage, row = picture.lanes[0].stage, strongest_row(tracks)
+    pixels = painted(picture, row)
+    edges = stage.left() + stage.scale * left_edges(
+        tracks[0].position[row], tracks[0].overlap[row], stage.length, picture.scales.magnify
+    )
+    y = round(stage.ground - stage.bead / 2 - 0.3 * stage.bead)
+    for i, edge in enumerate(edges[2:], 2):
+        assert near(pixels[y, round(edge + stage.bead / 2)], stage.colours[i], 45), i
+    lens = pixels[round(stage.ground - stage.bead / 2), round((edges[0] + stage.bead + edges[1]) / 2)]
+    assert lens.sum() < pixels[y, round(edges[1] + stage.bead * 0.6)].sum() - 20
+
+
+def test_piston_moves_in_by_the_magnified_overlap():
+    scene, tracks = history(GEAR)
+    picture = Picture(scene, tracks, SIZE)
+    stage = picture.lanes[0].stage
+    rows = [int(np.argmin(np.abs(tracks[0].time))), strongest_row(tracks)]
+    y = round(stage.ground - 0.33 * stage.bead)
+    rods = [near(painted(picture, row)[y, stage.rect.left : stage.rect.right], STEEL, 3).sum() for row in rows]
+    moved = picture.scales.magnify * stage.scale * tracks[0].overlap[rows[1], 0]
+    assert moved > 8
+    assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
+
+
+def test_lanes_share_clock_axes_and_scale(two):
+    scene, tracks = two
+    picture = Picture(scene, tracks, SIZE)
+    first, second = picture.lanes
+    assert (tracks[0].time == tracks[1].time).all()
+    assert first.stage.scale == second.stage.scale
+    for a, b in zip(first.panels, second.panels, strict=True):
+        assert (a.area.left, a.area.width, a.time, a.axis) == (b.area.left, b.area.width, b.time, b.axis)
+    assert not first.stage.rect.colliderect(second.stage.rect)
+
+
+def test_beads_beside_gears_have_one_scale():
+    scene, tracks = history(SOFT + GEAR.split("[view]", maxsplit=1)[0].replace('title = "Gear"', ""))
+    beads, gears = Picture(scene, tracks, SIZE).lanes
+    assert beads.stage.scale == gears.stage.scale
+
+
+def test_everything_stays_in_view(two):
+    scene, tracks = two
+    scales = scales_of(scene, tracks)
+    for track in tracks:
+        edges = left_edges(track.position, track.overlap, scene.view.length, scales.magnify)
+        assert scales.window[0] < edges.min()
+        assert scales.window[1] > edges.max() + scene.view.length
+        assert scales.velocity[0] <= track.velocity.min()
+        assert scales.velocity[1] >= track.velocity.max()
+        assert scales.force > track.force.max()
+
+
+def test_magnified_overlaps_move_beads_about_their_mean():
+    position, overlap = np.array([0.0, -0.1, 0.4]), np.array([0.1, -0.5])
+    edges = left_edges(position, overlap, 1.0, 3.0)
+    assert np.diff(edges) == pytest.approx([1.0 - 3.0 * 0.1, 1.5])
+    assert (edges - left_edges(position, overlap, 1.0, 1.0)).mean() == pytest.approx(0.0)
+
+
+def test_free_flight_before_the_start(soft):
+    scene, (track,) = soft
+    early = track.time < 0.0
+    assert early.any()
+    assert track.position[early, 0] == pytest.approx(track.time[early])
+    assert (track.position[early, 1:] == 0.0).all()
+    assert (track.force[early] == 0.0).all()
+    assert track.energy_error[early].max() == 0.0
+    chain = scene.lanes[0].chain()
+    assert longest_lead(chain, np.array([1.0, 0.0, 0.0, 0.0])) == math.inf
+    assert longest_lead(chain, np.array([0.0, 0.0, 0.0, 1.0])) == 0.0
+
+
+def test_errors_are_those_of_the_motion(soft):
+    _, (track,) = soft
+    energy = track.kinetic.sum(axis=1) + track.stored
+    assert track.energy_error[-1] == pytest.approx(np.abs(energy / energy[0] - 1.0).max())
+    lost = Track(track.chain, track.time, track.position, 0.5 * track.velocity, track.overlap, track.force)
+    assert lost.momentum_error[-1] == pytest.approx(track.momentum_error[-1], abs=1e-12)
+    assert lost.energy_error[-1] > 0.1
+
+
+def test_rigid_shares_are_those_of_equation_4():
+    assert rigid_shares([1.0] * 5, [1, 0, 0, 0, 0]) == (0, (1.0, 0.75, 0.5, 0.25))
+    assert rigid_shares([1.0, 3.0, 2.0, 2.0], [1, 1, 0, 0]) == (1, (0.25, 1.0, 0.5))
+    assert rigid_shares([1.0, 1.0, math.inf], [1, 0, 0])[1] == (0.0, 0.0)
+    assert rigid_shares([1.0, 1.0, 1.0], [0, 0, 1])[1] == (0.0, 0.0)
+
+
+def test_a_history_that_grows_is_inked_like_one_that_is_known(two):
+    scene, tracks = two
+    scales = scales_of(scene, tracks)
+    whole = Picture(scene, tracks, SIZE, scales=scales, ahead=0.0)
+    growing = Picture(scene, [shortened_track(t, 30) for t in tracks], SIZE, scales=scales, ahead=0.0)
+    for rows in (31, 60, len(tracks[0].time)):
+        growing.extend([shortened_track(t, rows) for t in tracks])
+    for lane, grown in zip(whole.lanes, growing.lanes, strict=True):
+        for panel, other in zip(lane.panels, grown.panels, strict=True):
+            assert (pixels_of(panel.inked) == pixels_of(other.inked)).all()
+
+
+def shortened_track(track, rows):
+    arrays = (track.time, track.position, track.velocity, track.overlap, track.force)
+    return Track(track.chain, *(array[:rows] for array in arrays))
+
+
+@pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])
+def test_any_size(two, size):
+    scene, tracks = two
+    pixels = painted(Picture(scene, tracks, size), 40, told=1.0)
+    assert pixels.shape == (size[1], size[0], 3)
+    assert 0.01 < (~near(pixels, PAPER)).mean() < 0.9
+    assert near(pixels[0, 0], PAPER)
+
+
+@pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
+def test_any_chain(text):
+    scene, tracks = history(text, 20.0)
+    picture = Picture(scene, tracks, SIZE)
+    frames = [painted(picture, row) for row in (0, len(tracks[0].time) // 2, len(tracks[0].time) - 1)]
+    assert all((~near(frame, PAPER)).mean() > 0.02 for frame in frames)
+    assert (frames[0] != frames[-1]).any()
+
+
+def test_camera_moves_the_beads_and_nothing_else(soft):
+    scene, tracks = soft
+    picture = Picture(scene, tracks, SIZE)
+    stage = picture.lanes[0].stage
+    still, moved = painted(picture, 5), painted(picture, 5, centre=sum(picture.scales.window) / 2 + 0.5)
+    changed = np.argwhere((still != moved).any(axis=-1))
+    assert changed[:, 0].min() >= stage.rect.top
+    assert changed[:, 0].max() <= picture.lanes[0].loupes.rect.bottom
+    middle = 0.5 * (tracks[0].position[5].min() + tracks[0].position[5].max() + 4.0)
+    assert followed(0.0, tracks[0], 5, 1.0, 1.0) == pytest.approx(middle)
+    assert followed(3.0, tracks[0], 5, 1.0, 0.0) == 3.0
+
+
+def test_text_of_the_scene_is_told_and_goes(soft):
+    scene, tracks = soft
+    picture = Picture(scene, tracks, SIZE)
+    plain, half, full = (painted(picture, 0, told=told) for told in (0.0, 0.5, 1.0))
+    assert (full != plain).any()
+    assert np.abs(half - plain).sum() < np.abs(full - plain).sum()
+
+
+def test_the_font_has_every_sign():
+    signs = "0123456789δvf₀₁₉₋⁰¹²⁹⁻·\N{MULTIPLICATION SIGN}\N{MINUS SIGN}…✓µ()=!éüα\N{NARROW NO-BREAK SPACE}"
+    assert all(metric is not None for metric in font(20).metrics(signs))
+    assert len({font(40).size(digit)[0] for digit in "0123456789\N{MINUS SIGN}"}) == 1, (
+        "digits of one width do not dance"
+    )
+
+
+def test_colours_differ_for_the_colour_blind():
+    """Deuteranopia and protanopia after Machado et al. (2009), severity 1, on linear light."""
+    machado = {
+        "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    }
+    linear = (np.array(OKABE_ITO) / 255.0) ** 2.2
+    for name, matrix in machado.items():
+        seen = np.clip(linear @ np.array(matrix).T, 0.0, 1.0) ** (1 / 2.2) * 255.0
+        apart = np.linalg.norm(seen[:, None] - seen[None], axis=-1) + 1e3 * np.eye(len(seen))
+        assert apart.min() > 20.0, name
+    assert len(set(bead_colours(60))) == 60
+
+
+@given(
+    st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100.0, 300.0)
+)
+def test_names_beside_curves_keep_order_and_distance(places, gap, high):
+    moved = spread(places, gap, 0.0, high)
+    order = sorted(range(len(places)), key=lambda k: places[k])
+    steps = np.diff([moved[k] for k in order])
+    assert (steps >= min(gap, high / max(1, len(places) - 1)) - 1e-6).all()
+    assert min(moved) >= -1e-6
+    assert max(moved) <= high + 1e-6
+
+
+def test_names_with_room_stay_where_they_are():
+    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
+    assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
+
+
+@given(st.floats(1e-9, 1e9), st.integers(1, 8))
+def test_steps_are_round(span, most):
+    step = round_step(span, most)
+    assert span / step <= most * (1 + 1e-6)
+    assert float(f"{step:.0e}"[:-4]) in {1.0, 2.0, 5.0}
+    assert round_down(step) == pytest.approx(step)
+    assert len(ticks(0.0, span, most)) <= most + 1
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        (scientific(0.41), "0.41"),
+        (scientific(7.8e-4), "7.8·10⁻⁴"),
+        (scientific(-1.25e7), "\N{MINUS SIGN}1.2·10⁷"),
+        (scientific(0.0), "0"),
+        (scientific(123.0), "123"),
+        (factor(0.5), "\N{MULTIPLICATION SIGN}0.5"),
+        (factor(20000.0), "\N{MULTIPLICATION SIGN}20\N{NARROW NO-BREAK SPACE}000"),
+        (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"),
+        (factor(1e29), "\N{MULTIPLICATION SIGN}10²⁹"),
+        (fixed(-0.001, 2), "0.00"),
+        (fixed(-1.5, 1), "\N{MINUS SIGN}1.5"),
+        (index(1, 2), "₁₂"),
+        (index(9, 10), "₉₋₁₀"),
+        (power_of_ten(-12), "10⁻¹²"),
+        (decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
+        (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
+    ],
+)
+def test_numbers(found, expected):
+    assert found == expected
+
+
+def test_text_fits_its_room():
+    assert width(shortened("a rather long title", 20, 100), 20) <= 100
+    assert shortened("short", 20, 1000) == "short"
+    assert all(width(line, 15) <= 200 for line in wrapped("a b c " * 40, 15, 200))
+    assert " ".join(wrapped("one two three", 15, 60)) == "one two three"
+
+
+def test_drawings_are_kept_up_to_their_memory_and_the_oldest_goes_first():
+    drawn = []
+
+    @kept(megabytes=1.0)
+    def square(side):
+        drawn.append(side)
+        return pygame.Surface((side, side), 0, 32)
+
+    sides = [256, 255, 254]  # a quarter of a megabyte each
+    for side in sides * 2:
+        assert square(side).get_size() == (side, side)
+    assert drawn == sides
+    square(400)  # 0.61 MB: the first two have to go
+    square(254)
+    assert drawn == [*sides, 400]
+    square(255)
+    assert drawn == [*sides, 400, 255]
+    square(2000)  # more than all of it is kept until the next
+    assert square(2000) is square(2000)
+    assert drawn == [*sides, 400, 255, 2000]
+    forget()
+    for side in sides * 2:  # room for three again: what was forgotten does not count
+        square(side)
+    assert drawn == [*sides, 400, 255, 2000, *sides]

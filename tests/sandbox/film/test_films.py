@@ -1,0 +1,270 @@
+"""Films read back frame by frame; refusals before any work; whole files or none."""
+
+import av
+import numpy as np
+import pygame
+import pytest
+from PIL import Image
+from softcradle.sandbox.draw import Picture
+from softcradle.sandbox.film import codecs
+from softcradle.sandbox.film import scene_film as render
+from softcradle.sandbox.film import writer as film
+from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.film.scene_film import Shot, render_scene, script, simulated, strongest_row
+from softcradle.sandbox.film.writer import open_film
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes.library import parse
+
+from softcradle import physics
+
+SIZE = (480, 270)
+FPS = 12.0
+SCENE = parse("""
+title = "Two rows"
+text = "Three words here."
+[[lanes]]
+label = "soft"
+beads = [1, 3]
+contact = {law = "power", f0 = 1.0, alpha = 0.25}
+velocity = 1.0
+[[lanes]]
+label = "hard"
+beads = [1, 3]
+contact = {law = "hertz", stiffness = 30.0}
+velocity = 1.0
+""")
+
+
+@pytest.fixture(scope="module")
+def frames():
+    """The frames as they are drawn, (F, height, width, 3)."""
+    tracks = simulated(SCENE, FPS)
+    picture, surface = Picture(SCENE, tracks, SIZE), pygame.Surface(SIZE, 0, 32)
+    drawn = []
+    for shot in script(SCENE, len(tracks[0].time), FPS):
+        picture.paint(surface, shot.row, told=shot.told)
+        drawn.append(pixels_of(surface)[..., 2::-1].copy())
+    return np.array(drawn)
+
+
+def rendered(path, **options):
+    return render_scene(SCENE, path, size=SIZE, progress=False, **{"fps": FPS, **options})
+
+
+def read(path):
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        images = [frame.to_ndarray(format="rgb24", src_colorspace="ITU709") for frame in container.decode(stream)]
+        return stream, np.array(images)
+
+
+def difference(found, expected):
+    """Mean difference of colour, and that of the worst frame."""
+    apart = np.abs(found.astype(int) - expected).mean(axis=(1, 2, 3))
+    return apart.mean(), apart.max()
+
+
+@pytest.mark.parametrize(("pixels", "tolerance"), [("yuv420p", 2.5), ("yuv444p", 1.5)])
+def test_mp4_frame_by_frame(tmp_path, frames, pixels, tolerance):
+    report = rendered(tmp_path / "film.mp4", pixels=pixels)
+    stream, found = read(tmp_path / "film.mp4")
+    context = stream.codec_context
+    assert found.shape == frames.shape
+    assert stream.average_rate == FPS
+    assert (context.pix_fmt, context.colorspace, context.color_range) == (pixels, 1, 1)
+    assert (context.color_primaries, context.color_trc) == (1, 1)
+    assert max(difference(found, frames)) < tolerance
+    assert (report.frames, report.duration) == (len(frames), pytest.approx(len(frames) / FPS))
+    assert 0.0 < report.simulated < report.first_frame < report.seconds
+    assert [path.name for path in tmp_path.iterdir()] == ["film.mp4"]
+
+
+def test_colours_survive(tmp_path):
+    size = (960, 540)
+    render_scene(SCENE, tmp_path / "film.mp4", size=size, fps=FPS, progress=False)
+    _, found = read(tmp_path / "film.mp4")
+    tracks = simulated(SCENE, FPS)
+    picture, surface = Picture(SCENE, tracks, size), pygame.Surface(size, 0, 32)
+    picture.paint(surface, len(tracks[0].time) - 1)
+    frame = pixels_of(surface)[..., 2::-1]
+    flat = _flat_places(frame)
+    assert len(np.unique(frame[flat], axis=0)) >= 6, "paper, stage and beads"
+    assert np.quantile(np.abs(found[-1][flat].astype(int) - frame[flat]), 0.999) <= 4
+
+
+def _flat_places(frame, reach=4):
+    """Where all neighbours have the same colour, so that no compression may move it."""
+    flat = np.ones(frame.shape[:2], bool)
+    for dy in range(-reach, reach + 1):
+        for dx in range(-reach, reach + 1):
+            flat &= (np.roll(frame, (dy, dx), (0, 1)) == frame).all(axis=-1)
+    return flat
+
+
+@pytest.mark.parametrize(("suffix", "tolerance"), [(".gif", 0.8), (".webp", 2.5), (".avif", 2.5)])
+def test_moving_pictures(tmp_path, frames, suffix, tolerance):
+    rendered(tmp_path / f"film{suffix}")
+    with Image.open(tmp_path / f"film{suffix}") as image:
+        assert image.size == SIZE
+        shown = []
+        for k in range(image.n_frames):
+            image.seek(k)
+            pixels = np.asarray(image.convert("RGB"))
+            shown.append((image.info["duration"], pixels))
+        assert image.info.get("loop", 0) == 0
+    assert len(shown) == len(frames) or suffix == ".webp", "WebP shows equal frames as one, for longer"
+    ends = np.cumsum([duration for duration, _ in shown])
+    assert ends[-1] == pytest.approx(1000 * len(frames) / FPS, abs=len(frames))
+    places = np.searchsorted(ends, (np.arange(len(frames)) + 0.5) * 1000 / FPS)
+    found = np.array([shown[min(k, len(shown) - 1)][1] for k in places])
+    assert max(difference(found, frames)) < tolerance
+
+
+def test_single_picture_is_the_moment_of_the_greatest_force(tmp_path):
+    assert rendered(tmp_path / "still.png").frames == 1
+    tracks = simulated(SCENE, FPS)
+    surface = pygame.Surface(SIZE, 0, 32)
+    Picture(SCENE, tracks, SIZE).paint(surface, strongest_row(tracks))
+    with Image.open(tmp_path / "still.png") as image:
+        assert (np.asarray(image.convert("RGB")) == pixels_of(surface)[..., 2::-1]).all()
+    strongest = max(track.force.max() for track in tracks)
+    assert any(track.force[strongest_row(tracks)].max() == strongest for track in tracks)
+
+
+def test_folder_of_pictures(tmp_path, frames):
+    rendered(f"{tmp_path}/film/")
+    paths = sorted((tmp_path / "film").iterdir())
+    assert [path.name for path in paths] == [f"{k:05d}.png" for k in range(len(frames))]
+    for path, frame in zip(paths, frames, strict=True):
+        with Image.open(path) as image:
+            assert (np.asarray(image.convert("RGB")) == frame).all()
+
+
+def test_the_same_scene_gives_the_same_film(tmp_path):
+    for name in ("one.mp4", "two.mp4"):
+        rendered(tmp_path / name)
+    assert (tmp_path / "one.mp4").read_bytes() == (tmp_path / "two.mp4").read_bytes()
+
+
+def test_slow_motion_stretches_the_motion_only(tmp_path):
+    plain, slow = rendered(tmp_path / "a.mp4"), rendered(tmp_path / "b.mp4", slow=2.0)
+    still = sum(shot.row == 0 for shot in script(SCENE, 2, FPS)) - 1 + round(1.2 * FPS)
+    assert slow.frames - still == pytest.approx(2 * (plain.frames - still), abs=3)
+
+
+def test_the_script_waits_for_the_reader_and_at_the_end():
+    shots = script(SCENE, 20, 10.0)
+    told = [shot.told for shot in shots]
+    assert shots[0] == Shot(0, 1.0)
+    assert told == sorted(told, reverse=True)
+    assert [shot.row for shot in shots if shot.told == 0.0] == [*range(20), *[19] * 12]
+
+
+def test_no_window_is_needed(tmp_path):
+    rendered(tmp_path / "still.png")
+    assert not pygame.display.get_init()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("film.mp4", {"size": (481, 270)}, "even width and height"),
+        ("film.mp4", {"size": (480, 271)}, "even width and height"),
+        ("film.mp4", {"size": (80, 60)}, "out of range"),
+        ("film.mp4", {"size": (20000, 1080)}, "out of range"),
+        ("film.mp4", {"fps": 0.5}, "frames a second"),
+        ("film.mp4", {"fps": 1000.0}, "frames a second"),
+        ("film.gif", {"fps": 60.0}, ".gif has 1 to 50 frames a second"),
+        ("film.mp4", {"pixels": "rgb"}, "unknown pixel format 'rgb'; allowed: yuv420p, yuv444p"),
+        ("film.gif", {"pixels": "yuv444p"}, ".mp4 only"),
+        ("film.mov", {}, "must end in .mp4, .gif, .webp, .avif or .png"),
+        ("film", {}, "must end in"),
+        ("missing/film.mp4", {}, "no folder"),
+        ("film.mp4", {"slow": -1.0}, "slow motion"),
+        ("film.mp4", {"slow": float("nan")}, "slow motion"),
+        ("film.mp4", {"slow": 1e9}, "frames, more than"),
+        ("film.mp4", {"method": "magic"}, "unknown method 'magic'"),
+        ("film.mp4", {"step": -1.0}, "step must be"),
+    ],
+)
+def test_refusals_leave_nothing(tmp_path, name, options, sentence):
+    arguments = {"size": SIZE, "fps": FPS, **options}
+    with pytest.raises(UserError, match=sentence.replace(".", r"\.")) as refused:
+        render_scene(SCENE, tmp_path / name, progress=False, **arguments)
+    assert "\n" not in str(refused.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["film.mov", "missing/film.mp4", "missing/film/", "film.mp4"])
+def test_what_cannot_be_written_is_refused_before_any_work(tmp_path, monkeypatch, name):
+    def work(*arguments, **settings):
+        raise AssertionError("worked")
+
+    monkeypatch.setattr(render, "simulated", work)
+    with pytest.raises(UserError):
+        render_scene(SCENE, f"{tmp_path}/{name}", size=(321, 181), progress=False)
+
+
+def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
+    def broken(*arguments, **settings):
+        trajectory = physics.simulate(*arguments, **settings)
+        trajectory.force[-1] = np.nan
+        return trajectory
+
+    monkeypatch.setattr(render, "solve", broken)
+    with pytest.raises(UserError, match="did not stay finite"):
+        simulated(SCENE, FPS)
+
+
+def test_a_missing_codec_is_refused(tmp_path, monkeypatch):
+    absent = tuple(codecs.replace(codec, name="no-such-codec") for codec in codecs.CODECS)
+    monkeypatch.setattr(codecs, "CODECS", absent)
+    with pytest.raises(UserError, match="built without no-such-codec"):
+        rendered(tmp_path / "film.mp4")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_with_something_in_it_is_refused(tmp_path):
+    (tmp_path / "kept.txt").write_text("kept")
+    with pytest.raises(UserError, match="not an empty folder"):
+        rendered(f"{tmp_path}/")
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.txt"]
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "film.gif", "film/"])
+def test_an_error_while_drawing_leaves_the_old_file(tmp_path, name):
+    if not name.endswith("/"):
+        (tmp_path / name).write_text("old")
+    with pytest.raises(ZeroDivisionError), open_film(f"{tmp_path}/{name}", SIZE, FPS) as sink:  # noqa: PT012
+        sink.add(sink.blank())
+        raise ZeroDivisionError
+    left = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert left == ({} if name.endswith("/") else {name: "old"})
+
+
+@pytest.mark.parametrize("failing", [0, 3, 19])
+def test_an_error_while_compressing_reaches_the_caller(tmp_path, monkeypatch, failing):
+    calls = iter(range(100))
+
+    def broken(*arguments):
+        if next(calls) == failing:
+            raise OSError("disk full")
+        return codecs.frame_of(*arguments)
+
+    monkeypatch.setattr(film, "frame_of", broken)
+    with pytest.raises(UserError, match="disk full"), open_film(tmp_path / "film.mp4", SIZE, FPS) as sink:  # noqa: PT012
+        for _ in range(20):
+            sink.add(sink.blank())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_gif_keeps_the_common_colours(frames):
+    surface = pygame.Surface(SIZE, 0, 32)
+    pixels_of(surface)[..., 2::-1] = frames[-1]
+    palette = codecs.Palette(surface)
+    colours, counts = np.unique(frames[-1].reshape(-1, 3), axis=0, return_counts=True)
+    common = colours[np.argsort(counts)[-20:]]
+    kept = palette.frame(surface).to_ndarray(format="rgb24")
+    assert (kept == frames[-1])[(frames[-1] == common[-1]).all(axis=-1)].all()
+    assert sum((palette.colours == colour).all(axis=1).any() for colour in common) == len(common)
+    assert np.abs(kept.astype(int) - frames[-1]).mean() < 0.5

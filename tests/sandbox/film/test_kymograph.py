@@ -1,0 +1,151 @@
+"""Kymographs: made from camera frames and from the trajectory, both agree to a pixel; scale bars; refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.draw import scales_of
+from softcradle.sandbox.draw.palette import INK
+from softcradle.sandbox.film.kymograph import CAMERA_RATE, as_seen, camera_rate, in_si, render_kymograph
+from softcradle.sandbox.film.kymograph_camera import Camera, stacked, traced
+from softcradle.sandbox.film.scene_film import motion_end, simulated
+from softcradle.scenes import load, names
+from softcradle.scenes.library import parse
+
+REACH = 420
+DARK = 60  # sum of red, green and blue below which a pixel is a marker's
+
+
+def filmed(name, rate, number=0, reach=REACH):
+    """The camera, the track and both kymographs of a lane."""
+    scene = load(name)
+    scene = as_seen(scene, motion_end(scene))
+    tracks = simulated(scene, rate)
+    camera = Camera(scene, number, scales_of(scene, tracks), reach)
+    track = tracks[number]
+    return camera, track, stacked(camera, track), traced(camera, track)
+
+
+def middles(line):
+    """Middles of the black stretches in a line (reach, 3), by their ink: pixels."""
+    ink = np.clip(255.0 - line.astype(float).max(axis=1), 0.0, 255.0) / 255.0
+    black = line.astype(int).sum(axis=1) < DARK
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], black.astype(int), [0]))))
+    assert ink[black].min() > 0.7
+    return np.array([0.5 * (a + b) for a, b in zip(edges[::2], edges[1::2], strict=True)])
+
+
+@pytest.mark.parametrize(
+    ("name", "rate", "number"),
+    [
+        ("draft-gear-one-on-three", CAMERA_RATE, 0),
+        ("draft-gear-two-on-two", CAMERA_RATE, 0),
+        ("one-on-four", 60.0, 0),
+        ("galilean", 60.0, 0),
+        ("hertz-cradle", 40.0, 0),
+        ("beads-against-gear", CAMERA_RATE, 1),
+    ],
+)
+def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
+    camera, track, frames, direct = filmed(name, rate, number)
+    assert frames.shape == direct.shape == (len(track.time), REACH, 3)
+    places = camera.markers(track)
+    moved = np.ptp(places, axis=0).max()
+    assert moved > 20.0  # so that a camera that saw nothing move would be found out
+    for seen, drawn, where in zip(frames, direct, places, strict=True):
+        from_frames, from_trajectory = middles(seen), middles(drawn)
+        assert len(from_frames) == len(from_trajectory) == len(where)  # a marker on every bead, none hidden
+        assert np.abs(from_frames - from_trajectory).max() <= 1.0
+        assert np.abs(from_frames - where).max() <= 1.0
+
+
+def test_markers_move_at_the_velocities_of_the_beads():
+    camera, track, frames, _ = filmed("draft-gear-one-on-three", CAMERA_RATE, reach=900)
+    first, last = (middles(frames[k]) for k in (-200, -1))
+    speed = (last - first) / camera.stage.scale / (track.time[-1] - track.time[-200])
+    assert speed == pytest.approx(track.velocity[-1], abs=0.01)
+
+
+def test_frames_show_bodies_and_the_traced_one_markers_alone():
+    _, _, frames, direct = filmed("one-on-four", 30.0)
+    assert len(np.unique(direct.reshape(-1, 3), axis=0)) < 300
+    assert (direct[..., 0] == direct[..., 2]).all()
+    colourful = np.ptp(frames.astype(int), axis=2) > 60
+    assert 0.1 < colourful.mean() < 0.9
+
+
+def test_a_wall_has_no_marker():
+    scene = parse("""
+title = "Wall"
+duration = 4.0
+[[lanes]]
+mass = [1.0, inf]
+velocity = [1.0, 0.0]
+contact = {law = "hertz", stiffness = 5.0}
+gap = 1.0
+""")
+    tracks = simulated(scene, 20.0)
+    camera = Camera(scene, 0, scales_of(scene, tracks), REACH)
+    assert camera.markers(tracks[0]).shape == (len(tracks[0].time), 1)
+    assert len(middles(camera.line(tracks[0], 0))) == 1
+
+
+def test_the_paper_s_camera_where_units_are_the_paper_s():
+    si = {name for name in names() if in_si(load(name))}
+    assert {"draft-gear-one-on-three", "draft-gear-two-on-two"} <= si
+    assert not {"one-on-four", "hooke-interface", "mixed"} & si
+    scene = load("draft-gear-one-on-three")
+    assert camera_rate(as_seen(scene, 0.06), 0.06, 1137) == CAMERA_RATE
+    every = CAMERA_RATE / camera_rate(as_seen(scene, 6.0), 6.0, 1137)  # of so many frames one
+    assert every == pytest.approx(round(every), rel=1e-12)
+    assert camera_rate(load("one-on-four"), 3.0, 1000) == pytest.approx(1000 / (3.0 * 1.6))
+
+
+def bar_lengths(picture):
+    """Longest level and upright stretches of ink outside the kymograph: (pixels below, pixels on the right)."""
+    black = (picture == np.array(INK)).all(axis=2)
+    below = max(int(row.sum()) for row in black[-60:-40])
+    right = max(int(column.sum()) for column in black[100:-62, -118:-90].T)
+    return below, right
+
+
+def test_scale_bars_are_100_ms_and_12_cm(tmp_path):
+    path = tmp_path / "x.kymograph.png"
+    scene = load("draft-gear-one-on-three")
+    report = render_kymograph(scene, str(path))
+    with Image.open(path) as opened:
+        picture = np.asarray(opened.convert("RGB"))
+    assert picture.shape == (720, 1280, 3)
+    below, right = bar_lengths(picture)
+    width = 1280 - 2 * 28 - 92
+    assert below == pytest.approx(0.1 * CAMERA_RATE * width / report.frames, abs=2)
+    seen = as_seen(scene, motion_end(scene))
+    low, high = scales_of(seen, simulated(seen, CAMERA_RATE)).window
+    tall = 720 - 80 - 58 - 24 - 14
+    assert right == pytest.approx(0.12 / (high - low) * tall, abs=2)
+
+
+def test_command(tmp_path, capsys):
+    path = tmp_path / "x.kymograph.png"
+    assert main(["render", "galilean", "-o", str(path), "--size", "640x360", "--fps", "30"]) == 0
+    assert "camera frames" in capsys.readouterr().out
+    with Image.open(path) as picture:
+        assert picture.size == (640, 360)
+    assert [file.name for file in tmp_path.iterdir()] == ["x.kymograph.png"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--slow", "2"], "--slow is for films"),
+        (["--pixel-format", "yuv444p"], "--pixel-format is for films"),
+        (["--size", "9x9"], "out of range"),
+        (["--step", "0.1", "--method", "radau"], "chooses its own steps"),
+    ],
+)
+def test_refusals(tmp_path, capsys, arguments, said):
+    assert main(["render", "one-on-four", "-o", str(tmp_path / "x.kymograph.png"), *arguments]) == 2
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,280 @@
+"""Edits: what they change and, above all, what they leave alone."""
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Contact, draft_gear, hertz, power_law
+from softcradle.sandbox.session import (
+    AddBead,
+    Lock,
+    Place,
+    RemoveBead,
+    Session,
+    SetContact,
+    SetDrive,
+    SetFriction,
+    SetGap,
+    SetKind,
+    SetMass,
+    SetMethod,
+    SetStep,
+    SetVelocity,
+)
+from softcradle.sandbox.session.contact_conversion import kind_of
+
+from softcradle import scenes
+
+
+def mid_collision(name="one-on-four"):
+    """A session in which contacts are pressed."""
+    session = Session(scenes.load(name))
+    session.apply(SetMethod(None, "conserving"))
+    while not (session.lanes[0].state.overlap > 0.0).all():
+        session.step_frames(1)
+    return session
+
+
+def test_velocity_of_one_bead_leaves_the_others_their_digits():
+    for bead in range(5):
+        session = mid_collision()
+        before = session.lanes[0].velocity
+        overlaps = session.lanes[0].state.overlap.copy()
+        session.apply(SetVelocity(0, bead, 3.25))
+        after = session.lanes[0].velocity
+        assert after[bead] == pytest.approx(3.25, abs=1e-15)
+        others = np.arange(5) != bead
+        assert after[others] == pytest.approx(before[others], abs=1e-15)
+        assert (session.lanes[0].state.overlap == overlaps).all()
+
+
+@pytest.mark.parametrize("bead", range(5))
+def test_a_new_heaviest_bead_moves_nothing(bead):
+    session = mid_collision()
+    position, velocity = session.lanes[0].position, session.lanes[0].velocity
+    session.apply(SetMass(0, bead, 50.0))
+    assert session.lanes[0].chain.anchor == bead
+    assert session.lanes[0].position == pytest.approx(position, abs=1e-15)
+    assert session.lanes[0].velocity == pytest.approx(velocity, abs=1e-15)
+
+
+def test_an_edit_is_booked_and_the_motion_after_it_conserves():
+    session = mid_collision()
+    session.apply(SetMass(0, 2, 4.0))
+    session.apply(SetContact(0, 1, power_law(3.0, 0.2)))
+    session.apply(SetVelocity(0, 4, -1.0))
+    assert session.health(0).energy_error < 1e-14
+    session.step_frames(600)
+    assert session.health(0).energy_error < 1e-12
+    assert session.health(0).momentum_error < 1e-12
+
+
+@pytest.mark.parametrize(
+    "edit", [SetMass(0, 1, 4.0), SetContact(0, None, hertz(100.0)), SetVelocity(0, 0, 0.5), SetDrive(0, 0, 1.0)]
+)
+def test_an_edit_is_felt_in_the_next_frame(edit):
+    plain, changed = mid_collision(), mid_collision()
+    changed.apply(edit)
+    plain.step_frames(1)
+    changed.step_frames(1)
+    assert (plain.lanes[0].velocity != changed.lanes[0].velocity).any()
+
+
+def test_a_drive_is_booked():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetDrive(0, 0, 0.7))
+    session.step_frames(500)
+    assert session.lanes[0].books[0] > 0.5, "it was driven"
+    assert session.health(0).energy_error < 1e-12
+    assert session.health(0).momentum_error < 1e-12
+
+
+def test_a_bed_that_begins_to_rub_brings_all_to_rest():
+    """What it absorbs is booked: the badge has nothing to complain of, and momentum is not its business any more."""
+    session = mid_collision()
+    session.apply(SetFriction(0, 0.05))
+    session.step_frames(1200)
+    assert (session.lanes[0].velocity == 0.0).all()
+    assert session.health(0).energy_error < 1e-12
+    assert session.health(0).momentum_error is None
+    at_rest = session.lanes[0].position.copy()
+    session.step_frames(60)
+    assert (session.lanes[0].position == at_rest).all()
+
+
+def test_a_moving_wall_is_booked():
+    session = Session(scenes.load("hertz-cradle"))
+    session.apply(SetMass(0, 0, math.inf))
+    session.step_frames(900)
+    assert session.lanes[0].velocity[0] == 1.0
+    assert session.lanes[0].velocity.max() > 1.0, "the wall drives the beads before it"
+    health = session.health(0)
+    assert health.energy_error < 1e-12
+    assert health.momentum_error is None
+
+
+def test_walls_that_move_differently_leave_no_energy_to_compare():
+    session = Session(scenes.load("hertz-cradle"))
+    session.apply(SetMass(0, 0, math.inf))
+    session.apply(SetMass(0, 4, math.inf))
+    session.step_frames(600)
+    assert session.health(0).energy_error is None
+
+
+def test_a_bead_shut_in_between_two_walls_stays():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetVelocity(0, None, 0.0))
+    for bead in (1, 3):
+        session.apply(SetMass(0, bead, math.inf))
+    session.step_frames(10)
+    assert session.lanes[0].velocity.tolist() == [0.0] * 5
+    assert session.trouble == ""
+
+
+def test_placing_shoves_neighbours_and_lets_none_through():
+    session = Session(scenes.load("one-on-four"))
+    session.drag(0, 0, 1.5)
+    assert session.lanes[0].position.tolist() == [1.5] * 5
+    session.drag(0, 4, -0.5)
+    assert session.lanes[0].position == pytest.approx([-0.5] * 5)
+    session.drag(0, 2, -0.25)
+    assert session.lanes[0].position == pytest.approx([-0.5, -0.5, -0.25, -0.25, -0.25])
+    assert (session.lanes[0].state.overlap <= 0.0).all()
+
+
+def test_a_wall_stops_what_is_placed():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetGap(0, 3, 0.5))
+    session.apply(SetMass(0, 4, math.inf))
+    session.apply(Place(0, 0, 99.0))
+    assert session.lanes[0].position == pytest.approx([1.5] * 5)
+    assert session.lanes[0].state.overlap.max() <= 0.0
+
+
+def test_placing_a_pressed_bead_presses_its_neighbours_no_further():
+    session = mid_collision()
+    before = session.lanes[0].state.overlap.copy()
+    session.apply(Place(0, 2, session.lanes[0].position[2] + 0.3))
+    after = session.lanes[0].state.overlap
+    assert after[1] == pytest.approx(before[1] - 0.3)
+    assert (after[2:] == before[2:]).all()
+
+
+def test_a_gap_moves_everything_to_its_right():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetGap(0, 2, 0.75))
+    assert session.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.75, 1.75]
+
+
+@pytest.mark.parametrize("bead", range(6))
+@pytest.mark.parametrize("removed", [0, 2, 4])
+def test_a_bead_put_in_and_taken_out_leaves_no_trace(bead, removed):
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetMass(0, removed, 2.0))
+    position, velocity, mass = session.lanes[0].position, session.lanes[0].velocity, session.lanes[0].chain.mass
+    session.apply(AddBead(0, bead, 7.0, 0.25))
+    assert session.lanes[0].chain.mass[bead] == 7.0
+    others = np.arange(6) != bead
+    assert session.lanes[0].position[others] == pytest.approx(position)
+    session.apply(RemoveBead(0, bead))
+    assert session.lanes[0].chain.mass == mass
+    assert session.lanes[0].position == pytest.approx(position)
+    assert session.lanes[0].velocity == pytest.approx(velocity)
+
+
+def test_the_last_two_beads_stay():
+    session = Session(scenes.load("one-on-four"))
+    for _ in range(3):
+        session.apply(RemoveBead(0, 0))
+    with pytest.raises(ValueError, match="at least 2 beads"):
+        session.apply(RemoveBead(0, 0))
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "draft-gear-one-on-three", "hertz-cradle"])
+@pytest.mark.parametrize("kind", ["power", "gear", "hard"])
+def test_a_kind_pushes_like_the_one_before_at_the_speed_of_the_scene(name, kind):
+    session = Session(scenes.load(name))
+    before = session.lanes[0].chain.contact
+    session.apply(SetKind(0, None, kind))
+    after = session.lanes[0].chain.contact
+    assert {kind_of(contact) for contact in after} == {kind}
+    if kind_of(before[0]) == kind:
+        assert after == before
+    session.step_frames(1200)
+    assert session.verdict()[0] == "good"
+
+
+def test_locked_pistons_bring_the_usual_cradle_and_unlocked_ones_the_rigid_cluster_back():
+    session = Session(scenes.load("draft-gear-one-on-three"))
+    soft = session.lanes[0].chain.contact
+    session.apply(Lock(0, None))
+    session.apply(Lock(0, 1))
+    session.step_frames(600)
+    final = session.lanes[0].velocity
+    assert final[3] > 0.45, "the last cylinder leaves with nearly all of the 0.5 m/s"
+    assert abs(final[0]) < 0.05
+    session.restart()
+    session.apply(Lock(0, None, locked=False))
+    assert session.lanes[0].chain.contact == soft
+    session.step_frames(600)
+    assert np.ptp(session.lanes[0].velocity[1:]) < 1e-6
+
+
+def test_a_chosen_step_follows_edits_and_a_given_one_stays():
+    session = Session(scenes.load("hertz-cradle"))
+    chosen = session.setup.lanes[0].step
+    session.apply(SetContact(0, None, hertz(1e5)))
+    assert session.setup.lanes[0].step < 0.1 * chosen
+    session.apply(SetStep(0, 0.003))
+    session.apply(SetContact(0, None, hertz(1.0)))
+    assert session.setup.lanes[0].step == 0.003
+    session.apply(SetStep(0, None))
+    assert session.setup.lanes[0].step > chosen
+    session.apply(SetMethod(0, "scipy"))
+    with pytest.raises(ValueError, match="chooses its own steps"):
+        session.apply(SetStep(0, 0.1))
+
+
+def test_no_step_is_so_small_that_a_frame_never_ends():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetStep(0, 1e-12))
+    session.step_frames(1)
+    assert session.setup.lanes[0].step_for(session.setup.frame_time) > 1e-8
+
+
+@pytest.mark.parametrize(
+    ("edit", "sentence"),
+    [
+        (SetMass(0, 0, math.nan), "mass"),
+        (SetMass(0, None, 0.0), "mass"),
+        (SetVelocity(0, 0, math.inf), "velocity"),
+        (SetVelocity(0, 5, 1.0), "numbered 0 to 4"),
+        (SetContact(0, 4, hertz(1.0)), "numbered 0 to 3"),
+        (SetContact(0, 0, Contact(0.0, 1.0, 50.0)), "exponent"),
+        (SetKind(0, 0, "rubber"), "power, gear, hard"),
+        (SetGap(0, 0, -1.0), "gap"),
+        (SetMethod(0, "magic"), "unknown method"),
+        (SetStep(0, -1.0), "step"),
+        (SetFriction(0, -0.1), "friction"),
+        (AddBead(0, 9), "numbered 0 to 5"),
+        (Place(0, 1, math.nan), "position"),
+    ],
+)
+def test_refusals_say_what_is_wrong(edit, sentence):
+    session = Session(scenes.load("one-on-four"))
+    with pytest.raises(ValueError, match=sentence):
+        session.apply(edit)
+
+
+def test_two_walls_side_by_side_are_refused():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetMass(0, 4, math.inf))
+    with pytest.raises(ValueError, match="side by side"):
+        session.apply(AddBead(0, 5, math.inf))
+
+
+def test_a_gear_made_by_hand_keeps_its_numbers():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetContact(0, 2, draft_gear(2.0, 0.25)))
+    assert session.lanes[0].chain.contact[2] == Contact(0.5, 2.0, 1.0)
+    assert kind_of(session.lanes[0].chain.contact[2]) == "gear"

@@ -1,0 +1,168 @@
+"""Recordings: what was played comes again digit for digit, and what does not is found at its first frame."""
+
+import json
+
+import numpy as np
+import pytest
+from softcradle.sandbox.session import Drag, Replay, Session, SetMass, SetMethod, SetSlow, recording
+from softcradle.sandbox.session.random_play import fuzz
+from softcradle.sandbox.user_error import UserError
+
+from softcradle import scenes
+
+
+def played(name="one-on-four", method="auto"):
+    """A session with edits, a drag, a branch and a slow motion that changes."""
+    session = Session(scenes.load(name))
+    session.apply(SetMethod(None, method))
+    session.play()
+    for k in range(40):
+        session.tick(1 / 60)
+        if 5 < k < 15:
+            session.drag(0, 0, 0.1 * k)
+    session.drop()
+    session.apply(SetMass(0, 1, 2.5))
+    session.apply(SetSlow(1.0))
+    session.step_frames(60)
+    session.scrub_frame(30)
+    session.play()
+    session.tick(0.2)
+    session.apply(Drag(0, 0, -1.0))
+    session.tick(0.2)
+    return session
+
+
+def tampered(path, **changes):
+    """The same file with some of it changed."""
+    with np.load(path) as file:
+        metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
+    metadata |= {key: value for key, value in changes.items() if key != "hashes"}
+    np.savez(path, metadata=np.array(json.dumps(metadata)), hashes=changes.get("hashes", hashes))
+
+
+@pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
+def test_a_replay_gives_every_digit_again(tmp_path, method):
+    session = played(method=method)
+    session.save_recording(tmp_path / "played.npz")
+    replay = Replay.load(tmp_path / "played.npz")
+    assert replay.run()
+    assert replay.session.frame == session.frame
+    assert (replay.session.lanes[0].state.overlap == session.lanes[0].state.overlap).all()
+    assert replay.session.setup == session.setup
+    assert "agrees" in replay.sentence
+
+
+def test_a_replay_runs_by_the_clock_too(tmp_path):
+    played().save_recording(tmp_path / "played.npz")
+    replay = Replay.load(tmp_path / "played.npz")
+    ticks = 0
+    while not replay.done:
+        replay.tick(1 / 60)
+        ticks += 1
+        assert ticks < 1000
+    assert replay.diverged is None
+
+
+@pytest.mark.parametrize("part", [0.0, 0.3, 1.0])
+def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
+    """How many frames were played is up to the clock: on a loaded machine they are fewer."""
+    path = tmp_path / "played.npz"
+    session = played()
+    session.save_recording(path)
+    hashes = np.array(session.recording.hashes)
+    frame = 1 + round(part * (hashes.size - 1))
+    hashes[frame - 1] ^= np.uint64(1)
+    tampered(path, hashes=hashes)
+    replay = Replay.load(path)
+    assert not replay.run()
+    assert replay.diverged == frame
+    assert "DIVERGED" in replay.sentence
+    assert str(frame) in replay.sentence
+
+
+def test_another_input_diverges_at_the_frame_after_it(tmp_path):
+    path = tmp_path / "played.npz"
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(250)
+    session.apply(SetMass(0, 1, 2.5))
+    session.step_frames(50)
+    session.save_recording(path)
+    tampered(path, inputs=[[250, {"input": "SetMass", "lane": 0, "bead": 1, "mass": 2.5000001}]])
+    replay = Replay.load(path)
+    replay.run()
+    assert replay.diverged == 251
+
+
+def test_of_a_quick_pointer_only_the_last_place_in_a_frame_is_kept():
+    session = Session(scenes.load("one-on-four"))
+    session.play()
+    for k in range(1000):
+        session.drag(0, 0, 0.001 * k)
+    assert [item for _, item in session.recording.inputs] == [Drag(0, 0, 0.999)]
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5, 6])
+def test_whatever_was_done_comes_again(tmp_path, seed):
+    names = scenes.names()
+    session = Session(scenes.load(names[seed % len(names)]), memory=200_000)
+    fuzz(session, 20.0, seed, checks=lambda session: None)
+    session.save_recording(tmp_path / "fuzz.npz")
+    replay = Replay.load(tmp_path / "fuzz.npz")
+    assert replay.run(), replay.sentence
+
+
+def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "MOST_INPUTS", 20)
+    session = Session(scenes.load("one-on-four"))
+    session.play()
+    for k in range(100):
+        session.drag(0, 0, 0.01 * k)
+        session.tick(1 / 60)
+    assert session.recording.frame > 0
+    assert len(session.recording.inputs) <= 22
+    session.save_recording(tmp_path / "late.npz")
+    assert Replay.load(tmp_path / "late.npz").run()
+    session.scrub_frame(5)
+    session.step_frames(-1)
+    session.play()
+    session.tick(0.1)
+    session.save_recording(tmp_path / "early.npz")
+    replay = Replay.load(tmp_path / "early.npz")
+    assert replay.recording.frame == 4
+    assert replay.run()
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"softcradle recording": 99}, "later softcradle"),
+        ({"inputs": [[0, {"input": "Explode"}]]}, "not a recording"),
+        ({"inputs": [[0, {"input": "Drop", "loudly": 1}]]}, "not a recording"),
+        ({"base": {}}, "not a recording"),
+        ({"scene": "title ="}, "not a recording"),
+    ],
+)
+def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes, sentence):
+    path = tmp_path / "bad.npz"
+    played().save_recording(path)
+    tampered(path, **changes)
+    with pytest.raises(UserError, match=sentence):
+        Replay.load(path)
+
+
+def test_other_files_are_refused_too(tmp_path):
+    (tmp_path / "text.npz").write_text("hello")
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    for name, sentence in (
+        ("text.npz", "not a recording"),
+        ("other.npz", "not a recording"),
+        ("none.npz", "cannot read"),
+    ):
+        with pytest.raises(UserError, match=sentence):
+            Replay.load(tmp_path / name)
+
+
+def test_a_recording_that_cannot_be_written_leaves_nothing(tmp_path):
+    with pytest.raises(UserError, match="no folder"):
+        played().save_recording(tmp_path / "nowhere" / "a.npz")
+    assert list(tmp_path.iterdir()) == []

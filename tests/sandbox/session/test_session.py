@@ -1,0 +1,272 @@
+"""Sessions: time, history, branches, hands. What is shown must be what the physics says, to the last digit."""
+
+import numpy as np
+import pytest
+from softcradle.physics import simulate
+from softcradle.sandbox.session import Drag, RemoveBead, Session, SetMass, SetSlow, SetVelocity
+from softcradle.sandbox.session.lane_setup import FRAME_RATE
+
+from softcradle import scenes
+
+PICTURE = 2.0 / FRAME_RATE
+
+
+class FakeClock:
+    """A clock that a test moves."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def opened(name="one-on-four", **options):
+    return Session(scenes.load(name), **{"clock": FakeClock(), **options})
+
+
+def played(session, frames):
+    session.step_frames(frames)
+    return session
+
+
+def digits(session):
+    """Everything that moves, to compare exactly."""
+    return [
+        array.tolist()
+        for lane in session.lanes
+        for array in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.books)
+    ]
+
+
+def test_a_scene_opens_paused_at_its_start_and_at_its_own_speed():
+    session = opened("draft-gear-one-on-three")
+    assert not session.playing
+    assert session.tick(1.0) == 0
+    assert (session.time, session.frame, session.slow) == (0.0, 0, 60.0)
+    assert session.lanes[0].velocity.tolist() == list(session.scene.lanes[0].velocity)
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_what_is_played_is_what_the_physics_says(name):
+    session = opened(name)
+    first = session.scene.lanes[0]
+    until = session.scene.duration  # of a driven scene, which may never come apart
+    if until is None:
+        until = simulate(first.chain(), first.velocity, method="scipy", tolerance=1e-4, samples=2).time[-1]
+    while session.time < until + 1e-9:
+        session.step_frames(20)
+    end = simulate(first.chain(), first.velocity, session.time, method="scipy", tolerance=1e-4, samples=2)
+    error = np.abs(session.lanes[0].velocity - end.final_velocity).max()
+    assert error < 1e-3 * session.setup.lanes[0].speed
+
+
+def test_slow_motion_changes_the_pace_and_hardly_the_motion():
+    fast, slow = opened(), opened()
+    fast.apply(SetSlow(1.0))
+    slow.apply(SetSlow(8.0))
+    played(fast, 3 * FRAME_RATE)
+    played(slow, 3 * 8 * FRAME_RATE)
+    assert fast.time == pytest.approx(3.0)
+    assert slow.time == pytest.approx(3.0)
+    assert np.abs(fast.lanes[0].velocity - slow.lanes[0].velocity).max() < 1e-3
+
+
+def test_a_second_at_the_wall_is_a_second_over_slow_in_the_model():
+    session = opened()
+    session.play()
+    for _ in range(60):
+        session.tick(PICTURE)
+    assert session.time == pytest.approx(1.0 / session.slow)
+    assert session.pace.clock_ratio == 1.0
+
+
+def test_uneven_pictures_lose_no_time():
+    session = opened()
+    session.play()
+    for wall in (0.012, 0.021, 0.017, 0.016, 0.002, 0.032) * 10:
+        session.tick(wall)
+    assert session.time * session.slow == pytest.approx(1.0, abs=1.0 / FRAME_RATE)
+
+
+def test_late_physics_slows_the_clock_and_says_so():
+    clock = FakeClock()
+    session = opened(clock=clock, budget=0.010)
+    session.play()
+    compute = session._compute_frame
+
+    def slow_frame():
+        clock.now += 0.008
+        return compute()
+
+    session._compute_frame = slow_frame
+    frames = [session.tick(PICTURE) for _ in range(60)]
+    assert set(frames) == {1}, "the second frame does not fit into the budget"
+    assert session.pace.clock_ratio == pytest.approx(0.5, abs=0.1)
+    assert session.pace.milliseconds == pytest.approx(8.0)
+    assert session.verdict()[0] == "fair"
+    assert "speed" in session.verdict()[1]
+
+
+def test_a_frame_beyond_the_budget_is_still_computed():
+    clock = FakeClock()
+    session = opened(clock=clock, budget=0.010)
+    session.play()
+    compute = session._compute_frame
+
+    def endless_frame():
+        clock.now += 3.0
+        return compute()
+
+    session._compute_frame = endless_frame
+    assert session.tick(PICTURE) == 1
+
+
+def test_a_program_that_slept_does_not_catch_up():
+    session = opened()
+    session.play()
+    session.tick(3600.0)
+    assert session.frame <= 0.25 * FRAME_RATE
+
+
+def test_frames_back_and_forward_show_the_same_digits():
+    session = played(opened(), 300)
+    here = digits(session)
+    session.step_frames(-120)
+    assert session.frame == 180
+    assert session.scrubbed
+    session.step_frames(120)
+    assert digits(session) == here
+    session.step_frames(-1000)
+    assert (session.frame, session.time) == (0, 0.0)
+
+
+def test_scrubbing_shows_the_nearest_moment_and_pauses():
+    session = opened()
+    session.play()
+    session.tick(0.2)
+    session.scrub(0.0517)
+    assert not session.playing
+    assert abs(session.time - 0.0517) <= 0.5 * session.setup.frame_time
+    session.scrub(-1.0)
+    assert session.time == session.span[0]
+    session.scrub(1e9)
+    assert session.time == session.span[1]
+
+
+def test_playing_on_from_a_scrubbed_moment_is_a_new_branch_with_the_same_digits():
+    session = played(opened(), 400)
+    here = digits(session)
+    session.scrub_frame(150)
+    session.play()
+    session.tick(PICTURE)
+    assert session.history.last == 152
+    session.step_frames(400 - 152)
+    assert digits(session) == here
+
+
+def test_an_edit_of_a_scrubbed_moment_drops_what_came_later():
+    session = played(opened(), 400)
+    session.scrub_frame(150)
+    session.apply(SetMass(0, 1, 5.0))
+    assert session.history.last == 150
+    session.step_frames(10)
+    session.scrub_frame(149)
+    assert session.lanes[0].chain.mass[1] == 1.0, "the setup of a moment comes back with it"
+    session.scrub_frame(150)
+    assert session.lanes[0].chain.mass[1] == 5.0
+
+
+def test_restart_keeps_edits_of_the_beads_and_of_the_start():
+    session = opened()
+    session.apply(SetVelocity(0, 0, 2.0))
+    session.step_frames(100)
+    session.apply(SetMass(0, 2, 3.0))
+    session.apply(SetVelocity(0, 4, 9.0))
+    session.restart()
+    assert (session.frame, session.time, session.history.last) == (0, 0.0, 0)
+    assert session.lanes[0].velocity.tolist() == [2.0, 0.0, 0.0, 0.0, 0.0]
+    assert session.lanes[0].chain.mass[2] == 3.0
+
+
+def test_restart_after_scrubbing_before_an_edit_forgets_the_edit():
+    session = played(opened(), 50)
+    session.apply(RemoveBead(0, 4))
+    session.step_frames(50)
+    session.scrub_frame(20)
+    session.restart()
+    assert len(session.lanes[0].chain.mass) == 5
+
+
+def test_a_refused_input_is_a_sentence_and_changes_nothing():
+    session = played(opened(), 30)
+    here, inputs = digits(session), len(session.recording.inputs)
+    for wrong in (SetMass(0, 1, -1.0), SetMass(0, 7, 1.0), SetMass(3, 0, 1.0), SetSlow(0.0), Drag(0, 9, 0.0)):
+        with pytest.raises(ValueError, match=r"\w+ \w+ \w+"):
+            session.apply(wrong)
+    assert digits(session) == here
+    assert len(session.recording.inputs) == inputs
+
+
+@pytest.mark.parametrize("slow", [1.0, 2.0, 100.0])
+def test_a_held_bead_comes_to_the_pointer_in_every_slow_motion(slow):
+    session = opened("hertz-cradle")
+    session.apply(SetVelocity(0, None, 0.0))
+    session.apply(SetSlow(slow))
+    session.play()
+    target = session.lanes[0].position[0] - 0.2 / slow
+    for _ in range(90):
+        session.drag(0, 0, target)
+        session.tick(PICTURE)
+    assert session.lanes[0].position[0] == pytest.approx(target, abs=0.01 / slow)
+    assert session.lanes[0].velocity[1:] == pytest.approx(0.0), "the others were not touched"
+
+
+def test_the_work_of_the_hand_is_booked_not_an_error():
+    session = opened()
+    session.play()
+    for k in range(200):
+        session.drag(0, 2, 1.0 + np.sin(0.1 * k))
+        session.tick(PICTURE)
+    assert np.ptp(session.series(0).energy) > 0.1, "the hand did work"
+    assert session.health(0).energy_error < 1e-10
+    assert session.health(0).momentum_error < 1e-10
+
+
+def test_a_bead_let_go_flies_on_at_the_speed_of_the_hand():
+    session = opened()
+    session.apply(SetVelocity(0, None, 0.0))
+    session.play()
+    for k in range(120):
+        session.drag(0, 0, -0.01 * k)
+        session.tick(PICTURE)
+    session.drop()
+    thrown = session.lanes[0].velocity[0]
+    assert thrown == pytest.approx(-0.01 / PICTURE * session.slow, rel=0.05)
+    session.tick(0.1)
+    assert session.lanes[0].velocity[0] == thrown
+
+
+def test_the_hand_is_no_faster_than_ten_times_the_scene():
+    session = opened()
+    session.apply(SetSlow(1000.0))
+    session.play()
+    for _ in range(120):
+        session.drag(0, 0, -1e6)
+        session.tick(PICTURE)
+    assert -11.0 < session.lanes[0].velocity[0] < -5.0
+
+
+def test_impacts_are_heard_once():
+    session = opened()
+    session.play()
+    heard = []
+    for _ in range(180):
+        session.tick(PICTURE)
+        heard += session.impacts
+    assert [(hit.lane, hit.contact) for hit in heard] == [(0, 0)]
+    assert heard[0].speed == pytest.approx(1.0)
+    assert heard[0].time == pytest.approx(1.0)
+    session.pause()
+    session.tick(PICTURE)
+    assert session.impacts == ()

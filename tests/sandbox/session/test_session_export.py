@@ -1,0 +1,149 @@
+"""What is kept of a session: scenes that read back equal, histories that other programs read."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Contact, Trajectory, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.sandbox.session import (
+    AddBead,
+    Lock,
+    Place,
+    RemoveBead,
+    Session,
+    SetContact,
+    SetDrive,
+    SetGap,
+    SetMass,
+    SetMethod,
+    SetSlow,
+    SetStep,
+    SetVelocity,
+)
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes import parse
+
+from softcradle import scenes
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_an_unedited_scene_comes_back_equal(name):
+    scene = scenes.load(name)
+    session = Session(scene)
+    session.step_frames(50)
+    assert session.to_scene() == scene
+    assert parse(session.to_scene().to_toml()) == scene
+
+
+def test_an_edited_scene_reads_back_as_the_session_that_it_was(tmp_path):
+    session = Session(scenes.load("beads-against-gear"))
+    for edit in (
+        AddBead(0, 4, 0.25, 0.5),
+        RemoveBead(1, 0),
+        SetMass(0, 4, math.inf),
+        SetMass(1, 0, 1.0 / 3.0),
+        SetContact(0, 0, hertz(12.0)),
+        SetContact(0, 1, Contact(0.1, 0.3, 0.7)),
+        SetVelocity(0, 1, -0.1),
+        SetGap(0, 2, 0.015),
+        Place(1, 0, -0.5),
+        SetDrive(1, 1, 0.2),
+        Lock(1, 0),
+        SetSlow(7.0),
+        SetMethod(None, "verlet"),
+        SetStep(None, 1e-4),
+    ):
+        session.apply(edit)
+    session.save_scene(tmp_path / "mine.toml")
+    again = Session(scenes.load(tmp_path / "mine.toml"))
+    for one, other in zip(session.lanes, again.lanes, strict=True):
+        assert (one.chain.mass, one.chain.contact, one.chain.drive) == (
+            other.chain.mass,
+            other.chain.contact,
+            other.chain.drive,
+        )
+        assert (one.label, one.setup.method, one.setup.step) == (other.label, other.setup.method, other.setup.step)
+        assert one.velocity == pytest.approx(other.velocity, abs=1e-15)
+        assert one.state.overlap == pytest.approx(other.state.overlap, abs=1e-15)
+    assert again.slow == 7.0
+    session.step_frames(200)
+    again.step_frames(200)
+    assert session.lanes[1].velocity == pytest.approx(again.lanes[1].velocity, abs=1e-9)
+
+
+def test_a_scene_is_the_start_with_the_edits_not_the_moment():
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(300)
+    session.apply(SetMass(0, 1, 2.0))
+    session.apply(SetVelocity(0, 1, 9.0))
+    lane = session.to_scene().lanes[0]
+    assert lane.velocity == (1.0, 0.0, 0.0, 0.0, 0.0)
+    assert lane.chain().mass[1] == 2.0
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        power_law(2.0, 1 / 14),
+        draft_gear(770.0, 0.0177),
+        Contact(0.1 + 0.2, 0.7, 1.0),
+        hertz(3.0),
+        hooke(4.0),
+        step_force(2.0),
+        Contact(1.0, 2.0, 0.3),
+    ],
+)
+def test_every_contact_has_a_table_that_gives_its_exact_numbers(contact):
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetContact(0, 1, contact))
+    assert parse(session.to_scene().to_toml()).lanes[0].chain().contact[1] == contact
+
+
+def test_two_walls_give_the_scene_an_end():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetMass(0, 0, math.inf))
+    session.apply(SetMass(0, 4, math.inf))
+    assert parse(session.to_scene().to_toml()).duration == 10.0
+
+
+def test_the_history_is_exported_as_a_trajectory(tmp_path):
+    session = Session(scenes.load("beads-against-gear"))
+    session.step_frames(700)
+    paths = session.export(tmp_path / "history.npz")
+    assert [path.name for path in paths] == ["history-1.npz", "history-2.npz"]
+    for number, path in enumerate(paths):
+        trajectory, series = Trajectory.load(path), session.series(number, 10_000)
+        assert (trajectory.time == series.time).all()
+        assert trajectory.velocity == pytest.approx(series.velocity, abs=1e-14)
+        assert (trajectory.final_velocity == session.lanes[number].velocity).all()
+        assert trajectory.warnings == ()
+        assert [len(intervals) for intervals in trajectory.contact_intervals] == [1, 1, 1]
+        assert all(0.0 < closed < opened for ((closed, opened),) in trajectory.contact_intervals)
+
+
+def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(350)
+    session.apply(SetMass(0, 1, 2.0))
+    session.step_frames(20)
+    session.apply(SetSlow(5.0))
+    session.step_frames(30)
+    (path,) = session.export(tmp_path / "history.csv")
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    assert len(rows) == 1 + 51
+    assert "frame 350" in session.trajectory(0).warnings[0]
+    pressed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
+    assert min(pressed) == session.trajectory(0).time[0], "pressed from the start"
+    assert np.isfinite(np.array(rows[1:], dtype=float)).all()
+
+
+def test_exports_that_cannot_be_are_refused_in_a_sentence(tmp_path):
+    session = Session(scenes.load("one-on-four"))
+    with pytest.raises(UserError, match=r"\.npz or \.csv"):
+        session.export(tmp_path / "history.xls")
+    with pytest.raises(UserError, match="no folder"):
+        session.export(tmp_path / "nowhere" / "history.csv")
+    with pytest.raises(UserError, match="no folder"):
+        session.save_scene(tmp_path / "nowhere" / "mine.toml")

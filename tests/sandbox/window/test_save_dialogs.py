@@ -1,0 +1,98 @@
+"""What the window keeps and opens: scenes, sessions, histories, pictures, films."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.window.gallery.gallery_page import Gallery
+
+from tests.helpers.windows import Driver
+
+CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def test_scene_is_saved_and_dropped_again(driver: Driver, tmp_path: Path) -> None:
+    driver.click(driver.bead(1))
+    driver.key(pygame.K_a)
+    driver.key(pygame.K_s, CTRL)
+    assert driver.app.prompt is not None
+    driver.app.prompt.entry.set_text("mine.toml")
+    driver.key(pygame.K_RETURN)
+    assert driver.said == ["saved mine.toml"]
+    masses = driver.session.lanes[0].chain.mass
+    driver.key(pygame.K_ESCAPE)
+    driver.key(pygame.K_ESCAPE)
+    assert isinstance(driver.app.page, Gallery)
+    driver.drop_file(tmp_path / "mine.toml")
+    assert driver.session.lanes[0].chain.mass == masses
+
+
+def test_session_is_saved_and_replays_to_the_last_digit(driver: Driver, tmp_path: Path) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(40)
+    x, y = driver.bead(4)
+    driver.drag((x, y), (x + 80, y), steps=20)
+    driver.release((x + 80, y))
+    driver.frames(20)
+    state, last = driver.session.lanes[0].state.copy(), driver.session.history.last
+    driver.play.keeping.save_session("played")
+    driver.drop_file(tmp_path / "played.npz")
+    replay = driver.play.replay
+    assert replay is not None
+    driver.frames(200)
+    assert replay.done
+    assert replay.diverged is None
+    assert any("agrees" in text for text in driver.said)
+    shown = driver.session.history.moment(last).states[0]
+    assert np.array_equal(shown.overlap, state.overlap)
+
+
+def test_history_is_exported(driver: Driver, tmp_path: Path) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    driver.key(pygame.K_e, CTRL)
+    driver.app.prompt.entry.set_text("motion.csv")
+    driver.key(pygame.K_RETURN)
+    rows = (tmp_path / "motion.csv").read_text().splitlines()
+    assert len(rows) > 60
+    driver.play.keeping.export("motion.doc")
+    assert any("motion.doc" in text for text in driver.said)
+
+
+def test_screenshot_and_film_are_written(driver: Driver, tmp_path: Path) -> None:
+    import av
+
+    driver.key(pygame.K_p)
+    picture = pygame.image.load(str(tmp_path / "one-bead-on-four.png"))
+    assert picture.get_size() == (1280, 720)
+    driver.key(pygame.K_SPACE)
+    driver.key(pygame.K_r, CTRL)
+    driver.frames(40)
+    driver.key(pygame.K_r, CTRL)
+    with av.open(str(tmp_path / "one-bead-on-four.mp4")) as film:
+        frames = sum(1 for _ in film.decode(video=0))
+    assert 15 <= frames <= 25  # every other one
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("bad.toml", "title = 3"),
+        ("broken.toml", "title = ["),
+        ("bad.npz", "nothing"),
+        ("picture.jpg", "nothing"),
+        ("missing.toml", None),
+    ],
+)
+def test_a_bad_file_is_a_message_and_no_crash(driver: Driver, tmp_path: Path, name: str, content: str | None) -> None:
+    if content is not None:
+        (tmp_path / name).write_text(content)
+    page = driver.app.page
+    driver.drop_file(tmp_path / name)
+    assert driver.app.page is page
+    assert any(name in text for text in driver.said)
+    assert driver.app.messages.shown[-1].trouble

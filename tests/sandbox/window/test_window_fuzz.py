@@ -1,0 +1,37 @@
+"""A minute of random hands; an hour of them is `python -m tests.helpers.window_fuzz`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from softcradle.sandbox.session.inputs import AddBead, RemoveBead
+
+from tests.helpers.window_fuzz import Fuzz, run
+from tests.helpers.windows import Driver
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_hands_meet_no_exception_and_no_number_that_is_none(
+    seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    fuzz = Fuzz(seed, tmp_path)
+    run(fuzz, 1800)
+    assert fuzz.driver.app.running
+
+
+def test_the_cursor_reads_frames_from_before_beads_were_removed():
+    """There are then more values than names, and more than are listed: found by random hands."""
+    driver = Driver("one-on-ten")
+    for _ in range(3):
+        driver.session.apply(AddBead(0, 1))
+    driver.session.step_frames(60)
+    for _ in range(3):
+        driver.session.apply(RemoveBead(0, 1))
+    driver.session.step_frames(5)
+    driver.frames(2)
+    for plot in driver.play.board.plots:
+        for x in range(plot.area.left, plot.area.right, 7):
+            driver.play.board.paint_reading(driver.app.surface, (x, plot.area.centery))
+    driver.close()

@@ -1,0 +1,156 @@
+"""A real window on a real (virtual) screen, with a real pointer and keyboard: Xvfb and xdotool."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.skipif(
+    not (shutil.which("Xvfb") and shutil.which("xdotool")), reason="needs Xvfb and xdotool, which CI installs"
+)
+PATIENCE = 120.0  # s: a busy machine compiles kernels behind the window for a while
+
+
+@pytest.fixture
+def display() -> Iterator[str]:
+    reading, writing = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1400x900x24", "-nolisten", "tcp"],
+        pass_fds=(writing,),
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(writing)
+    with os.fdopen(reading) as told:
+        number = told.readline().strip()
+    yield f":{number}"
+    server.terminate()
+    server.wait(10)
+
+
+class Screen:
+    """One softcradle process on a display, in a folder of its own."""
+
+    def __init__(self, display: str, folder: Path) -> None:
+        self.folder = folder
+        self.environment = {**os.environ, "DISPLAY": display, "SDL_VIDEODRIVER": "x11", "SDL_AUDIODRIVER": "dummy"}
+        self.log = folder / "stderr.txt"
+        with self.log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "sandbox"], cwd=folder, env=self.environment, stderr=log
+            )
+        self.window = self.until(lambda: self.tool("search", "--onlyvisible", "--class", ".").split())[0]
+        self.tool("windowfocus", "--sync", self.window)
+
+    def tool(self, *words: str) -> str:
+        done = subprocess.run(["xdotool", *words], env=self.environment, capture_output=True, text=True, check=False)
+        return done.stdout
+
+    def until(self, found: Callable[[], object]) -> list[str]:
+        end = time.monotonic() + PATIENCE
+        while not (result := found()):
+            assert self.process.poll() is None, self.log.read_text()
+            assert time.monotonic() < end, "the window did not answer"
+            time.sleep(0.1)
+        return result if isinstance(result, list) else []
+
+    def key(self, *names: str) -> None:
+        for name in names:
+            self.tool("key", "--window", self.window, name)
+            time.sleep(0.15)
+
+    def point(self, x: int, y: int) -> None:
+        self.tool("mousemove", "--window", self.window, str(x), str(y))
+        time.sleep(0.05)
+
+    def drag(self, start: tuple[int, int], end: tuple[int, int]) -> None:
+        self.point(*start)
+        self.tool("mousedown", "1")
+        for k in range(1, 9):
+            self.point(start[0] + (end[0] - start[0]) * k // 8, start[1] + (end[1] - start[1]) * k // 8)
+        self.tool("mouseup", "1")
+        time.sleep(0.1)
+
+    def click(self, x: int, y: int) -> None:
+        self.point(x, y)
+        self.tool("click", "1")
+        time.sleep(0.3)
+
+    def answer(self, text: str) -> Path:
+        """Type the name of a file into the box that is open."""
+        self.key("ctrl+a")
+        self.tool("type", "--window", self.window, "--delay", "30", text)
+        self.key("Return")
+        return self.folder / text
+
+
+def test_a_person_plays_on_a_real_screen(display: str, tmp_path: Path) -> None:
+    screen = Screen(display, tmp_path)
+    try:
+        _play(screen, tmp_path)
+    finally:
+        screen.process.kill()
+        screen.process.wait(10)
+
+
+def _play(screen: Screen, tmp_path: Path) -> None:
+    from softcradle.physics import Trajectory
+
+    from softcradle import scenes
+
+    screen.key("ctrl+o")
+    screen.answer("one-on-four")
+    time.sleep(1.0)
+    pictures = lambda: list(tmp_path.glob("*.png"))  # noqa: E731
+    screen.key("p")
+    screen.until(pictures)
+    # play until something has happened
+    exported = tmp_path / "motion.npz"
+    screen.key("space")
+    screen.until(lambda: _beyond(screen, exported, 1.5))
+    screen.drag((600, 180), (760, 180))
+    moved = Trajectory.load(str(exported))
+    assert moved.velocity[0, 0] == 1.0
+    # scrub to the beginning, change the method, add a bead, save
+    screen.key("space")
+    screen.drag((900, 652), (28, 652))
+    screen.key("m", "Right", "a", "ctrl+s")
+    saved = screen.answer("mine.toml")
+    screen.until(saved.exists)
+    scene = scenes.load(saved)
+    assert len(scene.lanes[0].chain().mass) == 6
+    assert scene.method == "euler"
+    screen.key("ctrl+shift+s")
+    session = screen.answer("played.npz")
+    screen.until(session.exists)
+    # reload both, quit
+    screen.key("ctrl+o")
+    screen.answer("mine.toml")
+    screen.key("ctrl+o")
+    screen.answer("played.npz")
+    time.sleep(0.5)
+    screen.key("p")
+    screen.until(lambda: len(pictures()) == 2)
+    screen.key("ctrl+q")
+    assert screen.process.wait(20) == 0
+    assert "Traceback" not in screen.log.read_text()
+
+
+def _beyond(screen: Screen, file: Path, seconds: float) -> bool:
+    """Whether an export, made now, reaches beyond `seconds`."""
+    from softcradle.physics import Trajectory
+
+    file.unlink(missing_ok=True)
+    screen.key("ctrl+e")
+    screen.answer(file.name)
+    end = time.monotonic() + 5.0
+    while not file.exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    return file.exists() and bool(np.max(Trajectory.load(str(file)).time) > seconds)

@@ -1,0 +1,254 @@
+"""Scenes: the catalogue is right and true to its texts, a scene is written back equal, and nothing else gets in."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from softcradle.physics import METHODS, draft_gear, hooke, power_law, simulate
+from softcradle.scenes import Lane, Scene, SceneError, View
+
+from softcradle import scenes
+
+# Final velocities, from quadruple-precision solutions.
+TRUE_OUTCOMES = {
+    "one-on-four": (-0.567586, 0.173921, 0.454079, 0.469784, 0.469802),
+    "one-on-four-softer": (-0.597544, 0.338743, 0.419348, 0.419727, 0.419727),
+    "two-on-two": (-0.001129, 0.001131, 0.998869, 1.001129),
+    "hooke-cradle": (-0.132279, -0.075329, -0.031011, 0.296218, 0.942402),
+    "hooke-interface": (-0.599956, 0.392027, 0.401142, 0.403393, 0.403395),
+}
+LISTED = {
+    "one-on-four", "one-on-four-softer", "two-on-two", "three-on-five", "hertz-cradle", "hooke-cradle",
+    "hooke-interface", "mixed", "draft-gear-one-on-three", "draft-gear-two-on-two", "galilean", "beads-against-gear",
+}  # fmt: skip
+
+
+def final_velocities(name: str) -> list[np.ndarray]:
+    """Of every lane, by a method that needs no tuning: errors here are about 1e-3."""
+    scene = scenes.load(name)
+    return [simulate(lane.chain(), lane.velocity, step=_step(lane)).final_velocity for lane in scene.lanes]
+
+
+def _step(lane: Lane) -> float | None:
+    return 2e-6 if any(contact.preload for contact in lane.chain().contact) else None
+
+
+def test_catalogue_has_the_paper_s_cases():
+    assert set(scenes.names()) >= LISTED
+    assert list(scenes.names()) == sorted(scenes.names())
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_every_scene_can_be_read_aloud_and_ends_by_itself(name):
+    scene = scenes.load(name)
+    assert scene.title
+    assert scene.source
+    assert 2 <= scene.text.count(". ") + scene.text.count(": ") + 1 <= 6
+    assert len(scene.text) < 500
+    assert scene.method is None or name.startswith("train-")  # dozens of stops and reversals: fixed steps are faster
+    endless = any(lane.chain().walls or lane.drive for lane in scene.lanes) or name.startswith("train-")
+    assert endless == (scene.duration is not None)
+    assert all(lane.label for lane in scene.lanes)
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_every_scene_is_written_back_equal(name):
+    scene = scenes.load(name)
+    assert scenes.parse(scene.to_toml()) == scene
+
+
+@pytest.mark.parametrize(("name", "outcome"), TRUE_OUTCOMES.items())
+def test_scene_is_the_case_whose_true_outcome_is_known(name, outcome):
+    (velocity,) = final_velocities(name)
+    np.testing.assert_allclose(velocity, outcome, atol=3e-3)
+
+
+def test_one_on_four_is_figure_1b():
+    (lane,) = scenes.load("one-on-four").lanes
+    assert lane.chain().mass == (1.0,) * 5
+    assert lane.chain().contact == (power_law(1.0, 0.1),) * 4
+    assert lane.velocity == (1.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_texts_say_what_happens():
+    softer, harder = final_velocities("one-on-four-softer")[0], final_velocities("one-on-four")[0]
+    assert (softer[3] - softer[1]) / softer[3] == pytest.approx(0.2, abs=0.02)  # "by a fifth of their speed"
+    assert (harder[3] - harder[1]) / harder[3] > 0.5  # "more than half with 1/10"
+    three_on_five = final_velocities("three-on-five")[0]
+    assert (three_on_five[:3] < -0.2).all()
+    assert (three_on_five[3:] > 0.7).all()
+    hooke_cradle = final_velocities("hooke-cradle")[0]
+    assert (hooke_cradle[:3] < 0.0).all()
+    assert hooke_cradle[3] == pytest.approx(0.3, abs=0.03)  # "nearly a third"
+    mixed = final_velocities("mixed")[0]
+    assert np.ptp(mixed[1:]) / mixed[1:].mean() < 0.03  # "almost as one body"
+
+
+def test_striker_and_target_can_be_exchanged():
+    four_on_one, one_on_four = final_velocities("galilean")
+    np.testing.assert_allclose(four_on_one, 1.0 - one_on_four[::-1], atol=1e-9)
+    assert four_on_one[-1] > 1.5  # "half as fast again"
+    assert (four_on_one[:4] > 0.5).all()
+
+
+@pytest.mark.parametrize(("name", "strikers"), [("draft-gear-one-on-three", 1), ("draft-gear-two-on-two", 2)])
+def test_draft_gears_are_launched_below_the_speed_at_which_inner_springs_yield(name, strikers):
+    (lane,) = scenes.load(name).lanes
+    chain = lane.chain()
+    assert chain.contact == (draft_gear(770.0, 0.0177),) * 3
+    struck, striking = np.array(chain.mass[strikers:]), np.array(chain.mass[:strikers])
+    frequency = math.sqrt(770.0 * (1.0 / striking.sum() + 1.0 / struck.sum()))
+    share = max(1.0 - struck[0] / struck.sum(), 1.0 - striking[-1] / striking.sum())
+    critical = frequency * 0.0177 * math.sqrt(1.0 / share**2 - 1.0)
+    assert critical == pytest.approx({1: 1.0132, 2: 1.3589}[strikers], abs=1e-4)
+    assert max(lane.velocity) < critical
+
+
+def test_beads_touch_as_long_as_the_gears_beside_them():
+    beads, gear = scenes.load("beads-against-gear").lanes
+    assert beads.chain().mass == gear.chain().mass
+    assert beads.velocity == gear.velocity
+    (closed, opened), *_ = simulate(beads.chain(), beads.velocity).contact_intervals[0]
+    mass = np.array(gear.chain().mass)
+    frequency = math.sqrt(770.0 * (1.0 / mass[0] + 1.0 / mass[1:].sum()))
+    assert opened - closed == pytest.approx(2.0 / frequency * math.atan(0.5 / (0.0177 * frequency)), rel=0.01)
+
+
+def lane(text: str) -> Lane:
+    return scenes.parse(f'title = "t"\n[[lanes]]\n{text}').lanes[0]
+
+
+def test_short_forms_mean_what_they_stand_for():
+    short = lane('beads = [2, 3]\nvelocity = 0.5\napproach = 0.25\ncontact = {law = "power", f0 = 2, alpha = "1/14"}')
+    assert short.velocity == (0.5, 0.5, 0.0, 0.0, 0.0)
+    assert short.chain().mass == (1.0,) * 5
+    assert short.chain().gap == (0.0, 0.25, 0.0, 0.0)
+    assert short.chain().contact == (power_law(2.0, 1 / 14),) * 4
+
+
+def test_a_wall_is_a_mass_of_inf():
+    wall = lane('mass = [inf, 1, 2]\nvelocity = [0, -1, 0]\ngap = [1, 0.5]\ncontact = {law = "hooke", stiffness = 3}')
+    assert wall.chain().mass == (math.inf, 1.0, 2.0)
+    assert wall.chain().gap == (1.0, 0.5)
+    assert wall.chain().contact == (hooke(3.0),) * 2
+
+
+def test_wishes_overrule_what_the_scene_says():
+    said = scenes.load("one-on-four").model_copy(update={"method": "verlet", "step": 0.01, "duration": 3.0})
+    assert said.settings() == {"duration": 3.0, "method": "verlet", "step": 0.01}
+    assert said.settings(step=0.5, method=None) == {"duration": 3.0, "method": "verlet", "step": 0.5}
+    assert said.settings(method="euler") == {"duration": 3.0, "method": "euler"}
+    assert scenes.load("one-on-four").settings() == {}
+
+
+def test_a_scene_is_immutable():
+    with pytest.raises(ValueError, match="frozen"):
+        scenes.load("mixed").title = "other"
+
+
+def test_a_file_of_one_s_own_works_by_path(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(scenes.text_of("mixed"), encoding="utf-8")
+    assert scenes.load(path) == scenes.load("mixed")
+
+
+POSITIVE = st.floats(min_value=1e-6, max_value=1e6)
+NOT_NEGATIVE = st.floats(min_value=0.0, max_value=1e6)
+CONTACT = st.one_of(
+    st.fixed_dictionaries({"law": st.just("power"), "f0": POSITIVE, "alpha": POSITIVE | st.just("1/14")}),
+    st.fixed_dictionaries({"law": st.just("draft_gear"), "stiffness": POSITIVE, "precompression": NOT_NEGATIVE}),
+    st.fixed_dictionaries({"law": st.just("hertz"), "stiffness": POSITIVE}),
+    st.fixed_dictionaries({"law": st.just("hooke"), "stiffness": POSITIVE}),
+    st.fixed_dictionaries({"law": st.just("step"), "f0": POSITIVE}),
+    st.fixed_dictionaries(
+        {"law": st.just("preloaded"), "preload": NOT_NEGATIVE, "stiffness": POSITIVE, "exponent": POSITIVE}
+    ),
+)
+
+
+@st.composite
+def lanes(draw: st.DrawFn) -> Lane:
+    strikers, targets = draw(st.integers(1, 3)), draw(st.integers(1, 3))
+    n = strikers + targets
+
+    def one_or_many(item: st.SearchStrategy[object], count: int) -> st.SearchStrategy[object]:
+        return item | st.lists(item, min_size=count, max_size=count)
+
+    wall = draw(st.booleans())
+    masses = [math.inf, *draw(st.lists(POSITIVE, min_size=n - 1, max_size=n - 1))]
+    table = {
+        "label": draw(st.text()),
+        "mass": masses if wall else draw(one_or_many(POSITIVE, n)),
+        "contact": draw(one_or_many(CONTACT, n - 1)),
+        "velocity": draw(st.lists(st.floats(-1e3, 1e3), min_size=n, max_size=n)),
+    }
+    if draw(st.booleans()):
+        table |= {"beads": [strikers, targets], "approach": draw(st.none() | NOT_NEGATIVE)}
+        table["velocity"] = draw(st.floats(-1e3, 1e3))
+    else:
+        table["gap"] = draw(one_or_many(NOT_NEGATIVE, n - 1))
+    return Lane.model_validate(table)
+
+
+FIXED = [method.name for method in METHODS if not method.adaptive]
+SCENES = st.builds(
+    Scene,
+    title=st.text(min_size=1).filter(str.strip),
+    text=st.text(),
+    source=st.text(),
+    lanes=st.lists(lanes(), min_size=1, max_size=3).map(tuple),
+    duration=st.none() | POSITIVE,
+    method=st.none() | st.sampled_from(FIXED),
+    step=st.none() | POSITIVE,
+    tolerance=st.none() | POSITIVE,
+    view=st.builds(
+        View, slow=POSITIVE, length=POSITIVE, magnify=st.none() | st.floats(1.0, 1e9),
+        after=st.none() | NOT_NEGATIVE, labels=st.booleans(),
+    ),
+)  # fmt: skip
+
+
+@given(SCENES)
+@settings(max_examples=150, deadline=None)
+def test_any_scene_is_written_back_equal(scene):
+    assert scenes.parse(scene.to_toml()) == scene
+    assert [lane.chain() for lane in scenes.parse(scene.to_toml()).lanes] == [lane.chain() for lane in scene.lanes]
+
+
+ANYTHING = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4) | st.just("1/3"),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["law", "f0", "slow"]), inner),
+    max_leaves=5,
+)
+
+
+@given(data=st.data())
+@settings(max_examples=300, deadline=None)
+def test_whatever_stands_in_a_file_is_a_scene_or_a_refusal(data):
+    """One key of a good scene gets any value at all: no other exception, no hang."""
+    import tomli_w
+
+    table = tomllib.loads(scenes.text_of("beads-against-gear"))
+    place = data.draw(st.sampled_from([table, table["lanes"][0], table["lanes"][1]["contact"], table["view"]]))
+    keys = [*place, "mass", "beads", "gap", "approach", "duration", "method", "step", "law"]
+    place[data.draw(st.sampled_from(keys))] = data.draw(ANYTHING.filter(lambda value: value is not None))
+    try:
+        text = tomli_w.dumps(table)
+    except TypeError:  # null has no place in TOML
+        return
+    for problem in problems_of(text):
+        assert problem.startswith("any.toml: ")
+        assert "\n" not in problem
+
+
+def problems_of(text: str) -> tuple[str, ...]:
+    try:
+        scenes.parse(text, "any.toml")
+    except SceneError as error:
+        return error.problems
+    return ()
