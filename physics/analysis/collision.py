@@ -34,7 +34,7 @@ def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> 
     """A field of a table of measures: its title, its unit, what it means, and whether it tells something of chains
     that rub alone.
     """
-    return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dry})
+    return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dissipative})
 
 
 @dataclass(frozen=True)
