@@ -9,7 +9,7 @@ import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw import Track
 from softcradle.sandbox.draw.bead_sprites import BODY
-from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, Stage, is_gear
+from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing, is_gear
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import bar
 from softcradle.sandbox.film.codecs import pixels_of
@@ -38,7 +38,7 @@ class Camera:
     def __init__(self, scene: Scene, number: int, scales: Scales, reach: int) -> None:
         low, high = scales.window
         height = math.ceil(scene.view.length * reach / (high - low) / TALLEST_BEAD + 2 * AROUND)
-        self.stage = Stage(pygame.Rect(0, 0, reach, height), 1.0, scene, number, scales)
+        self.stage = LaneDrawing(pygame.Rect(0, 0, reach, height), 1.0, scene, number, scales)
         self.ground = pygame.Surface((reach, height), 0, 32)
         self.stage.backdrop(self.ground)
         self.frame = pygame.Surface((reach, height), 0, 32)

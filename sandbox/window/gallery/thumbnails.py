@@ -12,8 +12,8 @@ from softcradle.physics.methods import AUTO
 from softcradle.physics.source_digest import PHYSICS, digest_of
 from softcradle.sandbox.draw import lane_drawing
 from softcradle.sandbox.draw.drawable_trajectory import Track
-from softcradle.sandbox.draw.lane_drawing import Stage
-from softcradle.sandbox.draw.palette import FAINT, STAGE
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
+from softcradle.sandbox.draw.palette import FAINT, LANE_BACKGROUND
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
 from softcradle.scenes import Scene
 
@@ -80,7 +80,7 @@ def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
     from softcradle.sandbox.film.scene_film import strongest_row
 
     surface = pygame.Surface(SIZE, 0, 32)
-    surface.fill(STAGE)
+    surface.fill(LANE_BACKGROUND)
     row, scales, length = strongest_row(tracks), scales_of(scene, tracks), scene.view.length
     edges = [left_edges(t.position[row], t.overlap[row], length, scales.magnify) for t in tracks]
     low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length
@@ -88,7 +88,7 @@ def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
     tall = SIZE[1] / len(tracks)
     for k, track in enumerate(tracks):
         rect = pygame.Rect(0, round(k * tall), SIZE[0], round(tall))
-        stage = Stage(rect, 1.5 if len(tracks) == 1 else 0.9, scene, k, scales)
+        stage = LaneDrawing(rect, 1.5 if len(tracks) == 1 else 0.9, scene, k, scales)
         surface.fill(FAINT, (0, round(stage.ground), SIZE[0], 3))
         stage.paint(surface, track, row, stage.left())
     return surface

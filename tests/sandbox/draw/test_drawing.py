@@ -22,7 +22,7 @@ from softcradle.sandbox.draw.number_format import (
     scientific,
     ticks,
 )
-from softcradle.sandbox.draw.palette import OKABE_ITO, PAPER, STEEL, bead_colours
+from softcradle.sandbox.draw.palette import BACKGROUND, OKABE_ITO, STEEL, bead_colours
 from softcradle.sandbox.draw.shared_scales import followed, left_edges
 from softcradle.sandbox.draw.surface_cache import forget, kept
 from softcradle.sandbox.draw.text import font, shortened, width, wrapped
@@ -260,8 +260,8 @@ def test_any_size(two, size):
     scene, tracks = two
     pixels = painted(Picture(scene, tracks, size), 40, told=1.0)
     assert pixels.shape == (size[1], size[0], 3)
-    assert 0.01 < (~near(pixels, PAPER)).mean() < 0.9
-    assert near(pixels[0, 0], PAPER)
+    assert 0.01 < (~near(pixels, BACKGROUND)).mean() < 0.9
+    assert near(pixels[0, 0], BACKGROUND)
 
 
 @pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
@@ -269,7 +269,7 @@ def test_any_chain(text):
     scene, tracks = history(text, 20.0)
     picture = Picture(scene, tracks, SIZE)
     frames = [painted(picture, row) for row in (0, len(tracks[0].time) // 2, len(tracks[0].time) - 1)]
-    assert all((~near(frame, PAPER)).mean() > 0.02 for frame in frames)
+    assert all((~near(frame, BACKGROUND)).mean() > 0.02 for frame in frames)
     assert (frames[0] != frames[-1]).any()
 
 
