@@ -138,6 +138,13 @@ def test_every_room_has_its_place():
     assert len(set(ROOMS)) == len(ROOMS)
 
 
+@pytest.mark.parametrize(("layer", "order"), [("physics", PHYSICS), ("sandbox", SANDBOX)])
+def test_the_architecture_page_has_this_order(layer, order):
+    cells = re.findall(r"^\| (`.*?) \|", (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"), re.MULTILINE)
+    named = re.findall(rf"`{layer}/(\w+)", " ".join(cells))
+    assert tuple(dict.fromkeys(named)) == order
+
+
 def test_imports_follow_the_order_of_rooms():
     against = {(name, to) for name, to in edges() if ROOMS.index(room(to)) > ROOMS.index(room(name))}
     assert sorted(against - set(IMPORTS_TO_GO)) == []
