@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.drawable_trajectory import Array
 from softcradle.sandbox.draw.number_format import decades, ticks, time_unit
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour, mix
 from softcradle.sandbox.draw.supersampling import FINE, put_marker, stroke
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.motion import Array
 
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 44.0, 24.0, 22.0  # design pixels around the axes
 THICK = 2.2

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import FOREGROUND, GOOD, GRID, MUTED, STEEL, WARNING, Colour
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import bar
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.motion import Array, Motion
 
 HOLDS = 1e-3  # relative error up to which the badge is green: what one pixel of the bars could show
 TITLES = (
@@ -48,7 +48,7 @@ class EnergyBars:
             if fitting[0].endswith("contacts"):
                 bar(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int) -> None:
         """Draw the shares and errors at row `row` of `track`."""
         absorbed = float(track.absorbed[row]) if track.absorbed.size else 0.0
         self._energy(surface, track.kinetic[row], float(track.stored[row]), absorbed)

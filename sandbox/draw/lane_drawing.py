@@ -11,12 +11,12 @@ import numpy as np
 import pygame
 from softcradle.physics import Chain, Contact
 from softcradle.sandbox.draw import bead_sprites as shapes
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.number_format import factor, fixed, round_down, scientific, ticks
 from softcradle.sandbox.draw.palette import FAINT, FOREGROUND, GRID, LANE_BACKGROUND, MUTED, bead_colours
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
 from softcradle.sandbox.draw.supersampling import arrow, bar, put
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import View
 
 TALLEST_BEAD = 0.40  # of the stage
@@ -99,7 +99,7 @@ class LaneDrawing:
         surface.fill(FAINT, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         self._ruler(surface)
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int, left: float) -> Array:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int, left: float) -> Array:
         """Draw row `row` of `track` with position 0 at pixel `left`; returns (n,) where the contacts are [pixels]."""
         overlap = track.overlap[row]
         edges = left + self.scale * left_edges(track.position[row], overlap, self.length, self.scales.magnify)

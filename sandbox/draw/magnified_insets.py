@@ -6,7 +6,6 @@ import math
 
 import pygame
 from softcradle.sandbox.draw.bead_sprites import GLASS, dark
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing, is_gear
 from softcradle.sandbox.draw.number_format import factor, index, round_down, scientific
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, STEEL, Colour, mix
@@ -14,6 +13,7 @@ from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import FINE, Sprites, bar, put, sprites
 from softcradle.sandbox.draw.surface_cache import kept
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.motion import Array, Motion
 
 CURVE = 1.5  # radius of the caps in radii of the loupe
 DEEPEST = 1.05  # radii of the loupe that the greatest overlap fills at most
@@ -51,7 +51,7 @@ class MagnifiedInsets:
             text = factor(self.magnify[contact])
             write(surface, f"seen at {text}", (place, y + 9 * self.unit), 13 * self.unit, MUTED)
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int, contacts: Array) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int, contacts: Array) -> None:
         """Draw the loupes for row `row` of `track`; `contacts` says where on the stage each looks [pixels]."""
         for slot, contact in enumerate(self.shown):
             x, y = self.centre(slot)

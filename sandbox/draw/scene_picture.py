@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Panel, decade_axis, linear_axis
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.layout import LaneLayout, Layout, layout
@@ -17,6 +16,7 @@ from softcradle.sandbox.draw.number_format import factor, fixed, index, time_uni
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, LANE_BACKGROUND, MUTED, mix
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import Scene
 
 
@@ -25,7 +25,7 @@ class Picture:
 
     Arguments:
         scene: the Scene.
-        tracks: one Track a lane: the history. All have the same times.
+        tracks: one Motion a lane: the history. All have the same times.
         size: pixels.
         scales: what stands for what; None fits them to the tracks.
         slow: seconds of film for one of motion, for the label; None takes the scene's.
@@ -35,7 +35,7 @@ class Picture:
     def __init__(
         self,
         scene: Scene,
-        tracks: Sequence[Track],
+        tracks: Sequence[Motion],
         size: tuple[int, int],
         *,
         scales: Scales | None = None,
@@ -63,7 +63,7 @@ class Picture:
         if told > 0.0:
             self._tell(surface, min(told, 1.0))
 
-    def extend(self, tracks: Sequence[Track]) -> None:
+    def extend(self, tracks: Sequence[Motion]) -> None:
         """Take longer `tracks` with the same beginning, for live use: only their new part is inked."""
         for lane, track in zip(self.lanes, tracks, strict=True):
             lane.ink(track, float(lane.track.time[-1]))
@@ -124,7 +124,7 @@ class _LanePicture:
         self.ahead = picture.ahead
         self.ink(self.track)
 
-    def ink(self, track: Track, since: float = -math.inf) -> None:
+    def ink(self, track: Motion, since: float = -math.inf) -> None:
         """Ink the curves of `track` later than `since` [s]."""
         for panel, values in zip(self.panels, _curves(track), strict=False):
             panel.ink(track.time, values, since)
@@ -153,7 +153,7 @@ class _LanePicture:
             peaks = values[-1] if kind == 0 else values.max(axis=0)
             panel.backdrop(surface, self.track.time, values, peaks, self.ahead)
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int, centre: float | None) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int, centre: float | None) -> None:
         contacts = self.stage.paint(surface, track, row, self.stage.left(centre))
         self.loupes.paint(surface, track, row, contacts)
         self.shares.paint(surface, track, row)
@@ -161,7 +161,7 @@ class _LanePicture:
             panel.paint(surface, float(track.time[row]), values[row])
 
 
-def _curves(track: Track) -> tuple[Array, Array, Array]:
+def _curves(track: Motion) -> tuple[Array, Array, Array]:
     return track.velocity, track.force, track.overlap
 
 

@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw import Track, scales_of
+from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.number_format import round_down, scientific
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, MUTED
 from softcradle.sandbox.draw.supersampling import bar
@@ -18,6 +18,7 @@ from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.kymograph_camera import Camera, Pixels, stacked
 from softcradle.sandbox.film.scene_film import AFTER, LEAD, RenderReport, motion_end, simulated
 from softcradle.sandbox.film.writer import open_film
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
 SUFFIX = ".kymograph.png"
@@ -96,7 +97,7 @@ def render_kymograph(
     return RenderReport(Path(output), frames, 0.0, seconds, known, known, float(tracks[0].time[0]))
 
 
-def paint(surface: pygame.Surface, scene: Scene, tracks: Sequence[Track], rate: float, unit: float) -> None:
+def paint(surface: pygame.Surface, scene: Scene, tracks: Sequence[Motion], rate: float, unit: float) -> None:
     """Draw everything on `surface`; the `tracks` have `rate` rows a second, a camera frame each."""
     surface.fill(BACKGROUND)
     wide, high = surface.get_size()
@@ -126,7 +127,7 @@ def _width(wide: int, unit: float) -> int:
     return round(wide - (2 * MARGIN + SIDE) * unit)
 
 
-def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, track: Track) -> None:
+def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, track: Motion) -> None:
     """The stacked lines, stretched over `place`, positions upwards; a dotted line at the first touch."""
     lines: Pixels = stacked(camera, track)
     frame_of = np.arange(place.width) * len(lines) // place.width
@@ -151,7 +152,7 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
 
 
 def _time_bar(
-    surface: pygame.Surface, scene: Scene, track: Track, axis: tuple[float, float], high: int, unit: float
+    surface: pygame.Surface, scene: Scene, track: Motion, axis: tuple[float, float], high: int, unit: float
 ) -> None:
     """Below: the paper's 100 ms where they fit, else a round time; `axis` is the left end and pixels a second."""
     left, pixels = axis

@@ -22,7 +22,7 @@ PHYSICS = (
     *("storage", "trajectory", "advice", "simulation", "ensemble", "analysis"),
 )
 SANDBOX = (
-    *("resources", "user_error", "console", "output_files", "scene_runs", "trajectory_summary"),
+    *("resources", "user_error", "console", "output_files", "scene_runs", "trajectory_summary", "motion"),
     *("draw", "film", "session", "studies", "window", "cli"),
 )
 ROOMS = (

@@ -11,10 +11,10 @@ import pygame
 from softcradle.physics.methods import AUTO
 from softcradle.physics.source_digest import PHYSICS, digest_of
 from softcradle.sandbox.draw import lane_drawing
-from softcradle.sandbox.draw.drawable_trajectory import Track
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import FAINT, LANE_BACKGROUND
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
 SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
@@ -65,7 +65,7 @@ def keep(scene: Scene, thumbnail: pygame.Surface) -> None:
         return
 
 
-def motion(scene: Scene) -> list[Track]:
+def motion(scene: Scene) -> list[Motion]:
     """What a thumbnail is drawn from: the motion of each lane. Takes some milliseconds; runs behind the window."""
     from softcradle.sandbox.film.scene_film import simulated_quietly
 
@@ -75,7 +75,7 @@ def motion(scene: Scene) -> list[Track]:
     return tracks  # whoever plays the scene has a badge for what it warns of
 
 
-def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
+def paint(scene: Scene, tracks: list[Motion]) -> pygame.Surface:
     """The moment of the greatest force, one lane below the other."""
     from softcradle.sandbox.film.scene_film import strongest_row
 

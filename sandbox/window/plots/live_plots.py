@@ -10,10 +10,10 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.curve_panels import Axis, spread
-from softcradle.sandbox.draw.drawable_trajectory import Array
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour
 from softcradle.sandbox.draw.supersampling import FINE, put_marker
 from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history import History
 from softcradle.sandbox.window.plots.history_curves import Rows, at_frame, stretches
 from softcradle.sandbox.window.plots.scrolling_surface import Sheet

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Axis, decade_axis, linear_axis
-from softcradle.sandbox.draw.drawable_trajectory import Array
 from softcradle.sandbox.draw.number_format import index
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, STEEL, Colour, bead_colours, mix
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import FINE
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history import History
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.window.plots.history_curves import Rows, at_frame, stretches

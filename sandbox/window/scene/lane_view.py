@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.physics import Chain
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.palette import FOREGROUND, WARNING
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.scenes import View
 
@@ -92,7 +92,7 @@ class StageView:
         if self.shares is not None:
             self.shares.backdrop(surface)
 
-    def paint(self, surface: pygame.Surface, track: Track, centre: float) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, centre: float) -> None:
         """Draw the one row of `track`, the camera at `centre` [m]."""
         left = self.stage.left(centre)
         edges = left_edges(track.position[0], track.overlap[0], self.view.length, self.scales.magnify)
