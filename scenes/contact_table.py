@@ -1,4 +1,4 @@
-"""The contact of a scene file: a short table such as ``{law = "power", f0 = 1.0, alpha = "1/10"}``, and back."""
+"""The contact of a scene file, a table such as ``{law = "power", f0 = 1.0, alpha = "1/10"}``, and that of a Contact."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, SerializeAsAny, create_model
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
-from softcradle.scenes.scene_table import Loss, Table, meant, problem
+from softcradle.scenes.scene_table import Loss, Table, problem, suggestion
 
 from softcradle import physics
 
 
 class Law(Table):
-    """A contact law by name; its other keys are its numbers, of which `loss` (0: elastic) may be left out."""
+    """A contact law by name; its other keys are its numbers. `loss` may be left out: 0, elastic."""
 
     law: str
     loss: Loss = 0.0
@@ -33,7 +33,7 @@ MODELS = {kind.law: _model(kind) for kind in KINDS}
 
 
 def read_law(table: Any) -> Law:
-    """The law that a table of a scene file describes: first its name, which decides what other keys belong to it."""
+    """The law that a table of a scene file describes. Its name is checked first, because it decides on the other keys."""
     if isinstance(table, Law):
         return table
     if not isinstance(table, Mapping):
@@ -43,7 +43,7 @@ def read_law(table: Any) -> Law:
         raise problem(f"key 'law' is missing; allowed: {', '.join(laws)}")
     law = table["law"]
     if not isinstance(law, str) or law not in KIND_BY_NAME:
-        raise problem(f"unknown law {law!r}{meant(str(law), laws)}")
+        raise problem(f"unknown law {law!r}{suggestion(str(law), laws)}")
     name = KIND_BY_NAME[law].law
     return MODELS[name].model_validate({**table, "law": name})
 
@@ -52,7 +52,7 @@ ContactTable = Annotated[SerializeAsAny[Law], BeforeValidator(read_law)]
 
 
 def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
-    """The most telling law for `contact`; what it describes differs from `contact` by a relative error of `accuracy`."""
+    """The law of the most special kind that gives `contact`; its preload may differ by a relative error of `accuracy`."""
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
     precompression = _precompression(preload, stiffness, accuracy) if stiffness and exponent == 1.0 else None
     if stiffness == 0.0:
@@ -69,7 +69,7 @@ def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
 
 
 def _precompression(preload: float, stiffness: float, accuracy: float) -> float | None:
-    """The precompression [m], of several the shortest to write, that makes the preload; None where rounding allows none."""
+    """The precompression [m] that gives `preload`, of several the shortest to write; None where rounding excludes all."""
     quotient = preload / stiffness
     near = (quotient, math.nextafter(quotient, 0.0), math.nextafter(quotient, math.inf))
     fitting = [length for length in near if math.isclose(stiffness * length, preload, rel_tol=accuracy)]

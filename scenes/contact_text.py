@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
 from softcradle.scenes.contact_table import ContactTable, Law, law_of
 from softcradle.scenes.scene_errors import SceneError, scene_error
-from softcradle.scenes.scene_table import meant
+from softcradle.scenes.scene_table import suggestion
 
 from softcradle import physics
 
@@ -35,7 +35,7 @@ def contact_from(text: str) -> Law:
         raise SceneError([f"contact {text!r} must be a law with its numbers, such as power_law(1, 1/10)"])
     if match[1] not in KIND_BY_NAME:
         spellings = [kind.spelling for kind in KINDS]
-        raise SceneError([f"contact {text!r}: unknown law {match[1]!r}{meant(match[1], spellings)}"])
+        raise SceneError([f"contact {text!r}: unknown law {match[1]!r}{suggestion(match[1], spellings)}"])
     table = {"law": match[1], **_numbers(text, match[1], match[2])}
     try:
         return TABLE.validate_python(table)
@@ -44,7 +44,7 @@ def contact_from(text: str) -> Law:
 
 
 def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
-    """The arguments of the call `text` by their names."""
+    """The values in `arguments`, which belong to the call `text` of `law`, by the names of the numbers."""
     names = list(KIND_BY_NAME[law].numbers)
     found: dict[str, Any] = {}
     words = [word.strip() for word in arguments.split(",")] if arguments.strip() else []
