@@ -93,7 +93,7 @@ def frames(seconds: float) -> dict[str, Any]:
         app.frame(FRAME)
         took.append(1e3 * (perf_counter() - began))
         busy.append(1e3 * (thread_time() - worked))
-        physics.append(2.0 * page.session.pace.milliseconds)  # two frames of the model to a picture
+        physics.append(2.0 * page.session.pacer.milliseconds)  # two frames of the model to a picture
     import pygame
 
     driver = pygame.display.get_driver()

@@ -1,4 +1,4 @@
-"""Kinds of contact: a power law, a draft gear or a hard one that stop an impact at the scene's speed alike."""
+"""Conversion of contacts: a power law, a draft gear and a hard contact that stop an impact at the scene's speed alike."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from softcradle.physics.contact import Contact, hertz, power_law
 from softcradle.physics.scales import contact_scales
 
 KINDS = ("power", "gear", "hard")
-SOFT_EXPONENT = 0.1  # of a power law made from something else: alpha = 1/10, the paper's first
-PRELOAD_SHARE = 0.9  # of the energy of an impact that a gear made from something else takes up by its preload
+SOFT_EXPONENT = 0.1  # of a power law converted from another kind: alpha = 1/10, the paper's first
+PRELOAD_SHARE = 0.9  # of the energy of an impact that the preload of a converted gear takes up
 HARD_DEPTH = 0.05  # of the depth of a soft contact: a locked piston yields twenty times less
-HALVINGS = 60
+HALVINGS = 60  # of the bracket of a depth: its last digit
 
 
 def kind_of(contact: Contact) -> str:
-    """'gear' where a preload has to be overcome, 'power' for an exponent below 1, else 'hard'."""
+    """'gear' for a contact with preload, 'power' for an exponent below 1, else 'hard'."""
     if contact.preload > 0.0:
         return "gear"
     return "power" if contact.exponent < 1.0 else "hard"
 
 
-def turned(chain: Chain, index: int, kind: str, speed: float) -> Contact:
+def converted_contact(chain: Chain, index: int, kind: str, speed: float) -> Contact:
     """Contact `index` of `chain` as `kind`: it stops the same impact at `speed` [m/s] within the same depth.
 
     A hard one is Hertz's and does it within a twentieth of the depth. ValueError for an unknown kind.
@@ -29,35 +29,34 @@ def turned(chain: Chain, index: int, kind: str, speed: float) -> Contact:
     if kind not in KINDS:
         raise ValueError(f"unknown kind of contact {kind!r}; there are {', '.join(KINDS)}")
     contact = chain.contact[index]
-    now = kind_of(contact)
-    if now == kind:
+    present = kind_of(contact)
+    if present == kind:
         return contact
-    energy, depth = impact(chain, index, speed)
-    soft_depth = depth / HARD_DEPTH if now == "hard" else depth
+    energy, depth = impact_energy(chain, index, speed)
+    soft_depth = depth / HARD_DEPTH if present == "hard" else depth
     if kind == "power":
-        return power_law(
-            (1.0 + SOFT_EXPONENT) * energy / soft_depth ** (1.0 + SOFT_EXPONENT), SOFT_EXPONENT, contact.loss
-        )
+        factor = (1.0 + SOFT_EXPONENT) * energy / soft_depth ** (1.0 + SOFT_EXPONENT)
+        return power_law(factor, SOFT_EXPONENT, contact.loss)
     if kind == "gear":
         preload, stiffness = PRELOAD_SHARE * energy / soft_depth, 2.0 * (1.0 - PRELOAD_SHARE) * energy / soft_depth**2
         return Contact(preload, stiffness, 1.0, contact.loss)
     return _hertz(energy, soft_depth)
 
 
-def hardened(chain: Chain, index: int, speed: float) -> Contact:
+def hard_contact(chain: Chain, index: int, speed: float) -> Contact:
     """Hertz's contact in place of contact `index`: it stops the same impact within a twentieth of the depth."""
-    return _hertz(*impact(chain, index, speed))
+    return _hertz(*impact_energy(chain, index, speed))
 
 
 def _hertz(energy: float, soft_depth: float) -> Contact:
     return hertz(2.5 * energy / (HARD_DEPTH * soft_depth) ** 2.5)
 
 
-def impact(chain: Chain, index: int, speed: float) -> tuple[float, float]:
-    """Energy [J] of two free beads that close at `speed` [m/s], and the depth [m] at which contact `index` holds it."""
+def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]:
+    """Energy [J] of two free beads that close at `speed` [m/s], and the depth [m] at which contact `index` stores it."""
     inverse_mass = chain.parameters.inverse_mass
     energy = 0.5 * speed**2 / float(inverse_mass[index] + inverse_mass[index + 1])
-    low, high = 0.0, float(contact_scales(chain, np.array([0.0, speed]))[0][index])  # at least as deep as it gets
+    low, high = 0.0, float(contact_scales(chain, np.array([0.0, speed]))[0][index])  # an upper bound of the depth
     for _ in range(HALVINGS):
         depth = 0.5 * (low + high)
         low, high = (depth, high) if float(chain.contact[index].energy(depth)) < energy else (low, depth)

@@ -1,4 +1,4 @@
-"""Edits: what an Input makes of a lane. Immutable parts are replaced whole; a refused edit has changed nothing."""
+"""Edits: what an Input changes in a lane. Immutable parts are replaced whole; a refused edit changes nothing."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.contact_conversion import hardened, turned
+from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact
 from softcradle.sandbox.session.lane_setup import LaneSetup
-from softcradle.sandbox.session.placement import displace, place, rebuilt, set_velocity
+from softcradle.sandbox.session.placement import displace, place_bead, set_velocity, state_from_bead_0
 
-MOST_BEADS = 400  # in a lane by hand
+MOST_BEADS = 400  # of a lane that beads are added to
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits
-LEAST_EXPONENT, MOST_EXPONENT = 1e-3, 10.0
+LEAST_EXPONENT = 1e-3  # of a typed law
+MOST_EXPONENT = 10.0  # of a typed law
 Changed = tuple[LaneSetup, State]
 
 
 @singledispatch
 def edited(item: object, setup: LaneSetup, state: State) -> Changed:
-    """Setup and state after `item`; `state` may be changed in place. ValueError with a sentence where it is refused."""
+    """Setup and state after `item`; `state` may be changed in place. ValueError with a sentence: refused."""
     raise TypeError(f"not an edit of a lane: {item!r}")
 
 
 def edited_start(item: inputs.LaneInput, setup: LaneSetup) -> State:
-    """The start of the lane after `item`: what changes the beads themselves changes it, what moves them not."""
+    """The start of the lane after `item`: masses and the number of beads change it, positions and velocities do not."""
     if isinstance(item, inputs.SetMass | inputs.AddBead | inputs.RemoveBead):
         return edited(item, setup, setup.start.copy())[1]
     return setup.start
@@ -38,7 +39,7 @@ def edited_start(item: inputs.LaneInput, setup: LaneSetup) -> State:
 @edited.register
 def _(item: inputs.Place, setup: LaneSetup, state: State) -> Changed:
     _check_index("bead", item.bead, setup.chain.contacts + 1)
-    place(setup.chain, state, item.bead, _finite("position", item.position))
+    place_bead(setup.chain, state, item.bead, _finite("position", item.position))
     return setup, state
 
 
@@ -69,7 +70,9 @@ def _(item: inputs.SetContact, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetKind, setup: LaneSetup, state: State) -> Changed:
     chain, speed = setup.chain, setup.speed
-    return _with_contacts(setup, state, item.contact, lambda index: (turned(chain, index, item.kind, speed), None))
+    return _with_contacts(
+        setup, state, item.contact, lambda index: (converted_contact(chain, index, item.kind, speed), None)
+    )
 
 
 @edited.register
@@ -77,7 +80,7 @@ def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
     def locked(index: int) -> tuple[Contact, Contact | None]:
         contact, soft = setup.chain.contact[index], setup.locked[index]
         if item.locked:
-            return (contact, soft) if soft else (hardened(setup.chain, index, setup.speed), contact)
+            return (contact, soft) if soft else (hard_contact(setup.chain, index, setup.speed), contact)
         return (soft or contact), None
 
     return _with_contacts(setup, state, item.contact, locked)
@@ -88,9 +91,9 @@ def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
     _check_index("contact", item.contact, setup.chain.contacts)
     if not 0.0 <= item.gap <= LARGEST:
         raise ValueError(f"a gap must be a number from 0 to {LARGEST:g}, not {item.gap!r}")
-    moved = np.zeros(setup.chain.contacts + 1)
-    moved[item.contact + 1 :] = item.gap + float(state.overlap[item.contact])
-    displace(setup.chain, state, moved)
+    displacement = np.zeros(setup.chain.contacts + 1)
+    displacement[item.contact + 1 :] = item.gap + float(state.overlap[item.contact])
+    displace(setup.chain, state, displacement)
     state.overlap[item.contact] = 0.0 - item.gap
     return setup, state
 
@@ -131,7 +134,7 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
         raise ValueError(f"a lane holds at most {MOST_BEADS} beads")
     if not math.isinf(item.mass):
         _finite("mass", item.mass)
-    near = min(max(item.bead - 1, 0), n - 1)  # the contact it goes into, or beside
+    near = min(max(item.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
     law = chain.contact[near] if item.law is None else item.law
     _check_law(law)
     masses = [*chain.mass[: item.bead], item.mass, *chain.mass[item.bead :]]
@@ -146,7 +149,7 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
 
 
 def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
-    """The state with one bead more, at rest relative to its neighbours' mean."""
+    """The state with one bead more, which has the mean velocity of its neighbours."""
     n = chain.contacts
     position, velocity = state.position(chain), state.velocity(chain)
     first = float(position[0]), float(velocity[0])
@@ -162,7 +165,7 @@ def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) 
         overlap[bead - 1], rate[bead - 1] = shared, 0.5 * state.rate[bead - 1]
     force = np.insert(state.force, at, 0.0)
     force[at] = longer.contact[at].force(float(overlap[at]))
-    return rebuilt(longer, state.time, (overlap, rate, force), first)
+    return state_from_bead_0(longer, state.time, (overlap, rate, force), first)
 
 
 @edited.register
@@ -171,8 +174,8 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     _check_index("bead", item.bead, n + 1)
     if n < 2:
         raise ValueError("a lane needs at least 2 beads")
-    out = min(item.bead, n - 1)
-    rest = [i for i in range(n) if i != out]
+    removed = min(item.bead, n - 1)
+    rest = [i for i in range(n) if i != removed]
     masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
     drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != item.bead]
     shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest], drive, chain.friction)
@@ -185,13 +188,13 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     start = 1 if item.bead == 0 else 0
     first = float(position[start]), float(velocity[start])
     locked = tuple(setup.locked[i] for i in rest)
-    return setup.with_chain(shorter, locked), rebuilt(shorter, state.time, (overlap, rate, force), first)
+    return setup.with_chain(shorter, locked), state_from_bead_0(shorter, state.time, (overlap, rate, force), first)
 
 
 def _with_contacts(
     setup: LaneSetup, state: State, index: int | None, law: Callable[[int], tuple[Contact, Contact | None]]
 ) -> Changed:
-    """The lane with contact `index` (None: every one) and the law it was locked from replaced by what `law` gives."""
+    """The lane with contact `index` (None: each) replaced; `law` gives the contact and the law to restore when unlocked."""
     _check_index("contact", index, setup.chain.contacts)
     contacts, locked = list(setup.chain.contact), list(setup.locked)
     for i in range(len(contacts)) if index is None else (index,):
@@ -202,7 +205,7 @@ def _with_contacts(
 def _with_chain(
     setup: LaneSetup, state: State, chain: Chain, locked: tuple[Contact | None, ...] | None = None
 ) -> Changed:
-    """The lane with `chain`, which has as many beads; the state is told of another anchor."""
+    """The lane with `chain`, which has as many beads; the state follows to another anchor bead."""
     anchor = chain.anchor
     if anchor != setup.chain.anchor:
         both = state.position(setup.chain)[anchor], state.velocity(setup.chain)[anchor]
@@ -216,7 +219,7 @@ def _check_index(name: str, index: int | None, count: int) -> None:
 
 
 def _check_law(law: Contact) -> None:
-    """Refuse what a slip of the keyboard makes of a contact."""
+    """Refuse a law whose numbers are beyond any use: a slip of the keyboard."""
     for name, number in (("preload", law.preload), ("stiffness", law.stiffness)):
         _finite(name, number)
     if not LEAST_EXPONENT <= law.exponent <= MOST_EXPONENT:

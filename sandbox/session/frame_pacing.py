@@ -1,4 +1,4 @@
-"""The pace: wall time into whole frames, within a budget. What does not fit is dropped: the clock slows."""
+"""Frame pacing: wall time into whole frames within a budget. Frames beyond it are dropped: the clock slows down."""
 
 from __future__ import annotations
 
@@ -7,28 +7,29 @@ from time import perf_counter
 
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
-BUDGET = 0.010  # wall seconds of physics in one tick: the rest of a 60th of a second belongs to drawing
+BUDGET = 0.010  # wall seconds of physics in one tick: the rest of a 60th of a second is for drawing
 LONGEST_TICK = 0.25  # wall seconds: after a pause of the whole program the model does not catch up
-MEMORY = 0.5  # wall seconds over which the clock ratio is averaged
+AVERAGED = 0.5  # wall seconds over which clock ratio and milliseconds are averaged
 
 
-class Pace:
+class FramePacer:
     """How many frames are due, and how well the clock is kept.
 
     Attributes:
         clock_ratio: model time gone by over what the slow motion promised; 1.0 on time, averaged over half a second.
         milliseconds: wall time a frame takes, averaged likewise.
+        due: frames not yet computed, within half of one of what the wall clock says.
     """
 
     def __init__(self, budget: float = BUDGET, clock: Callable[[], float] = perf_counter) -> None:
         self.budget, self.clock = budget, clock
-        self.due = 0.0  # frames, within half of one of what the wall clock says
+        self.due = 0.0
         self.clock_ratio, self.milliseconds = 1.0, 0.0
 
     def run(self, wall_seconds: float, frame: Callable[[], bool]) -> int:
-        """Call `frame` as often as `wall_seconds` ask for and the budget allows, but once if due; returns how often.
+        """Call `frame` for every frame due in `wall_seconds` that fits the budget, the first always; returns how many ran.
 
-        A `frame` that returns False was the last.
+        A `frame` that returns False is the last.
         """
         wanted = min(max(wall_seconds, 0.0), LONGEST_TICK)
         self.due += wanted * FRAME_RATE
@@ -49,13 +50,13 @@ class Pace:
         return done
 
     def _average(self, wall_seconds: float, wanted: float, dropped: int, milliseconds: float | None) -> None:
-        share = min(1.0, max(wall_seconds, 1e-3) / MEMORY)
+        share = min(1.0, max(wall_seconds, 1e-3) / AVERAGED)
         if wanted > 0.0:
             ratio = min(1.0, max(0.0, 1.0 - dropped / max(wanted, 1.0)))
             self.clock_ratio += share * (ratio - self.clock_ratio)
         if milliseconds is not None:
             self.milliseconds += share * (milliseconds - self.milliseconds) if self.milliseconds else milliseconds
 
-    def forget(self) -> None:
-        """Begin anew, after a pause: nothing is due, nothing is late."""
+    def restart(self) -> None:
+        """Begin anew after a pause: no frame is due, and the clock is on time."""
         self.due, self.clock_ratio = 0.0, 1.0

@@ -4,39 +4,20 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.state import State
 from softcradle.sandbox.session.lane_setup import Setup
+from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
+from softcradle.sandbox.session.snapshots import HeldBead, Snapshot
 
 Array = NDArray[np.float64]
 
 BLOCK_ROWS = 512
-MEMORY = 32 * 2**20  # bytes of a history, unless told otherwise
-
-# columns of the ledger of a lane, see softcradle.sandbox.session.ledger
-KINETIC, STORED, MOMENTUM, ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES = range(8)
-BY_CONTACTS, BY_BED = 8, 9
-LEDGER = 10
-NO_HAND = (-1.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Moment:
-    """One frame, all of it: time [s], setup, hand (lane, bead, position), and per lane State and ledger (10,)."""
-
-    time: float
-    setup: Setup
-    hand: tuple[float, float, float]
-    states: tuple[State, ...]
-    ledgers: tuple[Array, ...]
-
-    def copy(self) -> Moment:
-        """The same moment in arrays of its own, without the scratch memory of the methods."""
-        states = tuple(state.copy() for state in self.states)
-        return replace(self, states=states, ledgers=tuple(ledger.copy() for ledger in self.ledgers))
+MEMORY = 32 * 2**20  # bytes of a history, unless given
+SETUP_MEMORY = 2048  # bytes that one setup in a block counts as
 
 
 @dataclass(eq=False)
@@ -52,7 +33,7 @@ class LaneRows:
     @classmethod
     def empty(cls, rows: int, contacts: int) -> LaneRows:
         """Room for `rows` frames of a lane of that many contacts."""
-        return cls(*(np.empty((rows, width)) for width in (contacts, contacts, contacts, 2, LEDGER)))
+        return cls(*(np.empty((rows, width)) for width in (contacts, contacts, contacts, 2, LEDGER_COLUMNS)))
 
     def arrays(self) -> tuple[Array, ...]:
         """All five, in the order of the fields."""
@@ -65,19 +46,29 @@ class LaneRows:
 
 @dataclass(eq=False)
 class Block:
-    """Up to BLOCK_ROWS frames of lanes whose numbers of contacts do not change; `setups` holds (first row, Setup)."""
+    """Up to BLOCK_ROWS frames of lanes whose numbers of contacts do not change.
+
+    Attributes:
+        first: frame of row 0.
+        widths: number of contacts of each lane.
+        time, held: (R,) time [s], (R, 3) the bead that the pointer held.
+        lanes: the rows of each lane.
+        used: number of rows that are frames.
+        revision: grows when rows are taken out: what was made from them is stale.
+        setups: (first row, Setup), ascending.
+    """
 
     first: int
     widths: tuple[int, ...]
     time: Array
-    hand: Array
+    held: Array
     lanes: list[LaneRows]
     used: int = 0
-    revision: int = 0  # grows when rows are taken out: what was made from them is stale
+    revision: int = 0
     setups: list[tuple[int, Setup]] = field(default_factory=list)
 
     @classmethod
-    def at(cls, first: int, widths: tuple[int, ...]) -> Block:
+    def empty(cls, first: int, widths: tuple[int, ...]) -> Block:
         """An empty block whose first row is frame `first`."""
         lanes = [LaneRows.empty(BLOCK_ROWS, width) for width in widths]
         return cls(first, widths, np.empty(BLOCK_ROWS), np.empty((BLOCK_ROWS, 3)), lanes)
@@ -86,51 +77,51 @@ class Block:
     def memory(self) -> int:
         """Bytes."""
         rows = sum(array.nbytes for lane in self.lanes for array in lane.arrays())
-        return rows + self.time.nbytes + self.hand.nbytes + 2048 * len(self.setups)
+        return rows + self.time.nbytes + self.held.nbytes + SETUP_MEMORY * len(self.setups)
 
-    def add(self, moment: Moment) -> None:
-        """Write `moment` to the next row."""
+    def add(self, snapshot: Snapshot) -> None:
+        """Write `snapshot` to the next row."""
         row = self.used
-        if not self.setups or self.setups[-1][1] is not moment.setup:
-            self.setups.append((row, moment.setup))
-        self.time[row], self.hand[row] = moment.time, moment.hand
-        for lane, state, ledger in zip(self.lanes, moment.states, moment.ledgers, strict=True):
+        if not self.setups or self.setups[-1][1] is not snapshot.setup:
+            self.setups.append((row, snapshot.setup))
+        self.time[row], self.held[row] = snapshot.time, snapshot.held
+        for lane, state, ledger in zip(self.lanes, snapshot.states, snapshot.ledgers, strict=True):
             lane.overlap[row], lane.rate[row], lane.force[row] = state.overlap, state.rate, state.force
             lane.anchor[row], lane.ledger[row] = state.anchor, ledger
         self.used += 1
 
     def setup(self, row: int) -> Setup:
-        """The setup that made `row`."""
+        """The setup of `row`."""
         return self.setups[bisect_right(self.setups, row, key=lambda item: item[0]) - 1][1]
 
-    def moment(self, row: int) -> Moment:
+    def snapshot(self, row: int) -> Snapshot:
         """Read `row` back; arrays are copies."""
         time = float(self.time[row])
         states = tuple(
             State(time, *(array[row].copy() for array in (lane.overlap, lane.rate, lane.anchor, lane.force)))
             for lane in self.lanes
         )
-        hand: tuple[float, float, float] = tuple(self.hand[row].tolist())
-        return Moment(time, self.setup(row), hand, states, tuple(lane.ledger[row].copy() for lane in self.lanes))
+        ledgers = tuple(lane.ledger[row].copy() for lane in self.lanes)
+        return Snapshot(time, self.setup(row), HeldBead(*self.held[row].tolist()), states, ledgers)
 
-    def forget_last(self) -> None:
-        """Take the last row out again."""
+    def drop_last(self) -> None:
+        """Take the last row out."""
         self.used -= 1
         self.revision += 1
         if self.setups[-1][0] == self.used:
             self.setups.pop()
 
     def cut(self, rows: int) -> None:
-        """Keep the first `rows` rows and give back the room for more."""
+        """Drop all but the first `rows` rows, and the room for more."""
         self.used = rows
         self.revision += 1
-        self.time, self.hand = self.time[:rows].copy(), self.hand[:rows].copy()
+        self.time, self.held = self.time[:rows].copy(), self.held[:rows].copy()
         self.lanes = [lane.cut(rows) for lane in self.lanes]
         self.setups = [item for item in self.setups if item[0] < rows]
 
 
 class History:
-    """Frames `first` ... `last`, in blocks. `memory` bounds its bytes; what is dropped is the oldest."""
+    """Frames `first` ... `last`, in blocks. `memory` bounds its bytes; the oldest frames are dropped."""
 
     def __init__(self, memory: int = MEMORY) -> None:
         self.bound = memory
@@ -138,7 +129,7 @@ class History:
 
     @property
     def first(self) -> int:
-        """Oldest frame kept."""
+        """Oldest frame."""
         return self.blocks[0].first
 
     @property
@@ -161,55 +152,55 @@ class History:
         """Bytes in use."""
         return sum(block.memory for block in self.blocks)
 
-    def start(self, moment: Moment, frame: int = 0) -> None:
-        """Forget everything; `moment` is frame `frame`."""
+    def start(self, snapshot: Snapshot, frame: int = 0) -> None:
+        """Drop everything; `snapshot` is frame `frame`."""
         self.blocks.clear()
-        self.blocks.append(Block.at(frame, _widths(moment)))
-        self.blocks[-1].add(moment)
+        self.blocks.append(Block.empty(frame, _widths(snapshot)))
+        self.blocks[-1].add(snapshot)
 
-    def append(self, moment: Moment) -> None:
+    def append(self, snapshot: Snapshot) -> None:
         """Add a frame at the end."""
         block = self.blocks[-1]
-        if block.used == len(block.time) or block.widths != _widths(moment):
+        if block.used == len(block.time) or block.widths != _widths(snapshot):
             block.cut(block.used)
-            self._add_block(self.last + 1, moment)
-        self.blocks[-1].add(moment)
+            self._add_block(self.last + 1, snapshot)
+        self.blocks[-1].add(snapshot)
 
-    def replace_last(self, moment: Moment) -> None:
-        """Put `moment` in place of the newest frame: an edit."""
+    def replace_last(self, snapshot: Snapshot) -> None:
+        """Put `snapshot` in place of the newest frame: an edit."""
         frame, block = self.last, self.blocks[-1]
-        block.forget_last()
-        if block.widths != _widths(moment):
+        block.drop_last()
+        if block.widths != _widths(snapshot):
             if block.used:
                 block.cut(block.used)
             else:
                 self.blocks.pop()
-            self._add_block(frame, moment)
-        self.blocks[-1].add(moment)
+            self._add_block(frame, snapshot)
+        self.blocks[-1].add(snapshot)
 
-    def _add_block(self, first: int, moment: Moment) -> None:
-        """Begin a block for frame `first`, and drop the oldest ones that are too much with it."""
-        self.blocks.append(Block.at(first, _widths(moment)))
+    def _add_block(self, first: int, snapshot: Snapshot) -> None:
+        """Begin a block at frame `first`, and drop the oldest blocks beyond the bound."""
+        self.blocks.append(Block.empty(first, _widths(snapshot)))
         while len(self.blocks) > 2 and self.memory > self.bound:
             self.blocks.popleft()
 
     def drop_after(self, frame: int) -> None:
-        """Forget every frame later than `frame`."""
+        """Drop every frame later than `frame`."""
         if frame >= self.last:
             return
         while self.blocks[-1].first > frame:
             self.blocks.pop()
         self.blocks[-1].cut(frame - self.blocks[-1].first + 1)
 
-    def moment(self, frame: int) -> Moment:
-        """The frame `frame`, which must be kept."""
+    def snapshot(self, frame: int) -> Snapshot:
+        """The frame `frame`. IndexError where it is not in the history."""
         block = self.block_of(frame)
-        return block.moment(frame - block.first)
+        return block.snapshot(frame - block.first)
 
     def block_of(self, frame: int) -> Block:
-        """The block in which `frame` is."""
+        """The block that holds `frame`. IndexError where none does."""
         if not self.first <= frame <= self.last:
-            raise IndexError(f"frame {frame} is not kept; frames {self.first} to {self.last} are")
+            raise IndexError(f"frame {frame} is not in the history, which has frames {self.first} to {self.last}")
         return self.blocks[bisect_right(self.blocks, frame, key=lambda block: block.first) - 1]
 
     def frame_at(self, time: float) -> int:
@@ -226,12 +217,12 @@ class History:
 
 
 def _nearer_next(block: Block, blocks: deque[Block], time: float) -> int:
-    """1 when the first row of the next block is nearer to `time` than the last of `block`, else 0."""
+    """1 where the first row of the next block is nearer to `time` than the last of `block`, else 0."""
     following = blocks.index(block) + 1
     if following == len(blocks):
         return 0
     return int(float(blocks[following].time[0]) - time < time - float(block.time[block.used - 1]))
 
 
-def _widths(moment: Moment) -> tuple[int, ...]:
-    return tuple(state.overlap.size for state in moment.states)
+def _widths(snapshot: Snapshot) -> tuple[int, ...]:
+    return tuple(state.overlap.size for state in snapshot.states)

@@ -1,4 +1,6 @@
-"""Inputs: everything a person can do to the model, as small frozen values that can be applied, recorded and replayed.
+"""Inputs: everything a person can do to the model, as small frozen values that are applied, recorded and replayed.
+
+A recording names them by their classes: a renamed class could no longer be replayed.
 
 `lane` counts from 0; `bead` 0 ... n and `contact` 0 ... n-1 from left to right; None means all of them.
 """
@@ -13,7 +15,7 @@ from softcradle.physics.contact import Contact
 
 @dataclass(frozen=True)
 class Drag:
-    """The hand holds a bead while the model runs: a spring from it to the pointer at `position` [m]."""
+    """Pull a bead while the model runs: by a spring from it to the pointer at `position` [m]."""
 
     lane: int
     bead: int
@@ -22,12 +24,12 @@ class Drag:
 
 @dataclass(frozen=True)
 class Drop:
-    """The hand lets go; the bead keeps its velocity: a throw."""
+    """Release the bead that is pulled; it keeps its velocity: a throw."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Put a bead at `position` [m] at once; beads in its way are shoved along, walls stop it."""
+    """Put a bead at `position` [m] at once; beads in its way are pushed along, walls stop it."""
 
     lane: int
     bead: int
@@ -63,7 +65,7 @@ class SetContact:
 
 @dataclass(frozen=True)
 class SetKind:
-    """Turn a contact (None: all) into a 'power' law, a draft 'gear' or 'hard', alike at this scene's speed."""
+    """Convert a contact (None: all) into a 'power' law, a draft 'gear' or a 'hard' one, alike at this scene's speed."""
 
     lane: int
     contact: int | None
@@ -72,7 +74,7 @@ class SetKind:
 
 @dataclass(frozen=True)
 class Lock:
-    """Lock the piston of a contact (None: all): it turns hard. Unlocking brings its old law back."""
+    """Lock the piston of a contact (None: all): it becomes hard. Unlocking restores its law."""
 
     lane: int
     contact: int | None
@@ -90,7 +92,7 @@ class SetGap:
 
 @dataclass(frozen=True)
 class SetDrive:
-    """Pull at a bead (None: all) with a steady `force` [N]."""
+    """Drive a bead (None: all) by a steady `force` [N]."""
 
     lane: int
     bead: int | None
@@ -99,7 +101,7 @@ class SetDrive:
 
 @dataclass(frozen=True)
 class SetFriction:
-    """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is none."""
+    """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is a bed without friction."""
 
     lane: int
     friction: float
@@ -109,7 +111,7 @@ class SetFriction:
 class AddBead:
     """Insert a bead so that it becomes number `bead` (0 ... n+1), at the velocity of its neighbours.
 
-    `gap` [m] is its distance to the row when it is added at an end; in the middle it shares the gap that is there.
+    `gap` [m] is its distance to the chain where it is added at an end; between two beads it halves their gap.
     """
 
     lane: int
@@ -121,7 +123,7 @@ class AddBead:
 
 @dataclass(frozen=True)
 class RemoveBead:
-    """Take a bead out; its right contact goes with it (its left one at the right end)."""
+    """Remove a bead and its right contact (its left one at the right end)."""
 
     lane: int
     bead: int
@@ -129,7 +131,7 @@ class RemoveBead:
 
 @dataclass(frozen=True)
 class SetMethod:
-    """Integrate a lane (None: all) by the method of that name; 'auto' chooses method and step by itself."""
+    """Integrate a lane (None: all) by the method of that name; 'auto': method and step are chosen."""
 
     lane: int | None
     method: str
@@ -137,7 +139,7 @@ class SetMethod:
 
 @dataclass(frozen=True)
 class SetStep:
-    """Use steps of at most `step` [s] in a lane (None: all); None chooses."""
+    """Use steps of at most `step` [s] in a lane (None: all); step None: it is chosen."""
 
     lane: int | None
     step: float | None
@@ -145,24 +147,24 @@ class SetStep:
 
 @dataclass(frozen=True)
 class SetSlow:
-    """Slow motion: `slow` wall seconds show one second of the model; 1 ... 1000 and beyond."""
+    """Slow motion: `slow` seconds of wall time show one second of the model."""
 
     slow: float
 
 
 @dataclass(frozen=True)
 class Resume:
-    """Play on from a scrubbed moment: the hand is empty and the methods start with fresh scratch memory."""
+    """Play on from a frame of the history: no bead is held, and the methods start with fresh scratch memory."""
 
 
-# what concerns one lane or all of them, and what concerns the session
+# A LaneInput concerns one lane or all of them; the others concern the session.
 LaneInput = (
     Place | SetVelocity | SetMass | SetContact | SetKind | Lock | SetGap | SetDrive | SetFriction | AddBead
     | RemoveBead | SetMethod | SetStep
 )  # fmt: skip
 Input = LaneInput | Drag | Drop | SetSlow | Resume
 
-_BY_NAME: dict[str, type] = {kind.__name__: kind for kind in get_args(Input)}
+_INPUTS: dict[str, type] = {input_class.__name__: input_class for input_class in get_args(Input)}
 
 
 def to_table(item: Input) -> dict[str, Any]:
@@ -172,11 +174,11 @@ def to_table(item: Input) -> dict[str, Any]:
 
 def from_table(table: dict[str, Any]) -> Input:
     """The input that :func:`to_table` wrote. ValueError where it is none."""
-    kind = _BY_NAME.get(str(table.get("input")))
+    input_class = _INPUTS.get(str(table.get("input")))
     values = {key: value for key, value in table.items() if key != "input"}
-    if kind is None or set(values) - {field.name for field in fields(kind)}:
+    if input_class is None or set(values) - {field.name for field in fields(input_class)}:
         raise ValueError(f"not an input of a session: {table}")
     if values.get("law") is not None:
         values["law"] = Contact(**values["law"])
-    made: Input = kind(**values)
-    return made
+    item: Input = input_class(**values)
+    return item

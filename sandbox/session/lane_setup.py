@@ -1,4 +1,4 @@
-"""Setups: the immutable half of a session. An edit replaces one; the history keeps the one of each frame."""
+"""Setups of lanes: the immutable part of a session. An edit replaces a setup; the history holds the one of each frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from softcradle.physics.state import State
 from softcradle.sandbox.session.method_choice import choose_method, steps_in, suitable_step
 from softcradle.scenes import Lane, Scene
 
-FRAME_RATE = 120  # model frames in a second at the wall; drawn at 60 Hz every picture is two of them
+FRAME_RATE = 120  # model frames in a second of wall time: at 60 pictures a second each picture takes two
+TOLERANCE = 1e-8  # of adaptive methods where the scene has none
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,10 @@ class LaneSetup:
         method: a name from METHODS.
         step: longest step [s]; 0 for adaptive methods.
         automatic: True: the method is chosen by :func:`choose_method`.
-        step_given: True: a person has given the step; else it is chosen, again after every edit.
+        step_given: True: a person has typed the step; False: it is chosen, again after every edit.
         tolerance: of adaptive methods.
         locked: per contact the law it had before its piston was locked, else None.
-        speed: closing speed [m/s] that this scene is about; scales of steps, of the hand and of errors follow it.
+        speed: closing speed [m/s] of this scene; it scales steps, the pointer spring and errors.
         start: the State to which a restart goes back; never changed in place.
     """
 
@@ -50,16 +51,16 @@ class LaneSetup:
         return replace(self, start=start)
 
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
-        """The same lane, about the speeds `velocity` (n+1,) [m/s]; a chosen step follows."""
+        """The same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
         return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()
 
     def with_chain(self, chain: Chain, locked: tuple[Contact | None, ...] | None = None) -> LaneSetup:
-        """The same lane with another chain; a chosen step follows. ValueError where the method does not take it."""
+        """The same lane with another chain; a chosen step is chosen again. ValueError where the method refuses the chain."""
         _check_dissipative(chain, self.method)
         return replace(self, chain=chain, locked=self.locked if locked is None else locked).with_choice()
 
     def with_choice(self) -> LaneSetup:
-        """The same lane with what nobody has given chosen anew."""
+        """The same lane; method and step are chosen again where nobody has given them."""
         if self.automatic:
             method, step = choose_method(self.chain, self.speed)
             return replace(self, method=method, step=step)
@@ -72,7 +73,7 @@ class LaneSetup:
         return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
 
     def with_step(self, step: float | None) -> LaneSetup:
-        """The same method with steps of at most `step` [s]; None chooses. ValueError where the method does that."""
+        """The same method with steps of at most `step` [s]; None: chosen. ValueError for an adaptive method."""
         if step is None:
             return replace(self, step_given=False).with_choice()
         if find_method(self.method).adaptive:
@@ -80,21 +81,21 @@ class LaneSetup:
         return replace(self, step=step, step_given=True, automatic=False)
 
     def step_for(self, frame_time: float) -> float | None:
-        """Step [s] for a frame of `frame_time` [s], see `steps_in`; None where the method chooses."""
+        """Step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""
         if self.step == 0.0:
             return None
         return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
 
 
 def _check_dissipative(chain: Chain, method: str) -> None:
-    """Refuse a method that takes no friction where there is some."""
+    """Refuse a chain with friction or loss where the method takes neither."""
     if chain.dissipative and not find_method(method).dissipative:
         raise ValueError(refusal(find_method(method)))
 
 
 @dataclass(frozen=True)
 class Setup:
-    """All lanes and the slow motion they are shown in: `slow` wall seconds for one of the model."""
+    """All lanes, and the slow motion: `slow` seconds of wall time show one second of the model."""
 
     lanes: tuple[LaneSetup, ...]
     slow: float = 1.0
@@ -122,7 +123,7 @@ def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
         step=step,
         automatic=scene.method is None,
         step_given=False,
-        tolerance=1e-8 if scene.tolerance is None else scene.tolerance,
+        tolerance=TOLERANCE if scene.tolerance is None else scene.tolerance,
         locked=(None,) * chain.contacts,
         speed=speed,
         start=State.at_start(chain, lane.velocity),

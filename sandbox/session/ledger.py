@@ -1,7 +1,7 @@
-"""The ledger of a lane: its energy and momentum, and what hands, walls and edits have put in, booked on their own.
+"""The ledger of a lane: its energy and momentum, and what the pointer, a drive, walls and edits have put in.
 
-An error is what neither the start nor a booking explains: E - booked, relative to the largest energy there has been.
-What contacts with loss and a bed that rubs absorb is booked as taken away, so it is no error.
+What is put in is booked; an error is what neither the start nor a booking explains: E - booked, relative to the
+largest energy so far. What contacts with loss and the bed absorb is booked as taken out, so it is no error.
 Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES,
 BY_CONTACTS, BY_BED [J] (absorbed since the lane began).
 """
@@ -15,52 +15,49 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import State
 from softcradle.sandbox.motion import stored_energy
-from softcradle.sandbox.session.history import (
-    BY_BED,
-    BY_CONTACTS,
-    ENERGY_BOOKED,
-    ENERGY_SCALE,
-    KINETIC,
-    LEDGER,
-    MOMENTUM,
-    MOMENTUM_BOOKED,
-    MOMENTUM_SCALE,
-    STORED,
-)
 
 Array = NDArray[np.float64]
 
+KINETIC, STORED, MOMENTUM, ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES = range(8)
+BY_CONTACTS, BY_BED = 8, 9
+LEDGER_COLUMNS = 10
 
-def opened(chain: Chain, state: State) -> Array:
-    """The ledger (10,) of a lane that begins now: all there is is booked."""
-    ledger = np.zeros(LEDGER)
-    read(chain, state, ledger)
+
+def new_ledger(chain: Chain, state: State) -> Array:
+    """The ledger (10,) of a lane that begins now: its energy and momentum are booked."""
+    ledger = np.zeros(LEDGER_COLUMNS)
+    measure(chain, state, ledger)
     ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
     ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
     return ledger
 
 
-def read(chain: Chain, state: State, ledger: Array) -> None:
-    """Put energies, momentum and their scales as they are now into `ledger`."""
+def measure(chain: Chain, state: State, ledger: Array) -> None:
+    """Write the energies and the momentum of `state` into `ledger`, and let their scales grow."""
     law, inverse_mass = chain.parameters
     mass = np.where(inverse_mass > 0.0, chain.mass, 0.0)
-    parts = mass * state.velocity(chain)
-    ledger[KINETIC] = 0.5 * float(parts @ state.velocity(chain))
+    momenta = mass * state.velocity(chain)
+    ledger[KINETIC] = 0.5 * float(momenta @ state.velocity(chain))
     ledger[STORED] = float(stored_energy(law, state.overlap).sum())
-    ledger[MOMENTUM] = parts.sum()
+    ledger[MOMENTUM] = momenta.sum()
     ledger[ENERGY_SCALE] = max(ledger[ENERGY_SCALE], ledger[KINETIC] + ledger[STORED])
-    ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(parts).sum())
+    ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(momenta).sum())
 
 
 def book_edit(before: Array, ledger: Array) -> None:
-    """Book what an edit, not the motion, has changed from `before` to what `ledger` reads now."""
+    """Book what an edit has changed: the difference between `before` and `ledger`."""
     ledger[ENERGY_BOOKED] += ledger[KINETIC] + ledger[STORED] - before[KINETIC] - before[STORED]
     ledger[MOMENTUM_BOOKED] += ledger[MOMENTUM] - before[MOMENTUM]
 
 
-class Outside(NamedTuple):
-    """What came from outside in a frame: `work` [J] and `impulse` [N s] of hand and drive; velocities of the walls;
-    energy `absorbed` (2,) [J] by contacts and bed."""
+class External(NamedTuple):
+    """What came from outside in one frame.
+
+    Attributes:
+        work, impulse: of the pointer spring and the drive [J], [N s].
+        wall_velocity: of each wall [m/s].
+        absorbed: (2,) energy [J] that contacts and the bed absorbed.
+    """
 
     work: float
     impulse: float
@@ -68,23 +65,23 @@ class Outside(NamedTuple):
     absorbed: Array
 
 
-def book_frame(chain: Chain, before: Array, ledger: Array, outside: Outside) -> None:
-    """Book a frame: `before` and `ledger` are what was read before and after it.
+def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -> None:
+    """Book a frame: `before` and `ledger` are what was measured before and after it.
 
-    Walls and a bed that rubs give what momentum is missing; the work of walls with it is known where all of them move
-    alike, and rest where a bed takes momentum too. Where they do not, what the energy has become is taken as booked.
+    Walls and a bed with friction give the momentum that is missing. The work of the walls follows from it where all of
+    them move alike, and at rest where the bed takes momentum too. Elsewhere the energy after the frame is booked as it is.
     """
-    ledger[[BY_CONTACTS, BY_BED]] += outside.absorbed
-    ledger[ENERGY_BOOKED] += outside.work - outside.absorbed.sum()
-    ledger[MOMENTUM_BOOKED] += outside.impulse
-    if chain.friction and not outside.wall_velocity.any():
+    ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
+    ledger[ENERGY_BOOKED] += external.work - external.absorbed.sum()
+    ledger[MOMENTUM_BOOKED] += external.impulse
+    if chain.friction and not external.wall_velocity.any():
         ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
         return
     if not chain.walls:
         return
-    by_walls = ledger[MOMENTUM] - before[MOMENTUM] - outside.impulse
-    if np.ptp(outside.wall_velocity) == 0.0 and not chain.friction:
-        ledger[ENERGY_BOOKED] += float(outside.wall_velocity[0]) * by_walls
+    by_walls = ledger[MOMENTUM] - before[MOMENTUM] - external.impulse
+    if np.ptp(external.wall_velocity) == 0.0 and not chain.friction:
+        ledger[ENERGY_BOOKED] += float(external.wall_velocity[0]) * by_walls
     else:
         ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
     ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
@@ -97,7 +94,7 @@ def energy_error(ledger: Array) -> float | Array:
 
 
 def momentum_error(ledger: Array) -> float | Array:
-    """Unexplained momentum relative to the largest sum of abs(m v) so far."""
+    """Unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (10,) or (R, 10)."""
     return _relative(ledger[..., MOMENTUM] - ledger[..., MOMENTUM_BOOKED], ledger[..., MOMENTUM_SCALE])
 
 

@@ -1,4 +1,4 @@
-"""A lane at play: its setup, its state and its books, moved on by frames and changed by edits."""
+"""A live lane: its setup, its state and its ledger, moved on by frames and changed by edits."""
 
 from __future__ import annotations
 
@@ -9,19 +9,27 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
-from softcradle.sandbox.session import ledger
+from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.session.contact_events import is_closed
 from softcradle.sandbox.session.edits import edited, edited_start
-from softcradle.sandbox.session.history import SWITCHES
-from softcradle.sandbox.session.history_slices import is_closed
 from softcradle.sandbox.session.inputs import LaneInput, SetVelocity
 from softcradle.sandbox.session.lane_setup import LaneSetup
-from softcradle.sandbox.session.pointer_spring import push_of_hand
+from softcradle.sandbox.session.ledger import (
+    BY_BED,
+    BY_CONTACTS,
+    SWITCHES,
+    External,
+    book_edit,
+    book_frame,
+    measure,
+    new_ledger,
+)
+from softcradle.sandbox.session.pointer_spring import spring_force
 
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
-LIVE_STEPS = 5_000  # of an adaptive method in one frame: some 20 ms
-TROUBLE_FRAMES = 60  # in which what a method could not do is still told
-Hand = tuple[float, float, float]  # lane (-1: empty), bead, position of the pointer [m]
+LIVE_STEPS = 5_000  # most of an adaptive method in one frame: some 20 ms
+WARNING_FRAMES = 60  # for which a warning of the method stays: half a second
 
 
 class BlownUpError(Exception):
@@ -30,22 +38,27 @@ class BlownUpError(Exception):
 
 @dataclass
 class LiveLane:
-    """One lane as it is now: the immutable `setup`, the moving `state`, the `books` of its energy and momentum.
+    """One lane as it is now.
 
-    `trouble` is what its method could not do of late, in a sentence, `troubled` the frames since.
+    Attributes:
+        setup: the immutable part.
+        state: what moves.
+        ledger: (10,) energy and momentum, see :mod:`softcradle.sandbox.session.ledger`.
+        warning: what its method could not do of late, in a sentence; empty where there was nothing.
+        warning_age: frames since then.
     """
 
     setup: LaneSetup
     state: State
-    books: Array
-    trouble: str = ""
-    troubled: int = 0
+    ledger: Array
+    warning: str = ""
+    warning_age: int = 0
 
     @classmethod
     def at_start(cls, setup: LaneSetup) -> LiveLane:
         """The lane as it begins."""
         state = setup.start.copy()
-        return cls(setup, state, ledger.opened(setup.chain, state))
+        return cls(setup, state, new_ledger(setup.chain, state))
 
     @property
     def label(self) -> str:
@@ -67,56 +80,81 @@ class LiveLane:
         """(n+1,) bead velocities [m/s]."""
         return self.state.velocity(self.chain)
 
-    def changed(self, item: LaneInput, opening: bool) -> LiveLane:
-        """The lane after an edit; one at the `opening` of the session changes its start too. ValueError: refused."""
+    @property
+    def motion(self) -> Motion:
+        """The state as a Motion of one row, for drawing."""
+        state, dissipative = self.state, self.chain.dissipative
+        return Motion(
+            chain=self.chain,
+            time=np.array([state.time]),
+            overlap=state.overlap[None],
+            rate=state.rate[None],
+            anchor=state.anchor[None],
+            force=state.force[None],
+            absorbed=self.ledger[[BY_CONTACTS, BY_BED]].sum()[None] if dissipative else np.zeros(0),
+        )
+
+    def changed(self, item: LaneInput, at_start: bool) -> LiveLane:
+        """The lane after an edit; one `at_start` of the session changes the lane's start too. ValueError: refused."""
         setup, state = edited(item, self.setup, self.state.copy())
-        books = self.books.copy()
-        ledger.read(setup.chain, state, books)
-        ledger.book_edit(self.books, books)
-        start = state.copy() if opening else edited_start(item, self.setup)
-        if opening and isinstance(item, SetVelocity):
+        ledger = self.ledger.copy()
+        measure(setup.chain, state, ledger)
+        book_edit(self.ledger, ledger)
+        start = state.copy() if at_start else edited_start(item, self.setup)
+        if at_start and isinstance(item, SetVelocity):
             setup = setup.with_speed(state.velocity(setup.chain))
-        return LiveLane(setup.with_start(start), state, books)
+        return LiveLane(setup.with_start(start), state, ledger)
 
-    def advance(self, duration: float, bead: int, pointer: float, quickness: float) -> None:
-        """Move on by one frame; `bead` (-1: none) is held at `pointer` by a hand of that quickness [1/s].
+    def advance(self, duration: float, bead: int, pointer: float, frequency: float) -> None:
+        """Move on by one frame; a spring of that `frequency` [1/s] pulls `bead` (-1: none) to `pointer` [m].
 
-        BlownUpError, with a state that means nothing, where a number has grown beyond all sense.
+        BlownUpError, with a useless state, where a number is not finite or beyond LARGEST.
         """
         chain, state, setup = self.chain, self.state, self.setup
         before, closed, switches = self.position, is_closed(state.overlap, state.force), state.switches
         absorbed = state.absorbed.copy()
-        state.push = self._push(bead, pointer, quickness)
+        state.push = self._push(bead, pointer, frequency)
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
-        self.trouble, self.troubled = (state.trouble, 0) if state.trouble else (self.trouble, self.troubled + 1)
-        if self.troubled >= TROUBLE_FRAMES:
-            self.trouble = ""
-        if not all(
-            (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
-        ):
+        self._take_warning(state.trouble)
+        if not _within_bounds(state):
             raise BlownUpError(f"{setup.method} has blown up: take conserving or a smaller step")
-        books = self.books.copy()
-        ledger.read(chain, state, books)
-        ledger.book_frame(chain, self.books, books, self._outside(before, duration, state.absorbed - absorbed))
+        ledger = self.ledger.copy()
+        measure(chain, state, ledger)
+        book_frame(chain, self.ledger, ledger, self._external(before, duration, state.absorbed - absorbed))
         seen = int(np.count_nonzero(closed != is_closed(state.overlap, state.force)))
-        books[SWITCHES] += max(seen, state.switches - switches)
-        self.books = books
+        ledger[SWITCHES] += max(seen, state.switches - switches)
+        self.ledger = ledger
 
-    def _push(self, bead: int, pointer: float, quickness: float) -> Array | None:
+    def _take_warning(self, warning: str) -> None:
+        """Keep a new warning of the method, and drop an old one."""
+        if warning:
+            self.warning, self.warning_age = warning, 0
+            return
+        self.warning_age += 1
+        if self.warning_age >= WARNING_FRAMES:
+            self.warning = ""
+
+    def _push(self, bead: int, pointer: float, frequency: float) -> Array | None:
+        """(n+1,) force of the pointer spring on each bead [N]."""
         if bead < 0:
             return None
         push = np.zeros(self.chain.contacts + 1)
         offset, velocity = pointer - float(self.position[bead]), float(self.velocity[bead])
-        push[bead] = push_of_hand(self.setup, bead, offset, velocity, quickness)
+        push[bead] = spring_force(self.setup, bead, offset, velocity, frequency)
         return push
 
-    def _outside(self, before: Array, duration: float, absorbed: Array) -> ledger.Outside:
-        """Work and impulse of the hand and the drive in a frame that began at the positions `before`."""
+    def _external(self, before: Array, duration: float, absorbed: Array) -> External:
+        """What pointer spring and drive did in a frame that began at the positions `before`."""
         external = self.state.external(self.chain)
         walls = np.isinf(self.chain.mass)
         wall_velocity = self.velocity[walls]
         if external is None:
-            return ledger.Outside(0.0, 0.0, wall_velocity, absorbed)
+            return External(0.0, 0.0, wall_velocity, absorbed)
         on_beads = np.where(walls, 0.0, external)
         work = float(on_beads @ (self.position - before))
-        return ledger.Outside(work, duration * float(on_beads.sum()), wall_velocity, absorbed)
+        return External(work, duration * float(on_beads.sum()), wall_velocity, absorbed)
+
+
+def _within_bounds(state: State) -> bool:
+    arrays = (state.overlap, state.rate, state.anchor, state.force)
+    return all(bool((np.abs(values) < LARGEST).all()) for values in arrays)

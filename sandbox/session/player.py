@@ -7,15 +7,17 @@ from dataclasses import replace
 from time import perf_counter
 
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.frame_pacing import BUDGET, Pace
-from softcradle.sandbox.session.history import MEMORY, NO_HAND, History, Moment
+from softcradle.sandbox.session.frame_pacing import BUDGET, FramePacer
+from softcradle.sandbox.session.history import MEMORY, History
 from softcradle.sandbox.session.lane_setup import Setup, setup_of
-from softcradle.sandbox.session.live_lane import BlownUpError, Hand, LiveLane
-from softcradle.sandbox.session.pointer_spring import quickness
+from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane
+from softcradle.sandbox.session.pointer_spring import spring_frequency
 from softcradle.sandbox.session.recording import Recording
+from softcradle.sandbox.session.snapshots import NOTHING_HELD, HeldBead, Snapshot
 from softcradle.scenes import Scene
 
-FASTEST, SLOWEST = 1e-2, 1e6  # slow motion
+FASTEST = 1e-2  # slow motion: least wall seconds for one second of the model
+SLOWEST = 1e6  # slow motion: most wall seconds for one second of the model
 
 
 class Player:
@@ -29,21 +31,21 @@ class Player:
 
     Attributes:
         scene: the Scene it was opened with; edits are in `setup`.
-        setup: the immutable half: chains, methods, slow motion.
-        lanes: list of LiveLane; at a scrubbed moment they show that moment.
-        hand: (lane, bead, position of the pointer [m]); lane -1 is an empty hand.
+        setup: the immutable part: chains, methods, slow motion.
+        lanes: list of LiveLane; while scrubbed they show a frame of the history.
+        held: the bead that the pointer holds.
         playing: whether `tick` moves the model.
         frame: the frame shown; `history.first` <= frame <= `history.last`.
-        history: every frame kept.
+        history: the frames.
         recording: base, inputs and hashes of all that.
-        trouble: why the session stopped by itself, in a sentence; empty where it did not.
-        ticked: the frames before and after the last tick.
-        pace: clock ratio and physics milliseconds a frame.
+        failure: why the session stopped by itself, in a sentence; empty where it did not.
+        last_tick: the frames before and after the last tick.
+        pacer: clock ratio and physics milliseconds a frame.
     """
 
     setup: Setup
     lanes: list[LiveLane]
-    hand: Hand
+    held: HeldBead
     frame: int
 
     def __init__(
@@ -55,25 +57,25 @@ class Player:
     ) -> None:
         self.scene = scene
         self.history = History(memory)
-        self.pace = Pace(budget, clock)
+        self.pacer = FramePacer(budget, clock)
         self._open(setup_of(scene))
 
     def _open(self, setup: Setup) -> None:
         """Begin at the start of every lane."""
         lanes = [LiveLane.at_start(lane) for lane in setup.lanes]
-        parts = tuple(lane.state for lane in lanes), tuple(lane.books for lane in lanes)
-        self.begin(Moment(lanes[0].state.time, setup, NO_HAND, *parts), 0)
+        states, ledgers = tuple(lane.state for lane in lanes), tuple(lane.ledger for lane in lanes)
+        self.begin(Snapshot(lanes[0].state.time, setup, NOTHING_HELD, states, ledgers), 0)
 
-    def begin(self, moment: Moment, frame: int) -> None:
-        """Begin at `moment`, which is frame `frame`, paused: history and recording begin there too."""
+    def begin(self, snapshot: Snapshot, frame: int) -> None:
+        """Begin at `snapshot`, which is frame `frame`, paused: history and recording begin there too."""
         self.playing = False
-        self.history.start(moment, frame)
-        self._show(self.history.moment(frame), frame)
-        self.hand = moment.hand
-        self.trouble = ""
-        self._loaded = False  # whether the moment shown was read from the history: playing on is then a new branch
-        self.ticked = frame, frame
-        self.recording = Recording(self.history.moment(frame), frame)
+        self.history.start(snapshot, frame)
+        self._show(self.history.snapshot(frame), frame)
+        self.held = snapshot.held
+        self.failure = ""
+        self._from_history = False  # whether the frame shown was read from the history: playing on is a new branch
+        self.last_tick = frame, frame
+        self.recording = Recording(self.history.snapshot(frame), frame)
 
     # ---- time
 
@@ -94,13 +96,13 @@ class Player:
 
     @property
     def scrubbed(self) -> bool:
-        """Whether an earlier moment than the newest is shown; playing on drops what is later."""
+        """Whether an earlier frame than the newest is shown; playing on drops the later ones."""
         return self.frame < self.history.last
 
     def play(self) -> None:
-        """Let the clock run, from the moment shown."""
+        """Let the clock run, from the frame shown."""
         self.playing = True
-        self.pace.forget()
+        self.pacer.restart()
 
     def pause(self) -> None:
         """Stop the clock."""
@@ -109,15 +111,15 @@ class Player:
     def tick(self, wall_seconds: float) -> int:
         """Move the model by `wall_seconds` of the wall clock if it plays; returns the frames computed.
 
-        Late frames are dropped from the clock, never from the physics: see ``pace.clock_ratio``.
+        Frames beyond the budget slow the clock, never the physics: see ``pacer.clock_ratio``.
         """
         before = self.frame
-        done = self.pace.run(wall_seconds, self._compute_frame) if self.playing else 0
-        self.ticked = before, before + done
+        done = self.pacer.run(wall_seconds, self._compute_frame) if self.playing else 0
+        self.last_tick = before, before + done
         return done
 
     def step_frames(self, count: int) -> None:
-        """Pause and go `count` frames forward (computing them where there are none yet) or, if negative, back."""
+        """Pause and go `count` frames forward (those not in the history are computed) or, if negative, back."""
         target = max(self.frame + count, self.history.first)
         self.scrub_frame(min(target, self.history.last))
         for _ in range(target - self.frame):
@@ -125,46 +127,46 @@ class Player:
                 break
 
     def scrub(self, time: float) -> None:
-        """Pause and show the moment nearest to `time` [s] of the history."""
+        """Pause and show the frame of the history nearest to `time` [s]."""
         self.scrub_frame(self.history.frame_at(time))
 
     def scrub_frame(self, frame: int) -> None:
-        """Pause and show `frame`; IndexError where it is not kept."""
+        """Pause and show `frame`; IndexError where it is not in the history."""
         self.pause()
         if frame != self.frame:
-            self._show(self.history.moment(frame), frame)
-            self._loaded = True
+            self._show(self.history.snapshot(frame), frame)
+            self._from_history = True
 
     def restart(self) -> None:
-        """Back to the start with all edits kept, paused; history and recording begin anew."""
+        """Back to the start with all edits, paused; history and recording begin anew."""
         self._open(self.setup)
 
     # ---- inputs
 
     def apply(self, item: inputs.Input) -> None:
-        """Do what `item` says, felt in the next frame. ValueError: refused, in a sentence; nothing has changed."""
+        """Do what `item` says; it acts from the next frame on. ValueError with a sentence: refused, nothing has changed."""
         self._branch()
         self._accept(item)
-        self.recording.note(item)
-        self.history.replace_last(self.moment())
+        self.recording.add_input(item)
+        self.history.replace_last(self.snapshot())
 
     def drag(self, lane: int, bead: int, position: float) -> None:
-        """Hold a bead at the pointer: by a spring while the model runs, by placing it while it is paused."""
-        kind = inputs.Drag if self.playing else inputs.Place
-        self.apply(kind(lane, bead, position))
+        """Drag a bead to the pointer: by a spring while the model runs, by placing it while paused."""
+        input_class = inputs.Drag if self.playing else inputs.Place
+        self.apply(input_class(lane, bead, position))
 
     def drop(self) -> None:
-        """Let go."""
-        if self.hand != NO_HAND:
+        """Release the bead that is held."""
+        if self.held != NOTHING_HELD:
             self.apply(inputs.Drop())
 
     def _accept(self, item: inputs.Input) -> None:
         if isinstance(item, inputs.Drag):
-            self.hand = self._held(item)
+            self.held = self._grasp(item)
         elif isinstance(item, inputs.Drop):
-            self.hand = NO_HAND
+            self.held = NOTHING_HELD
         elif isinstance(item, inputs.Resume):
-            self._show(self.moment().copy(), self.frame)
+            self._show(self.snapshot().copy(), self.frame)
         elif isinstance(item, inputs.SetSlow):
             if not FASTEST <= item.slow <= SLOWEST:
                 raise ValueError(f"slow motion must be from {FASTEST:g} to {SLOWEST:g}, not {item.slow!r}")
@@ -172,21 +174,20 @@ class Player:
         else:
             self._edit(item)
 
-    def _held(self, item: inputs.Drag) -> Hand:
-        """The hand with that bead in it."""
+    def _grasp(self, item: inputs.Drag) -> HeldBead:
         beads = self._lane(item.lane).chain.contacts + 1
         if not (0 <= item.bead < beads and abs(item.position) < float("inf")):
             raise ValueError(f"there is no bead {item.bead} to hold at {item.position!r}")
-        return float(item.lane), float(item.bead), float(item.position)
+        return HeldBead(float(item.lane), float(item.bead), float(item.position))
 
     def _edit(self, item: inputs.LaneInput) -> None:
         chosen = range(len(self.lanes)) if item.lane is None else (item.lane,)
-        opening = self.frame == 0
-        changed = {index: self._lane(index).changed(item, opening) for index in chosen}
+        at_start = self.frame == 0
+        changed = {index: self._lane(index).changed(item, at_start) for index in chosen}
         self.lanes = [changed.get(index, lane) for index, lane in enumerate(self.lanes)]
         self.setup = replace(self.setup, lanes=tuple(lane.setup for lane in self.lanes))
         if isinstance(item, inputs.AddBead | inputs.RemoveBead):
-            self.hand = NO_HAND
+            self.held = NOTHING_HELD
 
     def _lane(self, index: int) -> LiveLane:
         if not 0 <= index < len(self.lanes):
@@ -201,44 +202,42 @@ class Player:
         try:
             self._advance()
         except BlownUpError as error:
-            self.trouble = str(error)
+            self.failure = str(error)
             self.pause()
-            self._show(self.history.moment(self.frame), self.frame)
-            self._loaded = True
+            self._show(self.history.snapshot(self.frame), self.frame)
+            self._from_history = True
             return False
-        self.trouble = ""
+        self.failure = ""
         self.frame += 1
-        self.history.append(self.moment())
-        self.recording.note_frame(self.moment())
+        self.history.append(self.snapshot())
+        self.recording.add_frame(self.snapshot())
         return True
 
     def _advance(self) -> None:
-        held, bead, pointer = self.hand
+        frequency = spring_frequency(self.setup.slow)
         for index, lane in enumerate(self.lanes):
-            holding = int(bead) if index == int(held) else -1
-            lane.advance(self.setup.frame_time, holding, pointer, quickness(self.setup.slow))
+            bead = int(self.held.bead) if index == int(self.held.lane) else -1
+            lane.advance(self.setup.frame_time, bead, self.held.position, frequency)
 
-    def moment(self) -> Moment:
-        """The moment shown, all of it; its arrays are those of the lanes."""
-        parts = tuple(lane.state for lane in self.lanes), tuple(lane.books for lane in self.lanes)
-        return Moment(self.time, self.setup, self.hand, *parts)
+    def snapshot(self) -> Snapshot:
+        """The frame shown, all of it; its arrays are those of the lanes."""
+        states, ledgers = tuple(lane.state for lane in self.lanes), tuple(lane.ledger for lane in self.lanes)
+        return Snapshot(self.time, self.setup, self.held, states, ledgers)
 
-    def _show(self, moment: Moment, frame: int) -> None:
-        self.setup, self.hand, self.frame = moment.setup, NO_HAND, frame
-        parts = zip(moment.setup.lanes, moment.states, moment.ledgers, strict=True)
-        self.lanes = [LiveLane(*lane) for lane in parts]
+    def _show(self, snapshot: Snapshot, frame: int) -> None:
+        self.setup, self.held, self.frame = snapshot.setup, NOTHING_HELD, frame
+        lanes = zip(snapshot.setup.lanes, snapshot.states, snapshot.ledgers, strict=True)
+        self.lanes = [LiveLane(*lane) for lane in lanes]
 
     def _branch(self) -> None:
-        """Before a moment from the history is played on or edited: drop what was later, there and in the recording."""
-        if self._loaded:
-            self._loaded = False
+        """Before a frame of the history is played on or edited: drop the later ones, there and in the recording."""
+        if self._from_history:
+            self._from_history = False
             self.history.drop_after(self.frame)
             self.recording.cut(self.frame)
-            self.recording.note(inputs.Resume())
+            self.recording.add_input(inputs.Resume())
         if self.recording.full or self.recording.frame > self.frame:
-            hand = self.hand
-            self._show(self.moment().copy(), self.frame)
-            self.hand = hand
-            self.recording = Recording(self.moment().copy(), self.frame)
-
-    # ---- what there is to see
+            held = self.held
+            self._show(self.snapshot().copy(), self.frame)
+            self.held = held
+            self.recording = Recording(self.snapshot().copy(), self.frame)

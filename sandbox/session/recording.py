@@ -1,4 +1,4 @@
-"""Recordings: the moment a session began at, every input with its frame, and a hash of every frame after it.
+"""Recordings: the snapshot that a session began with, every input with its frame, and a hash of every frame after it.
 
 The file is an .npz: `metadata`, a JSON text, and `hashes`, one 64-bit number a frame. Nothing in it is pickled.
 """
@@ -15,28 +15,28 @@ import numpy as np
 from softcradle.physics.storage import versions
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.history import Moment
-from softcradle.sandbox.session.snapshots import moment_from, moment_table
+from softcradle.sandbox.session.snapshots import Snapshot, snapshot_from_table, snapshot_table
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene, SceneError, parse
 
 FORMAT = 1
-MOST_INPUTS, MOST_FRAMES = 50_000, 1_000_000  # what a recording holds before it begins anew: 8 megabytes each
+MOST_INPUTS = 50_000  # of one recording, before it begins anew: some 8 megabytes
+MOST_FRAMES = 1_000_000  # of one recording, before it begins anew: 8 megabytes of hashes
 
 Path = str | PathLike[str]
 
 
 class Recording:
-    """What has to be kept so that a session can be run again, frame by frame.
+    """What is needed to run a session again, frame by frame.
 
     Attributes:
         frame: the frame of `base`.
-        base: the Moment with which it begins.
+        base: the Snapshot with which it begins.
         inputs: list of (frame after which it was given, Input).
         hashes: of the states at `frame` + 1, `frame` + 2 ...
     """
 
-    def __init__(self, base: Moment, frame: int = 0) -> None:
+    def __init__(self, base: Snapshot, frame: int = 0) -> None:
         self.base, self.frame = base, frame
         self.inputs: list[tuple[int, inputs.Input]] = []
         self.hashes = array("Q")
@@ -51,20 +51,20 @@ class Recording:
         """Whether it is time to begin anew."""
         return len(self.inputs) > MOST_INPUTS or len(self.hashes) > MOST_FRAMES
 
-    def note(self, item: inputs.Input) -> None:
-        """Note an input given now; of many places of the hand in one frame only the last is felt."""
+    def add_input(self, item: inputs.Input) -> None:
+        """Record an input given now; of several pointer positions in one frame only the last has an effect."""
         if isinstance(item, inputs.Drag) and self.inputs:
             frame, before = self.inputs[-1]
             if frame == self.last and isinstance(before, inputs.Drag):
                 self.inputs.pop()
         self.inputs.append((self.last, item))
 
-    def note_frame(self, moment: Moment) -> None:
-        """Note that `moment` was reached."""
-        self.hashes.append(hash_of(moment))
+    def add_frame(self, snapshot: Snapshot) -> None:
+        """Record that `snapshot` was reached."""
+        self.hashes.append(hash_of(snapshot))
 
     def cut(self, frame: int) -> None:
-        """Forget what came after `frame`."""
+        """Drop what came after `frame`."""
         del self.hashes[max(0, frame - self.frame) :]
         while self.inputs and self.inputs[-1][0] > frame:
             self.inputs.pop()
@@ -76,7 +76,7 @@ class Recording:
             "versions": versions(),
             "scene": scene.to_toml(),
             "frame": self.frame,
-            "base": moment_table(self.base),
+            "base": snapshot_table(self.base),
             "inputs": [[frame, inputs.to_table(item)] for frame, item in self.inputs],
         }
         hashes = np.array(self.hashes, dtype=np.uint64)
@@ -91,7 +91,7 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
             metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
         if metadata["softcradle recording"] != FORMAT:
             raise UserError(f"{path}: recorded by a later softcradle")
-        recording = Recording(moment_from(metadata["base"]), int(metadata["frame"]))
+        recording = Recording(snapshot_from_table(metadata["base"]), int(metadata["frame"]))
         recording.inputs = [(int(frame), inputs.from_table(table)) for frame, table in metadata["inputs"]]
         recording.hashes = array("Q", hashes.tolist())
         return recording, parse(metadata["scene"])
@@ -101,10 +101,10 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         raise UserError(f"{path}: not a recording of softcradle") from None
 
 
-def hash_of(moment: Moment) -> int:
+def hash_of(snapshot: Snapshot) -> int:
     """64 bits that tell apart states which differ in any digit."""
-    digest = blake2b(np.float64(moment.time).tobytes(), digest_size=8)
-    for state in moment.states:
+    digest = blake2b(np.float64(snapshot.time).tobytes(), digest_size=8)
+    for state in snapshot.states:
         for values in (state.overlap, state.rate, state.anchor):
             digest.update(values.tobytes())
     return int.from_bytes(digest.digest(), "little")

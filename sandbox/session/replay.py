@@ -1,4 +1,4 @@
-"""Replay: a recording run again, frame by frame; it says DIVERGED, and where, if a state differs in any digit."""
+"""Replay: a recording run again, frame by frame; it tells the first frame whose state differs in any digit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Replay:
         self.diverged: int | None = None
         by_frame = groupby(recording.inputs, key=lambda item: item[0])
         self._inputs: dict[int, list[Input]] = {frame: [item for _, item in items] for frame, items in by_frame}
-        self._give_inputs()
+        self._apply_inputs()
 
     @classmethod
     def load(cls, path: Path) -> Replay:
@@ -34,12 +34,12 @@ class Replay:
 
     @property
     def done(self) -> bool:
-        """Whether every recorded frame has been run, or none can be run any more."""
-        return self.session.history.last >= self.recording.last or bool(self.session.trouble)
+        """Whether every recorded frame has been run, or no further one can be."""
+        return self.session.history.last >= self.recording.last or bool(self.session.failure)
 
     @property
     def sentence(self) -> str:
-        """How it stands, for the screen."""
+        """Its progress, for the screen."""
         frame, last = self.session.history.last - self.recording.frame, self.recording.last - self.recording.frame
         if self.diverged is not None:
             return f"DIVERGED at frame {self.diverged - self.recording.frame} of {last}"
@@ -47,7 +47,7 @@ class Replay:
 
     def tick(self, wall_seconds: float) -> int:
         """Go on by `wall_seconds` of the wall clock; returns the frames run."""
-        return self.session.pace.run(wall_seconds, self.step)
+        return self.session.pacer.run(wall_seconds, self.step)
 
     def run(self) -> bool:
         """Run to the end at once; True where every state is the recorded one."""
@@ -56,27 +56,27 @@ class Replay:
         return self.diverged is None
 
     def step(self) -> bool:
-        """One frame, if there is one left; False where there is none."""
+        """Run the next frame, if there is one; whether there are more."""
         if self.done:
             return False
         session, frame = self.session, self.session.frame + 1
         session.step_frames(1)
-        agrees = not session.trouble and hash_of(session.moment()) == self._hash(frame)
+        agrees = not session.failure and hash_of(session.snapshot()) == self._hash(frame)
         if not agrees:
-            self._differs(frame)
-        self._give_inputs()
+            self._diverge(frame)
+        self._apply_inputs()
         return not self.done
 
     def _hash(self, frame: int) -> int:
         return self.recording.hashes[frame - self.recording.frame - 1]
 
-    def _differs(self, frame: int) -> None:
+    def _diverge(self, frame: int) -> None:
         if self.diverged is None:
             self.diverged = frame
 
-    def _give_inputs(self) -> None:
+    def _apply_inputs(self) -> None:
         for item in self._inputs.get(self.session.frame, ()):
             try:
                 self.session.apply(item)
-            except ValueError:  # it was possible when it was recorded
-                self._differs(self.session.frame)
+            except ValueError:  # it was accepted when it was recorded
+                self._diverge(self.session.frame)

@@ -1,4 +1,4 @@
-"""The session: a scene that is being played with, everything there is to see of it, and what can be kept."""
+"""The session: a scene that is being played with, everything that a window shows of it, and its exports."""
 
 from __future__ import annotations
 
@@ -8,17 +8,16 @@ from time import perf_counter
 
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.session.contact_events import Impact, MarkBook, Marks
+from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
 from softcradle.sandbox.session.frame_pacing import BUDGET
 from softcradle.sandbox.session.health import BAD, LEVELS, WINDOW, Health, health_of
 from softcradle.sandbox.session.history import MEMORY
-from softcradle.sandbox.session.history_slices import Difference, Series, difference_of, series_of
+from softcradle.sandbox.session.history_slices import HistorySlice, history_slices, last_slice
 from softcradle.sandbox.session.player import Player
 from softcradle.sandbox.session.session_export import scene_of, trajectory_of
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
-SHOWN = 1200  # frames of a series unless told otherwise: ten seconds at the wall
 AUDIBLE = 1e-3  # of the scene's closing speed: slower impacts make no click
 
 
@@ -33,50 +32,43 @@ class Session(Player):
         clock: Callable[[], float] = perf_counter,
     ) -> None:
         super().__init__(scene, memory, budget, clock)
-        self._marks = MarkBook(self.history)
+        self._events = ContactEventIndex(self.history)
 
-    # ---- to see
+    # ---- what is shown
 
-    def series(self, lane: int, frames: int = SHOWN, last: int | None = None) -> Series:
-        """The `frames` frames of a lane up to `last` (the one shown), as long as its number of beads is the same."""
-        end = self.frame if last is None else last
-        return series_of(self.history, lane, max(self.history.first, end - frames + 1), end)
+    def history_slices(self, lane: int, frames: int) -> list[HistorySlice]:
+        """The last `frames` frames of a lane up to the one shown, ascending."""
+        return list(history_slices(self.history, lane, self.frame - frames + 1, self.frame))
 
-    def difference(self, frames: int = SHOWN) -> Difference:
-        """The second lane minus the first. ValueError where there is only one."""
-        if len(self.lanes) < 2:
-            raise ValueError("a difference needs two lanes")
-        return difference_of(self.series(0, frames), self.series(1, frames))
-
-    def marks(self) -> Marks:
+    def contact_events(self) -> ContactEvents:
         """Contact closings and openings in the whole history."""
-        return self._marks.all()
+        return self._events.all()
 
     @property
     def impacts(self) -> tuple[Impact, ...]:
         """Contacts that closed in the last tick, in order of time; those too slow to hear are left out."""
-        before, after = self.ticked
+        before, after = self.last_tick
         if after == before or self.history.last <= before:
             return ()
-        marks = self._marks.since(before)
-        hits = marks.chosen(marks.closed & (marks.frame <= after))
+        events = self._events.after(before)
+        hits = events.select(events.closed & (events.frame <= after))
         found = map(Impact, hits.time.tolist(), hits.lane.tolist(), hits.contact.tolist(), hits.speed.tolist())
         return tuple(hit for hit in found if hit.speed > AUDIBLE * self.setup.lanes[hit.lane].speed)
 
     def health(self, lane: int) -> Health:
-        """The badge of a lane at the moment shown."""
-        series = self.series(lane, WINDOW)
-        return health_of(series, self.setup.lanes[lane], self.setup.frame_time, self.pace, self.lanes[lane].trouble)
+        """The health of a lane at the frame shown."""
+        slices, live = self.history_slices(lane, WINDOW), self.lanes[lane]
+        return health_of(slices, live.setup, self.setup.frame_time, self.pacer, live.warning)
 
     def verdict(self) -> tuple[str, str]:
         """The worst level of any lane, 'good', 'fair' or 'bad', and its sentence."""
-        if self.trouble:
-            return BAD, self.trouble
+        if self.failure:
+            return BAD, self.failure
         found = [self.health(lane) for lane in range(len(self.lanes))]
         worst = max(found, key=lambda health: LEVELS.index(health.level))
         return worst.level, worst.sentence
 
-    # ---- to keep
+    # ---- exports
 
     def to_scene(self) -> Scene:
         """The scene with all edits, as it begins. ValueError (SceneError) where a scene file cannot say it."""
@@ -92,8 +84,8 @@ class Session(Player):
             temporary.write_text(text, encoding="utf-8")
 
     def trajectory(self, lane: int) -> Trajectory:
-        """The history of a lane up to the moment shown, from where its chain was last changed."""
-        return trajectory_of(self.series(lane, self.frame + 1), lane, self.marks())
+        """The history of a lane up to the frame shown, from where its chain was last changed."""
+        return trajectory_of(last_slice(self.history, lane, self.frame), lane, self.contact_events())
 
     def export(self, path: str | Path) -> list[Path]:
         """Write the history as .npz or .csv, one file a lane (name-1, name-2 ...); returns the paths.

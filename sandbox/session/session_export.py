@@ -1,20 +1,19 @@
-"""Keeping: the session's start with all edits as a scene, and its history as a trajectory."""
+"""Export of a session: its start with all edits as a scene, and its history as a trajectory."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from softcradle.physics.state import State
 from softcradle.physics.trajectory import Interval, Trajectory
-from softcradle.sandbox.session.contact_events import Marks
-from softcradle.sandbox.session.history import BY_BED, BY_CONTACTS
-from softcradle.sandbox.session.history_slices import Series
+from softcradle.sandbox.session.contact_events import ContactEvents, is_closed
+from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
+from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.contact_table import law_of
 
-DURATION = 10.0  # s, of a scene that an edit has made one without an end
+DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 
 
 def scene_of(scene: Scene, setup: Setup) -> Scene:
@@ -33,7 +32,7 @@ def scene_of(scene: Scene, setup: Setup) -> Scene:
 
 
 def _lane(old: Lane, new: LaneSetup) -> Lane:
-    """`old` if `new` still begins as it says, else a lane with a list of everything."""
+    """`old` if `new` still begins like it, else a lane with a list of each quantity."""
     chain, start = new.chain, new.start
     velocity = tuple(start.velocity(chain).tolist())
     gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
@@ -57,7 +56,7 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
 
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
-    """Keys for what all lanes share and nobody but a person has chosen."""
+    """Method and step where all lanes share them; None for what is chosen automatically."""
     first = setup.lanes[0]
     method = None if first.automatic else first.method
     step = first.step if first.step_given else None
@@ -69,40 +68,37 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
     return {"method": method, "step": step}
 
 
-def trajectory_of(series: Series, lane: int, marks: Marks) -> Trajectory:
-    """The end of `series` in which the chain is the last one, as a Trajectory; a warning says what it leaves out."""
-    first = next(row for row, setup in series.setups if setup.chain is series.chain)
-    left_out = (f"made by hand; begins at frame {series.first + first}, where the chain was last changed",)
-    setup = series.setups[-1][1]
-    end = State(0.0, *(array[-1] for array in (series.overlap, series.rate, series.anchor, series.force)))
-    rows = slice(first, None)
-    absorbed = series.ledger[rows, BY_CONTACTS : BY_BED + 1] - series.ledger[first, BY_CONTACTS : BY_BED + 1]
+def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Trajectory:
+    """`part` of the history of lane number `lane` as a Trajectory; a warning says at which frame it begins."""
+    late = (f"exported from a session: begins at frame {part.first}, where the chain was last changed",)
+    absorbed = part.ledger[:, BY_CONTACTS : BY_BED + 1] - part.ledger[0, BY_CONTACTS : BY_BED + 1]
     return Trajectory(
-        chain=series.chain,
-        time=series.time[rows],
-        overlap=series.overlap[rows],
-        rate=series.rate[rows],
-        anchor=series.anchor[rows],
-        force=series.force[rows],
-        final_velocity=end.velocity(series.chain),
-        contact_intervals=_intervals(series.from_row(first), marks.chosen(marks.lane == lane)),
-        method=setup.method,
-        step=setup.step,
-        tolerance=0.0 if setup.step else setup.tolerance,
-        warnings=left_out if series.first + first > 0 else (),
+        chain=part.chain,
+        time=part.time,
+        overlap=part.overlap,
+        rate=part.rate,
+        anchor=part.anchor,
+        force=part.force,
+        final_velocity=part.velocity[-1],
+        contact_intervals=_intervals(part, events.select(events.lane == lane)),
+        method=part.setup.method,
+        step=part.setup.step,
+        tolerance=0.0 if part.setup.step else part.setup.tolerance,
+        warnings=late if part.first > 0 else (),
         absorbed_by_contacts=absorbed[:, 0],
         absorbed_by_bed=absorbed[:, 1],
     )
 
 
-def _intervals(series: Series, marks: Marks) -> tuple[tuple[Interval, ...], ...]:
-    """(closed, opened) of every contact within `series`; what was closed before it closes at its first time."""
+def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interval, ...], ...]:
+    """(closed, opened) times of every contact within `part`; one that is closed at its first row closes then."""
+    closed_first = is_closed(part.overlap[0], part.force[0])
     found: list[tuple[Interval, ...]] = []
-    for contact in range(series.chain.contacts):
-        own = marks.chosen((marks.contact == contact) & (marks.frame > series.first))
+    for contact in range(part.chain.contacts):
+        own = events.select((events.contact == contact) & (events.frame > part.first))
         closings = own.time[own.closed].tolist()
-        if series.closed[0, contact]:
-            closings.insert(0, float(series.time[0]))
+        if closed_first[contact]:
+            closings.insert(0, float(part.time[0]))
         openings = own.time[~own.closed].tolist()
         found.append(tuple(zip(closings, openings + [math.inf] * (len(closings) - len(openings)), strict=True)))
     return tuple(found)

@@ -1,48 +1,77 @@
-"""Moments as plain JSON, every digit kept: the base of a recording."""
+"""Snapshots: one frame of a session, all of it, and as plain JSON with every digit: the base of a recording."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
-from softcradle.sandbox.session.history import LEDGER, Moment
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
+from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
 
-ARRAYS = ("overlap", "rate", "anchor", "force")
+Array = NDArray[np.float64]
+
+STATE_ARRAYS = ("overlap", "rate", "anchor", "force")
 
 
-def moment_table(moment: Moment) -> dict[str, Any]:
-    """`moment` as a table that JSON can hold."""
+class HeldBead(NamedTuple):
+    """The bead that the pointer holds: its lane (-1: none), its number, and the pointer's position [m]."""
+
+    lane: float
+    bead: float
+    position: float
+
+
+NOTHING_HELD = HeldBead(-1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """One frame: time [s], setup, the bead held by the pointer, and per lane State and ledger (10,)."""
+
+    time: float
+    setup: Setup
+    held: HeldBead
+    states: tuple[State, ...]
+    ledgers: tuple[Array, ...]
+
+    def copy(self) -> Snapshot:
+        """The same frame in arrays of its own, without the scratch memory of the methods."""
+        states = tuple(state.copy() for state in self.states)
+        return replace(self, states=states, ledgers=tuple(ledger.copy() for ledger in self.ledgers))
+
+
+def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
+    """`snapshot` as a table that JSON can hold."""
     return {
-        "time": moment.time,
-        "slow": moment.setup.slow,
-        "hand": moment.hand,
-        "lanes": [_lane_table(lane) for lane in moment.setup.lanes],
-        "states": [_state_table(state) for state in moment.states],
-        "ledgers": [ledger.tolist() for ledger in moment.ledgers],
+        "time": snapshot.time,
+        "slow": snapshot.setup.slow,
+        "hand": snapshot.held,
+        "lanes": [_lane_table(lane) for lane in snapshot.setup.lanes],
+        "states": [_state_table(state) for state in snapshot.states],
+        "ledgers": [ledger.tolist() for ledger in snapshot.ledgers],
     }
 
 
-def moment_from(table: dict[str, Any]) -> Moment:
-    """The Moment that :func:`moment_table` wrote; ValueError, KeyError or TypeError where it is none."""
+def snapshot_from_table(table: dict[str, Any]) -> Snapshot:
+    """The Snapshot that :func:`snapshot_table` wrote; ValueError, KeyError or TypeError where it is none."""
     lane, bead, position = table["hand"]
-    return Moment(
+    return Snapshot(
         time=float(table["time"]),
         setup=Setup(tuple(_lane(lane) for lane in table["lanes"]), float(table["slow"])),
-        hand=(float(lane), float(bead), float(position)),
+        held=HeldBead(float(lane), float(bead), float(position)),
         states=tuple(_state(state) for state in table["states"]),
         ledgers=tuple(_ledger(ledger) for ledger in table["ledgers"]),
     )
 
 
-def _ledger(columns: list[float]) -> NDArray[np.float64]:
-    """The ledger, with columns that an earlier softcradle did not know at 0."""
-    return np.array([*columns, *[0.0] * (LEDGER - len(columns))], dtype=np.float64)
+def _ledger(columns: list[float]) -> Array:
+    """The ledger; columns that an earlier softcradle did not write are 0."""
+    return np.array([*columns, *[0.0] * (LEDGER_COLUMNS - len(columns))], dtype=np.float64)
 
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:
@@ -57,11 +86,11 @@ def _lane(table: dict[str, Any]) -> LaneSetup:
 
 
 def _state_table(state: State) -> dict[str, Any]:
-    return {"time": state.time, **{name: getattr(state, name).tolist() for name in ARRAYS}}
+    return {"time": state.time, **{name: getattr(state, name).tolist() for name in STATE_ARRAYS}}
 
 
 def _state(table: dict[str, Any]) -> State:
-    arrays: dict[str, Any] = {name: np.array(table[name], dtype=np.float64) for name in ARRAYS}
+    arrays: dict[str, Any] = {name: np.array(table[name], dtype=np.float64) for name in STATE_ARRAYS}
     return State(float(table["time"]), **arrays)
 
 

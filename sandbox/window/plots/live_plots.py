@@ -13,9 +13,9 @@ from softcradle.sandbox.draw.curve_panels import Axis, spread
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.text import shortened, width, write
-from softcradle.sandbox.motion import Array
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history import History
-from softcradle.sandbox.window.plots.history_curves import Rows, at_frame, stretches
+from softcradle.sandbox.session.history_slices import history_slices, slice_at
 from softcradle.sandbox.window.plots.scrolling_surface import Sheet
 from softcradle.sandbox.window.plots.time_axis import TimeSpan
 
@@ -35,7 +35,7 @@ class Source:
 
     history: History
     lane: int
-    values: Callable[[Rows], Array]
+    values: Callable[[Motion], Array]
     most: float = 1.0
 
 
@@ -91,12 +91,12 @@ class Plot:
 
     def curves(self, first: int, last: int) -> list[tuple[Array, Array]]:
         """Times (T,) and values (T, k) that columns `first` to `last` show; a pair for every stretch."""
-        found = stretches(self.source.history, self.source.lane, *self.frames(first, last))
+        found = history_slices(self.source.history, self.source.lane, *self.frames(first, last))
         return [(rows.time, self.source.values(rows)) for rows in found]
 
     def now(self, frame: int) -> Array:
         """(k,) values at `frame`."""
-        values: Array = self.source.values(at_frame(self.source.history, self.source.lane, frame))[0]
+        values: Array = self.source.values(slice_at(self.source.history, self.source.lane, frame))[0]
         return values
 
     def ink(self, first: int, last: int) -> pygame.Surface:

@@ -11,7 +11,6 @@ from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.session.history import BY_BED, BY_CONTACTS
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.scenes import Scene
@@ -21,23 +20,9 @@ DEEPER = 1.5
 FEWEST_DECADES = 4
 
 
-def moment(lane: LiveLane) -> Motion:
-    """The state of a lane now."""
-    state = lane.state
-    return Motion(
-        chain=lane.chain,
-        time=np.array([state.time]),
-        overlap=state.overlap[None],
-        rate=state.rate[None],
-        anchor=state.anchor[None],
-        force=state.force[None],
-        absorbed=lane.books[[BY_CONTACTS, BY_BED]].sum()[None] if lane.chain.dissipative else np.zeros(0),
-    )
-
-
 def estimated(scene: Scene, session: Session) -> Scales:
     """Scales from the start alone, before the physics can run: energies of single contacts say how large things get."""
-    scales = scales_of(scene, [moment(lane) for lane in session.lanes])
+    scales = scales_of(scene, [lane.motion for lane in session.lanes])
     forces, depths = [], []
     for lane in session.lanes:
         depth = contact_scales(lane.chain, [0.0, lane.setup.speed])[0] if lane.chain.contacts == 1 else _depth(lane)

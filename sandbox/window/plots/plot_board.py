@@ -111,7 +111,7 @@ class Board:
         if history.first == history.last:
             self.forget()
             return
-        column = int(history.moment(max(self.session.frame - 1, history.first)).time / self.span.column)
+        column = int(history.snapshot(max(self.session.frame - 1, history.first)).time / self.span.column)
         for plot in self.plots:
             plot.sheet.cut(column)
 
@@ -135,7 +135,7 @@ class Board:
         history = self.session.history
         frame = history.frame_at(self.span.time(x))
         values = plot.now(frame)
-        time = float(history.moment(frame).time)
+        time = float(history.snapshot(frame).time)
         self._table(surface, plot, point, time, values.tolist())
 
     def _table(

@@ -12,10 +12,10 @@ from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, STEEL, Colour, bead_colours, mix
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import SUBPIXELS
-from softcradle.sandbox.motion import Array
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history import History
+from softcradle.sandbox.session.history_slices import history_slices, slice_at
 from softcradle.sandbox.session.live_lane import LiveLane
-from softcradle.sandbox.window.plots.history_curves import Rows, at_frame, stretches
 from softcradle.sandbox.window.plots.live_plots import THICK, Content, Plot, Source, strokes
 from softcradle.sandbox.window.plots.time_axis import TimeSpan
 
@@ -115,16 +115,16 @@ class DifferencePlot(Plot):
     def curves(self, first: int, last: int) -> list[tuple[Array, Array]]:
         """See `Plot.curves`."""
         frames, history, values = self.frames(first, last), self.source.history, self.source.values
-        pairs = zip(stretches(history, 0, *frames), stretches(history, 1, *frames), strict=False)
+        pairs = zip(history_slices(history, 0, *frames), history_slices(history, 1, *frames), strict=False)
         return [(a.time, values(b) - values(a)) for a, b in pairs if comparable(a, b)]
 
     def now(self, frame: int) -> Array:
         """See `Plot.now`."""
-        a, b = (at_frame(self.source.history, lane, frame) for lane in (0, 1))
+        a, b = (slice_at(self.source.history, lane, frame) for lane in (0, 1))
         return (self.source.values(b) - self.source.values(a))[0] if comparable(a, b) else np.zeros(0)
 
 
-def comparable(a: Rows, b: Rows) -> bool:
+def comparable(a: Motion, b: Motion) -> bool:
     """Whether two lanes have as many beads, and the same frames are in hand."""
     return a.overlap.shape == b.overlap.shape
 
@@ -179,30 +179,30 @@ def make_plot(kind: str, lane: int, rect: pygame.Rect, unit: float, setting: Set
     return plot
 
 
-def _velocity(rows: Rows) -> Array:
+def _velocity(rows: Motion) -> Array:
     return rows.velocity
 
 
-def _markers(length: float) -> Callable[[Rows], Array]:
+def _markers(length: float) -> Callable[[Motion], Array]:
     """(T, n+1) where the middles of the beads are [m]."""
 
-    def middles(rows: Rows) -> Array:
+    def middles(rows: Motion) -> Array:
         places: Array = rows.position + length * (np.arange(rows.position.shape[1]) + 0.5)
         return places
 
     return middles
 
 
-def _force(rows: Rows) -> Array:
+def _force(rows: Motion) -> Array:
     return rows.force
 
 
-def _overlap(rows: Rows) -> Array:
+def _overlap(rows: Motion) -> Array:
     return rows.overlap
 
 
-def _energies(rows: Rows) -> Array:
-    return rows.energies
+def _energies(rows: Motion) -> Array:
+    return np.column_stack((rows.kinetic, rows.stored))
 
 
 def _title(kind: str, setting: Setting, lane: int) -> str:

@@ -10,7 +10,7 @@ from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.gallery.thumbnails import motion
-from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated, moment
+from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated
 from softcradle.sandbox.window.scene.camera import Camera
 from softcradle.sandbox.window.scene.lane_view import ShownScene, StageView
 
@@ -38,7 +38,7 @@ class Scenery:
         """Take scales and camera from a run ahead: those of the film. Before the physics is ready, estimate them."""
         self.scales = LiveScales(self._first_scales(), self.session.lanes)
         self.camera = Camera.of(self.scales.scales)
-        self.tracks = [moment(lane) for lane in self.session.lanes]
+        self.tracks = [lane.motion for lane in self.session.lanes]
 
     def _first_scales(self) -> Scales:
         scene = self.session.scene
@@ -75,7 +75,7 @@ class Scenery:
         """Follow the lanes."""
         lanes = self.session.lanes
         self.camera.follow(lanes, self.session.scene.view.length, seconds)
-        self.tracks = [moment(lane) for lane in lanes]
+        self.tracks = [lane.motion for lane in lanes]
         if self.scales.fit(self.tracks):
             self.rebuild()
 

@@ -141,7 +141,7 @@ class Transport:
         decimals = max(0, 3 - math.floor(math.log10(self.board.span.seconds / size)))
         place = (self.clock_at, self.rect.centery - 17 * unit)
         write(surface, f"t = {fixed(session.time / size, decimals)} {name}", place, 16 * unit, FOREGROUND, bold=True)
-        ratio = session.pace.clock_ratio
+        ratio = session.pacer.clock_ratio
         below = (self.clock_at, self.rect.centery + 4 * unit)
         if session.playing and ratio < LATE:
             write(surface, f"late: clock at {100 * ratio:.0f} %", below, 12 * unit, WARNING, bold=True)

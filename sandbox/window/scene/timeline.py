@@ -15,7 +15,7 @@ from softcradle.sandbox.draw.palette import (
     mix,
 )
 from softcradle.sandbox.draw.text import write
-from softcradle.sandbox.session.contact_events import Marks
+from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.session import Session
 
@@ -32,7 +32,7 @@ class Timeline:
         self.rect, self.unit = pygame.Rect(0, 0, 1, 1), 1.0
         self.room = LEAST_FRAMES
         self.held = False
-        self.marks: Marks | None = None
+        self.marks: ContactEvents | None = None
         self._layer: pygame.Surface | None = None
         self._seen: tuple[object, int, int] = (None, -1, -1)
         self._last = -1
@@ -69,7 +69,7 @@ class Timeline:
 
     def to_mark(self, direction: int) -> None:
         """Scrub to the next (1) or previous (-1) mark."""
-        frames, here = self.session.marks().frame, self.session.frame
+        frames, here = self.session.contact_events().frame, self.session.frame
         chosen = frames[frames > here][:1] if direction > 0 else frames[frames < here][-1:]
         if len(chosen):
             self.session.scrub_frame(int(chosen[0]))
@@ -85,10 +85,10 @@ class Timeline:
         grown = history.last != self._last and self._age > FRAMES_BETWEEN_READINGS
         if self._layer is None or changed != self._seen or grown:
             self._seen, self._last, self._age = changed, history.last, 0
-            self.marks = self.session.marks()
+            self.marks = self.session.contact_events()
             self._layer = self._drawn(self.marks)
 
-    def _drawn(self, marks: Marks) -> pygame.Surface:
+    def _drawn(self, marks: ContactEvents) -> pygame.Surface:
         """All marks on a transparent sheet: closings stand up from the middle, openings hang down."""
         layer = pygame.Surface(self.rect.size, pygame.SRCALPHA, 32)
         colours = bead_colours(max(lane.chain.contacts for lane in self.session.lanes) + 1)
@@ -127,7 +127,7 @@ class Timeline:
         """The time under the pointer."""
         if not (self.rect.collidepoint(point) or self.held):
             return
-        time = self.session.history.moment(self.frame(point[0])).time
+        time = self.session.history.snapshot(self.frame(point[0])).time
         size, name = time_unit(max(self.session.span[1] - self.session.span[0], 1e-9))
         x = min(max(point[0], self.rect.left + 40 * self.unit), self.rect.right - 40 * self.unit)
         text = f"{fixed(time / size, 3)} {name}"

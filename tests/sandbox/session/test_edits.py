@@ -1,4 +1,4 @@
-"""Edits: what they change and, above all, what they leave alone."""
+"""Edits: what they change and, above all, what they leave unchanged."""
 
 import math
 
@@ -22,12 +22,13 @@ from softcradle.sandbox.session import (
     SetVelocity,
 )
 from softcradle.sandbox.session.contact_conversion import kind_of
+from softcradle.sandbox.session.ledger import KINETIC
 
 from softcradle import scenes
 
 
 def mid_collision(name="one-on-four"):
-    """A session in which contacts are pressed."""
+    """A session in which all contacts are loaded."""
     session = Session(scenes.load(name))
     session.apply(SetMethod(None, "conserving"))
     while not (session.lanes[0].state.overlap > 0.0).all():
@@ -35,7 +36,7 @@ def mid_collision(name="one-on-four"):
     return session
 
 
-def test_velocity_of_one_bead_leaves_the_others_their_digits():
+def test_a_new_velocity_of_one_bead_changes_no_other():
     for bead in range(5):
         session = mid_collision()
         before = session.lanes[0].velocity
@@ -49,7 +50,7 @@ def test_velocity_of_one_bead_leaves_the_others_their_digits():
 
 
 @pytest.mark.parametrize("bead", range(5))
-def test_a_new_heaviest_bead_moves_nothing(bead):
+def test_a_new_heaviest_bead_moves_no_bead(bead):
     session = mid_collision()
     position, velocity = session.lanes[0].position, session.lanes[0].velocity
     session.apply(SetMass(0, bead, 50.0))
@@ -58,7 +59,7 @@ def test_a_new_heaviest_bead_moves_nothing(bead):
     assert session.lanes[0].velocity == pytest.approx(velocity, abs=1e-15)
 
 
-def test_an_edit_is_booked_and_the_motion_after_it_conserves():
+def test_an_edit_is_booked_and_energy_is_conserved_after_it():
     session = mid_collision()
     session.apply(SetMass(0, 2, 4.0))
     session.apply(SetContact(0, 1, power_law(3.0, 0.2)))
@@ -72,7 +73,7 @@ def test_an_edit_is_booked_and_the_motion_after_it_conserves():
 @pytest.mark.parametrize(
     "edit", [SetMass(0, 1, 4.0), SetContact(0, None, hertz(100.0)), SetVelocity(0, 0, 0.5), SetDrive(0, 0, 1.0)]
 )
-def test_an_edit_is_felt_in_the_next_frame(edit):
+def test_an_edit_acts_in_the_next_frame(edit):
     plain, changed = mid_collision(), mid_collision()
     changed.apply(edit)
     plain.step_frames(1)
@@ -80,40 +81,40 @@ def test_an_edit_is_felt_in_the_next_frame(edit):
     assert (plain.lanes[0].velocity != changed.lanes[0].velocity).any()
 
 
-def test_a_drive_is_booked():
+def test_the_work_of_a_drive_is_booked():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetDrive(0, 0, 0.7))
     session.step_frames(500)
-    assert session.lanes[0].books[0] > 0.5, "it was driven"
+    assert session.lanes[0].ledger[KINETIC] > 0.5, "the drive did work"
     assert session.health(0).energy_error < 1e-12
     assert session.health(0).momentum_error < 1e-12
 
 
-def test_a_bed_that_begins_to_rub_brings_all_to_rest():
-    """What it absorbs is booked: the badge has nothing to complain of, and momentum is not its business any more."""
+def test_friction_of_the_bed_brings_all_beads_to_rest():
+    """The energy it absorbs is booked, so no error shows; momentum has no error to show, for the bed takes it."""
     session = mid_collision()
     session.apply(SetFriction(0, 0.05))
     session.step_frames(1200)
     assert (session.lanes[0].velocity == 0.0).all()
     assert session.health(0).energy_error < 1e-12
     assert session.health(0).momentum_error is None
-    at_rest = session.lanes[0].position.copy()
+    resting = session.lanes[0].position.copy()
     session.step_frames(60)
-    assert (session.lanes[0].position == at_rest).all()
+    assert (session.lanes[0].position == resting).all()
 
 
-def test_a_moving_wall_is_booked():
+def test_the_work_of_a_moving_wall_is_booked():
     session = Session(scenes.load("hertz-cradle"))
     session.apply(SetMass(0, 0, math.inf))
     session.step_frames(900)
     assert session.lanes[0].velocity[0] == 1.0
-    assert session.lanes[0].velocity.max() > 1.0, "the wall drives the beads before it"
+    assert session.lanes[0].velocity.max() > 1.0, "the wall pushes the beads ahead of it"
     health = session.health(0)
     assert health.energy_error < 1e-12
     assert health.momentum_error is None
 
 
-def test_walls_that_move_differently_leave_no_energy_to_compare():
+def test_walls_that_move_differently_leave_no_energy_error():
     session = Session(scenes.load("hertz-cradle"))
     session.apply(SetMass(0, 0, math.inf))
     session.apply(SetMass(0, 4, math.inf))
@@ -121,17 +122,17 @@ def test_walls_that_move_differently_leave_no_energy_to_compare():
     assert session.health(0).energy_error is None
 
 
-def test_a_bead_shut_in_between_two_walls_stays():
+def test_a_bead_between_two_walls_stays_at_rest():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetVelocity(0, None, 0.0))
     for bead in (1, 3):
         session.apply(SetMass(0, bead, math.inf))
     session.step_frames(10)
     assert session.lanes[0].velocity.tolist() == [0.0] * 5
-    assert session.trouble == ""
+    assert session.failure == ""
 
 
-def test_placing_shoves_neighbours_and_lets_none_through():
+def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
     session = Session(scenes.load("one-on-four"))
     session.drag(0, 0, 1.5)
     assert session.lanes[0].position.tolist() == [1.5] * 5
@@ -142,7 +143,7 @@ def test_placing_shoves_neighbours_and_lets_none_through():
     assert (session.lanes[0].state.overlap <= 0.0).all()
 
 
-def test_a_wall_stops_what_is_placed():
+def test_a_wall_stops_a_bead_that_is_placed():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetGap(0, 3, 0.5))
     session.apply(SetMass(0, 4, math.inf))
@@ -151,7 +152,7 @@ def test_a_wall_stops_what_is_placed():
     assert session.lanes[0].state.overlap.max() <= 0.0
 
 
-def test_placing_a_pressed_bead_presses_its_neighbours_no_further():
+def test_placement_of_a_loaded_bead_adds_no_overlap_ahead_of_it():
     session = mid_collision()
     before = session.lanes[0].state.overlap.copy()
     session.apply(Place(0, 2, session.lanes[0].position[2] + 0.3))
@@ -160,7 +161,7 @@ def test_placing_a_pressed_bead_presses_its_neighbours_no_further():
     assert (after[2:] == before[2:]).all()
 
 
-def test_a_gap_moves_everything_to_its_right():
+def test_a_gap_moves_all_beads_to_its_right():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetGap(0, 2, 0.75))
     assert session.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.75, 1.75]
@@ -168,7 +169,7 @@ def test_a_gap_moves_everything_to_its_right():
 
 @pytest.mark.parametrize("bead", range(6))
 @pytest.mark.parametrize("removed", [0, 2, 4])
-def test_a_bead_put_in_and_taken_out_leaves_no_trace(bead, removed):
+def test_adding_and_removing_a_bead_changes_nothing(bead, removed):
     session = Session(scenes.load("one-on-four"))
     session.apply(SetMass(0, removed, 2.0))
     position, velocity, mass = session.lanes[0].position, session.lanes[0].velocity, session.lanes[0].chain.mass
@@ -182,7 +183,7 @@ def test_a_bead_put_in_and_taken_out_leaves_no_trace(bead, removed):
     assert session.lanes[0].velocity == pytest.approx(velocity)
 
 
-def test_the_last_two_beads_stay():
+def test_the_last_two_beads_cannot_be_removed():
     session = Session(scenes.load("one-on-four"))
     for _ in range(3):
         session.apply(RemoveBead(0, 0))
@@ -192,7 +193,7 @@ def test_the_last_two_beads_stay():
 
 @pytest.mark.parametrize("name", ["one-on-four", "draft-gear-one-on-three", "hertz-cradle"])
 @pytest.mark.parametrize("kind", ["power", "gear", "hard"])
-def test_a_kind_pushes_like_the_one_before_at_the_speed_of_the_scene(name, kind):
+def test_a_converted_contact_stops_the_same_impact(name, kind):
     session = Session(scenes.load(name))
     before = session.lanes[0].chain.contact
     session.apply(SetKind(0, None, kind))
@@ -204,7 +205,7 @@ def test_a_kind_pushes_like_the_one_before_at_the_speed_of_the_scene(name, kind)
     assert session.verdict()[0] == "good"
 
 
-def test_locked_pistons_bring_the_usual_cradle_and_unlocked_ones_the_rigid_cluster_back():
+def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_again():
     session = Session(scenes.load("draft-gear-one-on-three"))
     soft = session.lanes[0].chain.contact
     session.apply(Lock(0, None))
@@ -220,7 +221,7 @@ def test_locked_pistons_bring_the_usual_cradle_and_unlocked_ones_the_rigid_clust
     assert np.ptp(session.lanes[0].velocity[1:]) < 1e-6
 
 
-def test_a_chosen_step_follows_edits_and_a_given_one_stays():
+def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
     session = Session(scenes.load("hertz-cradle"))
     chosen = session.setup.lanes[0].step
     session.apply(SetContact(0, None, hertz(1e5)))
@@ -235,7 +236,7 @@ def test_a_chosen_step_follows_edits_and_a_given_one_stays():
         session.apply(SetStep(0, 0.1))
 
 
-def test_no_step_is_so_small_that_a_frame_never_ends():
+def test_a_tiny_step_is_bounded_by_the_cost_of_a_frame():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetStep(0, 1e-12))
     session.step_frames(1)
@@ -260,7 +261,7 @@ def test_no_step_is_so_small_that_a_frame_never_ends():
         (Place(0, 1, math.nan), "position"),
     ],
 )
-def test_refusals_say_what_is_wrong(edit, sentence):
+def test_a_refusal_names_what_is_wrong(edit, sentence):
     session = Session(scenes.load("one-on-four"))
     with pytest.raises(ValueError, match=sentence):
         session.apply(edit)
@@ -273,7 +274,7 @@ def test_two_walls_side_by_side_are_refused():
         session.apply(AddBead(0, 5, math.inf))
 
 
-def test_a_gear_made_by_hand_keeps_its_numbers():
+def test_a_typed_gear_has_exactly_the_typed_numbers():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetContact(0, 2, draft_gear(2.0, 0.25)))
     assert session.lanes[0].chain.contact[2] == Contact(0.5, 2.0, 1.0)

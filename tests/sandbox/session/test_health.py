@@ -1,12 +1,12 @@
-"""The badge: good where the physics is right, red with a sentence where it is not."""
+"""The health of a lane: good where the physics is right, bad with a sentence where it is not."""
 
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, simulate
 from softcradle.physics.scales import speed_scale
 from softcradle.sandbox.session import AddBead, Session, SetContact, SetMethod, SetSlow, SetStep, SetVelocity
-from softcradle.sandbox.session import method_choice as choice
-from softcradle.sandbox.session.health import CHATTERS, LEVELS
+from softcradle.sandbox.session.health import LEVELS, MOST_CHATTER
+from softcradle.sandbox.session.method_choice import ERROR, FRAME_COST, STEP_COST, choose_method, steps_in
 
 from softcradle import scenes
 
@@ -14,7 +14,7 @@ LIVE = [method.name for method in METHODS if method.name != "scipy"]
 
 
 def worst_of(session, frames=600):
-    """The worst health on the way."""
+    """The worst health in `frames` frames."""
     found = []
     for _ in range(frames // 20):
         session.step_frames(20)
@@ -22,7 +22,7 @@ def worst_of(session, frames=600):
     return max(found, key=lambda health: LEVELS.index(health.level))
 
 
-RATTLING = {"weak-contact"}  # the cluster that breaks rattles for a moment: its contacts do bounce in a step or two
+RATTLING = {"weak-contact"}  # the cluster that breaks rattles shortly: its contacts do bounce within a step or two
 
 
 @pytest.mark.parametrize("name", scenes.names())
@@ -38,11 +38,11 @@ def test_the_chosen_step_holds_the_error_that_it_promises(name):
     scene = scenes.load(name)
     for lane in scene.lanes:
         chain, speed = lane.chain(), speed_scale(lane.chain(), lane.velocity)
-        method, step = choice.choose_method(chain, speed)
+        method, step = choose_method(chain, speed)
         found = simulate(chain, lane.velocity, scene.duration, method=method, step=step).final_velocity
-        finer = {"method": method, "step": step / 16} if chain.dissipative else {}  # as good, and not a minute
+        finer = {"method": method, "step": step / 16} if chain.dissipative else {}  # as accurate, and not a minute
         truth = simulate(chain, lane.velocity, scene.duration, **finer).final_velocity
-        assert np.abs(found - truth).max() < choice.ERROR * speed
+        assert np.abs(found - truth).max() < ERROR * speed
 
 
 @pytest.mark.parametrize("method", LIVE)
@@ -58,17 +58,17 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "pymunk"])
-def test_contacts_that_only_seem_to_rest_are_chatter(method):
+def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
     session = Session(scenes.load("draft-gear-one-on-three"))
     session.apply(SetMethod(0, method))
     health = worst_of(session)
-    assert health.chatter > CHATTERS
+    assert health.chatter > MOST_CHATTER
     assert health.level == "bad"
     assert method in health.sentence
     assert "conserving" in health.sentence
 
 
-def test_too_large_a_step_of_an_explicit_method_turns_red():
+def test_too_large_a_step_of_an_explicit_method_is_bad():
     session = Session(scenes.load("hertz-cradle"))
     session.apply(SetSlow(1.0))
     session.apply(SetMethod(0, "euler"))
@@ -79,17 +79,17 @@ def test_too_large_a_step_of_an_explicit_method_turns_red():
     assert "smaller step" in health.sentence
 
 
-def test_steps_longer_than_a_contact_are_called_chance():
+def test_velocities_of_steps_longer_than_a_contact_are_called_arbitrary():
     session = Session(scenes.load("hertz-cradle"))
     session.apply(SetSlow(1.0))
     session.apply(SetContact(0, None, session.lanes[0].chain.contact[0].__class__(0.0, 1e9, 1.5)))
     session.apply(SetStep(0, 1.0))
     health = session.health(0)
     assert health.steps_a_contact < 1.0
-    assert (health.level, "chance" in health.sentence) == ("bad", True)
+    assert (health.level, "arbitrary" in health.sentence) == ("bad", True)
 
 
-def test_what_blows_up_is_stopped_and_said():
+def test_a_method_that_blows_up_is_stopped_and_reported():
     session = Session(scenes.load("hertz-cradle"))
     session.apply(SetSlow(1.0))
     session.apply(SetMethod(0, "euler"))
@@ -100,22 +100,23 @@ def test_what_blows_up_is_stopped_and_said():
     for _ in range(240):
         session.tick(1 / 60)
     assert not session.playing
-    assert session.verdict() == ("bad", session.trouble)
-    assert "blown up" in session.trouble
+    assert session.verdict() == ("bad", session.failure)
+    assert "blown up" in session.failure
     assert np.isfinite(session.lanes[0].velocity).all()
     session.apply(SetMethod(0, "auto"))
     session.apply(SetVelocity(0, None, 0.0))
     session.play()
     session.tick(1 / 60)
     assert session.playing
-    assert session.trouble == ""
+    assert session.failure == ""
 
 
-def test_fifty_beads_leave_a_frame_room_for_drawing():
+def test_a_frame_of_fifty_beads_leaves_time_for_drawing():
     session = Session(scenes.load("one-on-four"))
     for _ in range(45):
         session.apply(AddBead(0, 5))
     session.apply(SetSlow(1.0))
     setup = session.setup.lanes[0]
-    assert choice.steps_in(session.setup.frame_time, "conserving", 1e-9, 49, False) * 49 * 0.3 <= choice.FRAME_COST
+    steps = steps_in(session.setup.frame_time, "conserving", 1e-9, 49, False)
+    assert steps * 49 * STEP_COST["conserving"] <= FRAME_COST
     assert setup.step_for(session.setup.frame_time) <= setup.step * (1.0 + 1e-9)

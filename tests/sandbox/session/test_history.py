@@ -1,4 +1,4 @@
-"""The history of a session: bounded, and every array of it what the frames say one by one."""
+"""The history of a session: bounded in memory; its slices and contact events are those of the frames one by one."""
 
 import math
 
@@ -16,8 +16,10 @@ from softcradle.sandbox.session import (
     SetSlow,
     SetVelocity,
 )
-from softcradle.sandbox.session.contact_events import MarkBook
+from softcradle.sandbox.session.contact_events import ContactEventIndex
 from softcradle.sandbox.session.history import BLOCK_ROWS
+from softcradle.sandbox.session.history_slices import last_slice
+from softcradle.sandbox.session.ledger import KINETIC, STORED, energy_error
 
 from softcradle import scenes
 
@@ -26,7 +28,7 @@ FRAMES = BLOCK_ROWS + 300
 
 @pytest.fixture(scope="module")
 def edited():
-    """A session of several blocks, edits in between, the number of beads changed once."""
+    """A session of several blocks with edits in between, which change the number of beads too."""
     session = Session(scenes.load("beads-against-gear"))
     session.apply(AddBead(0, 4))
     session.step_frames(100)
@@ -40,35 +42,43 @@ def edited():
     return session
 
 
-def test_series_are_the_frames_one_by_one(edited):
-    series = edited.series(0, 10_000)
-    assert series.first == 100, "as far back as the number of beads is the same"
-    rng = np.random.default_rng(1)
+def test_slices_are_the_frames_one_by_one(edited):
     last = edited.frame
-    for frame in sorted({*rng.integers(100, last, 60).tolist(), 100, 101, 300, last}):
+    slices = edited.history_slices(0, 10_000)
+    assert sum(len(part.time) for part in slices) == last + 1
+    rng = np.random.default_rng(1)
+    for frame in sorted({*rng.integers(0, last, 60).tolist(), 99, 100, 101, 300, last}):
         edited.scrub_frame(frame)
-        lane, row = edited.lanes[0], frame - series.first
-        assert edited.time == series.time[row]
-        assert (lane.state.overlap == series.overlap[row]).all()
-        assert series.position[row] == pytest.approx(lane.position, abs=1e-15)
-        assert series.velocity[row] == pytest.approx(lane.velocity, abs=1e-15)
+        part = next(part for part in reversed(slices) if part.first <= frame)
+        lane, row = edited.lanes[0], frame - part.first
+        assert part.setup is lane.setup
+        assert edited.time == part.time[row]
+        assert (lane.state.overlap == part.overlap[row]).all()
+        assert part.position[row] == pytest.approx(lane.position, abs=1e-15)
+        assert part.velocity[row] == pytest.approx(lane.velocity, abs=1e-15)
         kinetic = 0.5 * np.array(lane.chain.mass) * lane.velocity**2
-        assert series.kinetic[row] == pytest.approx(kinetic, rel=1e-12)
-        assert series.energy[row] == pytest.approx(kinetic.sum() + series.stored[row], rel=1e-12)
+        assert part.kinetic[row] == pytest.approx(kinetic, rel=1e-12)
         stored = sum(c.energy(d) for c, d in zip(lane.chain.contact, lane.state.overlap, strict=True))
-        assert series.stored[row] == pytest.approx(stored, rel=1e-12)
+        assert part.stored[row] == pytest.approx(stored, rel=1e-12)
+        assert part.energy[row] == pytest.approx(part.ledger[row, [KINETIC, STORED]].sum(), rel=1e-12)
+        assert energy_error(part.ledger).max() < 1e-10
     edited.scrub_frame(last)
-    assert series.energy_error.max() < 1e-10
 
 
-def test_a_series_ends_at_the_moment_shown(edited):
+def test_slices_end_at_the_frame_shown(edited):
     last = edited.frame
     edited.scrub_frame(last - 50)
-    series = edited.series(1, 30)
-    assert series.time[-1] == edited.time
-    assert len(series.time) == 30
+    slices = edited.history_slices(1, 30)
+    assert slices[-1].time[-1] == edited.time
+    assert sum(len(part.time) for part in slices) == 30
     edited.scrub_frame(last)
-    assert len(edited.series(0, 10, last - 5).time) == 10
+
+
+def test_the_last_slice_begins_where_the_chain_was_last_changed(edited):
+    part = last_slice(edited.history, 0, edited.frame)
+    assert part.first == edited.frame - FRAMES
+    assert (np.diff(part.time) > 0.0).all()
+    assert (part.overlap[-1] == edited.lanes[0].state.overlap).all()
 
 
 def test_frame_at_finds_the_nearest_frame(edited):
@@ -79,25 +89,16 @@ def test_frame_at_finds_the_nearest_frame(edited):
         assert abs(times[history.frame_at(time)] - time) == np.abs(times - time).min()
 
 
-def test_the_difference_of_lanes_is_the_second_minus_the_first(edited):
-    difference = edited.difference(300)
-    first, second = edited.series(0, 300), edited.series(1, 300)
-    assert difference.velocity.shape == (300, 4)
-    assert (difference.velocity == second.velocity[:, :4] - first.velocity[:, :4]).all()
-    assert (difference.time == second.time).all()
-    assert difference.overlap.shape == (300, 3)
-
-
-def test_marks_are_the_contact_intervals_of_the_physics():
+def test_contact_events_are_the_contact_intervals_of_a_trajectory():
     session = Session(scenes.load("hertz-cradle"))
     lane = session.scene.lanes[0]
     session.step_frames(FRAMES)
     session.step_frames(FRAMES)
     truth = simulate(lane.chain(), lane.velocity, session.time, "conserving", step=1e-3)
-    marks = session.marks()
-    assert (np.diff(marks.time) >= 0.0).all()
+    events = session.contact_events()
+    assert (np.diff(events.time) >= 0.0).all()
     for contact, intervals in enumerate(truth.contact_intervals):
-        own = marks.chosen(marks.contact == contact)
+        own = events.select(events.contact == contact)
         expected = [time for interval in intervals for time in interval]
         assert np.isfinite(expected).all()
         assert own.time == pytest.approx(expected, abs=session.setup.frame_time)
@@ -110,43 +111,43 @@ def test_an_impact_within_one_frame_is_not_missed():
     session.apply(SetContact(0, None, hertz(1e9)))
     session.apply(SetGap(0, 0, 0.5))
     session.step_frames(120)
-    first = session.marks().chosen(session.marks().contact == 0)
+    first = session.contact_events().select(session.contact_events().contact == 0)
     assert first.closed.tolist()[:2] == [True, False]
     assert first.speed[0] == pytest.approx(1.0)
     assert first.time[0] == pytest.approx(0.5, abs=0.01)
 
 
-def test_marks_of_a_dropped_branch_are_gone():
+def test_contact_events_of_a_dropped_branch_are_dropped():
     session = Session(scenes.load("one-on-four"))
     session.step_frames(FRAMES)
-    assert session.marks().closed.any()
+    assert session.contact_events().closed.any()
     session.scrub_frame(BLOCK_ROWS - 1)
     session.apply(SetVelocity(0, None, -3.0))
     session.step_frames(FRAMES)
-    fresh = MarkBook(session.history).all()
-    for known, found in zip(session.marks().columns(), fresh.columns(), strict=True):
+    fresh = ContactEventIndex(session.history).all()
+    for known, found in zip(session.contact_events().columns(), fresh.columns(), strict=True):
         assert (known == found).all()
     session.scrub_frame(10)
     session.apply(SetVelocity(0, None, 0.0))
     session.step_frames(10)
-    assert len(session.marks().time) == 0
+    assert len(session.contact_events().time) == 0
 
 
-def test_marks_asked_for_all_along_are_those_found_at_the_end():
+def test_contact_events_read_all_along_are_those_found_at_the_end():
     session = Session(scenes.load("hertz-cradle"), memory=700_000)
     for edit in (SetMass(0, 0, math.inf), SetMass(0, 4, math.inf), SetSlow(1.0), SetVelocity(0, None, 0.0)):
         session.apply(edit)
     session.apply(SetVelocity(0, 2, 1.0))
     for k in range(25):
         session.step_frames(190)
-        session.marks()
+        session.contact_events()
         if k % 6 == 5:
             session.scrub_frame(session.history.last - 300)
             session.apply(SetVelocity(0, 1 + k % 3, 1.5))
     assert session.history.first > 0
-    fresh = MarkBook(session.history).all()
+    fresh = ContactEventIndex(session.history).all()
     assert len(fresh.time) > 20
-    for known, found in zip(session.marks().columns(), fresh.columns(), strict=True):
+    for known, found in zip(session.contact_events().columns(), fresh.columns(), strict=True):
         assert (known == found).all()
 
 
@@ -163,13 +164,13 @@ def test_memory_is_bounded_and_the_oldest_is_dropped():
     assert session.span[0] > 0.0
     session.scrub(0.0)
     assert session.frame == session.history.first
-    with pytest.raises(IndexError, match="not kept"):
-        session.history.moment(session.history.first - 1)
+    with pytest.raises(IndexError, match="not in the history"):
+        session.history.snapshot(session.history.first - 1)
     session.step_frames(-50)
     assert session.frame == session.history.first
 
 
-def test_many_edits_do_not_fill_the_memory():
+def test_memory_is_bounded_under_many_edits():
     session = Session(scenes.load("one-on-four"), memory=2_000_000)
     for k in range(1500):
         session.apply(SetKind(0, k % 4, ("power", "gear", "hard")[k % 3]))
@@ -187,4 +188,4 @@ def test_paused_edits_stay_on_their_frame():
         session.apply(AddBead(0, 1))
         session.apply(RemoveBead(0, 1))
     assert (session.frame, session.history.last) == (10, 10)
-    assert len(session.series(0).time) == 11
+    assert sum(len(part.time) for part in session.history_slices(0, 100)) == 11

@@ -1,11 +1,11 @@
-"""Random hands: whatever is done in whatever order, no exception, no NaN, bounded memory, and the books balance."""
+"""Random play: whatever the inputs and their order, no exception, no NaN, bounded memory, and a balanced ledger."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.sandbox.session import Session
-from softcradle.sandbox.session.random_play import Monkey, check, fuzz, look, main
+from softcradle.sandbox.session.random_play import RandomPlayer, check_invariants, main, play_at_random, read_all
 
 from softcradle import scenes
 
@@ -14,31 +14,33 @@ NAMES = scenes.names()
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_minute_of_random_play(name):
-    monkey = fuzz(Session(scenes.load(name), memory=400_000, budget=np.inf), 60.0, seed=NAMES.index(name) + 100)
-    assert monkey.frames > 1000, "it played"
-    assert monkey.given > 100
-    assert monkey.refused < 0.1 * monkey.given
+    player = play_at_random(
+        Session(scenes.load(name), memory=400_000, budget=np.inf), 60.0, seed=NAMES.index(name) + 100
+    )
+    assert player.frames > 1000, "it was played"
+    assert player.given > 100
+    assert player.refused < 0.1 * player.given
 
 
 @given(seed=st.integers(0, 2**32), name=st.sampled_from(NAMES))
 @settings(max_examples=40)
 def test_random_inputs_one_frame_after_the_other(seed, name):
     session = Session(scenes.load(name), memory=100_000)
-    monkey = Monkey(session, seed)
+    player = RandomPlayer(session, seed)
     for _ in range(30):
-        monkey.act()
+        player.act()
         session.step_frames(2)
-        check(session)
-    look(session)
+        check_invariants(session)
+    read_all(session)
 
 
 @given(seed=st.integers(0, 2**32))
 @settings(max_examples=30)
-def test_the_chosen_method_balances_the_books_whatever_is_edited(seed):
+def test_the_chosen_method_balances_the_ledger_whatever_is_edited(seed):
     session = Session(scenes.load("mixed"))
-    monkey = Monkey(session, seed)
+    player = RandomPlayer(session, seed)
     for _ in range(40):
-        item = monkey.random_input()
+        item = player.random_input()
         if type(item).__name__ in ("SetMethod", "SetStep"):
             continue
         try:
@@ -55,9 +57,9 @@ def test_the_chosen_method_balances_the_books_whatever_is_edited(seed):
 @settings(max_examples=40)
 def test_the_scene_of_any_session_reads_back_as_its_start(seed, name):
     session = Session(scenes.load(name))
-    monkey = Monkey(session, seed)
+    player = RandomPlayer(session, seed)
     for _ in range(15):
-        monkey.act()
+        player.act()
     again = Session(scenes.parse(session.to_scene().to_toml()))
     session.restart()
     for one, other in zip(session.lanes, again.lanes, strict=True):
@@ -68,10 +70,10 @@ def test_the_scene_of_any_session_reads_back_as_its_start(seed, name):
         assert np.allclose(one.velocity, other.velocity, rtol=1e-12, atol=1e-12)
 
 
-def test_the_same_seed_does_the_same(tmp_path):
+def test_the_same_seed_gives_the_same_inputs():
     def run():
         session = Session(scenes.load("one-on-four"), budget=np.inf)
-        fuzz(session, 10.0, seed=7)
+        play_at_random(session, 10.0, seed=7)
         return session.recording
 
     first, second = run(), run()
@@ -79,7 +81,7 @@ def test_the_same_seed_does_the_same(tmp_path):
     assert first.hashes == second.hashes
 
 
-def test_the_command_prints_a_line_a_scene(capsys):
+def test_the_command_prints_a_line_for_each_scene(capsys):
     assert main(["--hours", "0.001", "--seed", "3"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split(":")[0] for line in lines] == list(NAMES)

@@ -1,11 +1,11 @@
-"""Recordings: what was played comes again digit for digit, and what does not is found at its first frame."""
+"""Recordings: a replay has the digits of the session, or tells the first frame that differs."""
 
 import json
 
 import numpy as np
 import pytest
 from softcradle.sandbox.session import Drag, Replay, Session, SetMass, SetMethod, SetSlow, recording
-from softcradle.sandbox.session.random_play import fuzz
+from softcradle.sandbox.session.random_play import play_at_random
 from softcradle.sandbox.user_error import UserError
 
 from softcradle import scenes
@@ -41,7 +41,7 @@ def tampered(path, **changes):
 
 
 @pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
-def test_a_replay_gives_every_digit_again(tmp_path, method):
+def test_a_replay_has_the_same_digits(tmp_path, method):
     session = played(method=method)
     session.save_recording(tmp_path / "played.npz")
     replay = Replay.load(tmp_path / "played.npz")
@@ -52,7 +52,7 @@ def test_a_replay_gives_every_digit_again(tmp_path, method):
     assert "agrees" in replay.sentence
 
 
-def test_a_replay_runs_by_the_clock_too(tmp_path):
+def test_a_replay_also_runs_by_the_clock(tmp_path):
     played().save_recording(tmp_path / "played.npz")
     replay = Replay.load(tmp_path / "played.npz")
     ticks = 0
@@ -65,7 +65,7 @@ def test_a_replay_runs_by_the_clock_too(tmp_path):
 
 @pytest.mark.parametrize("part", [0.0, 0.3, 1.0])
 def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
-    """How many frames were played is up to the clock: on a loaded machine they are fewer."""
+    """How many frames were played depends on the clock: on a loaded machine they are fewer."""
     path = tmp_path / "played.npz"
     session = played()
     session.save_recording(path)
@@ -93,7 +93,7 @@ def test_another_input_diverges_at_the_frame_after_it(tmp_path):
     assert replay.diverged == 251
 
 
-def test_of_a_quick_pointer_only_the_last_place_in_a_frame_is_kept():
+def test_only_the_last_pointer_position_of_a_frame_is_recorded():
     session = Session(scenes.load("one-on-four"))
     session.play()
     for k in range(1000):
@@ -102,12 +102,12 @@ def test_of_a_quick_pointer_only_the_last_place_in_a_frame_is_kept():
 
 
 @pytest.mark.parametrize("seed", [3, 4, 5, 6])
-def test_whatever_was_done_comes_again(tmp_path, seed):
+def test_random_play_replays_with_the_same_digits(tmp_path, seed):
     names = scenes.names()
     session = Session(scenes.load(names[seed % len(names)]), memory=200_000)
-    fuzz(session, 20.0, seed, checks=lambda session: None)
-    session.save_recording(tmp_path / "fuzz.npz")
-    replay = Replay.load(tmp_path / "fuzz.npz")
+    play_at_random(session, 20.0, seed, check=lambda session: None)
+    session.save_recording(tmp_path / "random.npz")
+    replay = Replay.load(tmp_path / "random.npz")
     assert replay.run(), replay.sentence
 
 
@@ -150,7 +150,7 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes,
         Replay.load(path)
 
 
-def test_other_files_are_refused_too(tmp_path):
+def test_other_files_are_refused(tmp_path):
     (tmp_path / "text.npz").write_text("hello")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     for name, sentence in (

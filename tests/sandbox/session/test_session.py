@@ -1,9 +1,10 @@
-"""Sessions: time, history, branches, hands. What is shown must be what the physics says, to the last digit."""
+"""Sessions: time, history, branches, the pointer spring. What is shown is the result of the physics."""
 
 import numpy as np
 import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.session import Drag, RemoveBead, Session, SetMass, SetSlow, SetVelocity
+from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
 from softcradle import scenes
@@ -12,7 +13,7 @@ PICTURE = 2.0 / FRAME_RATE
 
 
 class FakeClock:
-    """A clock that a test moves."""
+    """A clock that a test sets."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -31,11 +32,11 @@ def played(session, frames):
 
 
 def digits(session):
-    """Everything that moves, to compare exactly."""
+    """All that changes in a frame, to be compared exactly."""
     return [
         array.tolist()
         for lane in session.lanes
-        for array in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.books)
+        for array in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.ledger)
     ]
 
 
@@ -48,10 +49,10 @@ def test_a_scene_opens_paused_at_its_start_and_at_its_own_speed():
 
 
 @pytest.mark.parametrize("name", scenes.names())
-def test_what_is_played_is_what_the_physics_says(name):
+def test_a_played_scene_ends_with_the_velocities_of_the_reference(name):
     session = opened(name)
     first = session.scene.lanes[0]
-    until = session.scene.duration  # of a driven scene, which may never come apart
+    until = session.scene.duration  # given for a driven scene, whose beads may never separate
     if until is None:
         until = simulate(first.chain(), first.velocity, method="scipy", tolerance=1e-4, samples=2).time[-1]
     while session.time < until + 1e-9:
@@ -61,7 +62,7 @@ def test_what_is_played_is_what_the_physics_says(name):
     assert error < 1e-3 * session.setup.lanes[0].speed
 
 
-def test_slow_motion_changes_the_pace_and_hardly_the_motion():
+def test_slow_motion_changes_the_speed_and_hardly_the_motion():
     fast, slow = opened(), opened()
     fast.apply(SetSlow(1.0))
     slow.apply(SetSlow(8.0))
@@ -72,13 +73,13 @@ def test_slow_motion_changes_the_pace_and_hardly_the_motion():
     assert np.abs(fast.lanes[0].velocity - slow.lanes[0].velocity).max() < 1e-3
 
 
-def test_a_second_at_the_wall_is_a_second_over_slow_in_the_model():
+def test_a_second_of_wall_time_is_a_second_over_slow_of_the_model():
     session = opened()
     session.play()
     for _ in range(60):
         session.tick(PICTURE)
     assert session.time == pytest.approx(1.0 / session.slow)
-    assert session.pace.clock_ratio == 1.0
+    assert session.pacer.clock_ratio == 1.0
 
 
 def test_uneven_pictures_lose_no_time():
@@ -89,7 +90,7 @@ def test_uneven_pictures_lose_no_time():
     assert session.time * session.slow == pytest.approx(1.0, abs=1.0 / FRAME_RATE)
 
 
-def test_late_physics_slows_the_clock_and_says_so():
+def test_late_physics_slows_the_clock_and_is_reported():
     clock = FakeClock()
     session = opened(clock=clock, budget=0.010)
     session.play()
@@ -102,8 +103,8 @@ def test_late_physics_slows_the_clock_and_says_so():
     session._compute_frame = slow_frame
     frames = [session.tick(PICTURE) for _ in range(60)]
     assert set(frames) == {1}, "the second frame does not fit into the budget"
-    assert session.pace.clock_ratio == pytest.approx(0.5, abs=0.1)
-    assert session.pace.milliseconds == pytest.approx(8.0)
+    assert session.pacer.clock_ratio == pytest.approx(0.5, abs=0.1)
+    assert session.pacer.milliseconds == pytest.approx(8.0)
     assert session.verdict()[0] == "fair"
     assert "speed" in session.verdict()[1]
 
@@ -122,7 +123,7 @@ def test_a_frame_beyond_the_budget_is_still_computed():
     assert session.tick(PICTURE) == 1
 
 
-def test_a_program_that_slept_does_not_catch_up():
+def test_a_program_that_was_suspended_does_not_catch_up():
     session = opened()
     session.play()
     session.tick(3600.0)
@@ -141,7 +142,7 @@ def test_frames_back_and_forward_show_the_same_digits():
     assert (session.frame, session.time) == (0, 0.0)
 
 
-def test_scrubbing_shows_the_nearest_moment_and_pauses():
+def test_scrubbing_shows_the_nearest_frame_and_pauses():
     session = opened()
     session.play()
     session.tick(0.2)
@@ -154,7 +155,7 @@ def test_scrubbing_shows_the_nearest_moment_and_pauses():
     assert session.time == session.span[1]
 
 
-def test_playing_on_from_a_scrubbed_moment_is_a_new_branch_with_the_same_digits():
+def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits():
     session = played(opened(), 400)
     here = digits(session)
     session.scrub_frame(150)
@@ -165,19 +166,19 @@ def test_playing_on_from_a_scrubbed_moment_is_a_new_branch_with_the_same_digits(
     assert digits(session) == here
 
 
-def test_an_edit_of_a_scrubbed_moment_drops_what_came_later():
+def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():
     session = played(opened(), 400)
     session.scrub_frame(150)
     session.apply(SetMass(0, 1, 5.0))
     assert session.history.last == 150
     session.step_frames(10)
     session.scrub_frame(149)
-    assert session.lanes[0].chain.mass[1] == 1.0, "the setup of a moment comes back with it"
+    assert session.lanes[0].chain.mass[1] == 1.0, "a frame is shown with its setup"
     session.scrub_frame(150)
     assert session.lanes[0].chain.mass[1] == 5.0
 
 
-def test_restart_keeps_edits_of_the_beads_and_of_the_start():
+def test_a_restart_has_the_edits_of_the_beads_and_of_the_start():
     session = opened()
     session.apply(SetVelocity(0, 0, 2.0))
     session.step_frames(100)
@@ -189,7 +190,7 @@ def test_restart_keeps_edits_of_the_beads_and_of_the_start():
     assert session.lanes[0].chain.mass[2] == 3.0
 
 
-def test_restart_after_scrubbing_before_an_edit_forgets_the_edit():
+def test_a_restart_from_a_frame_before_an_edit_is_without_the_edit():
     session = played(opened(), 50)
     session.apply(RemoveBead(0, 4))
     session.step_frames(50)
@@ -198,7 +199,7 @@ def test_restart_after_scrubbing_before_an_edit_forgets_the_edit():
     assert len(session.lanes[0].chain.mass) == 5
 
 
-def test_a_refused_input_is_a_sentence_and_changes_nothing():
+def test_a_refused_input_gives_a_sentence_and_changes_nothing():
     session = played(opened(), 30)
     here, inputs = digits(session), len(session.recording.inputs)
     for wrong in (SetMass(0, 1, -1.0), SetMass(0, 7, 1.0), SetMass(3, 0, 1.0), SetSlow(0.0), Drag(0, 9, 0.0)):
@@ -209,7 +210,7 @@ def test_a_refused_input_is_a_sentence_and_changes_nothing():
 
 
 @pytest.mark.parametrize("slow", [1.0, 2.0, 100.0])
-def test_a_held_bead_comes_to_the_pointer_in_every_slow_motion(slow):
+def test_a_dragged_bead_reaches_the_pointer_in_every_slow_motion(slow):
     session = opened("hertz-cradle")
     session.apply(SetVelocity(0, None, 0.0))
     session.apply(SetSlow(slow))
@@ -219,21 +220,21 @@ def test_a_held_bead_comes_to_the_pointer_in_every_slow_motion(slow):
         session.drag(0, 0, target)
         session.tick(PICTURE)
     assert session.lanes[0].position[0] == pytest.approx(target, abs=0.01 / slow)
-    assert session.lanes[0].velocity[1:] == pytest.approx(0.0), "the others were not touched"
+    assert session.lanes[0].velocity[1:] == pytest.approx(0.0), "the others did not move"
 
 
-def test_the_work_of_the_hand_is_booked_not_an_error():
+def test_the_work_of_the_pointer_spring_is_booked_and_no_error():
     session = opened()
     session.play()
     for k in range(200):
         session.drag(0, 2, 1.0 + np.sin(0.1 * k))
         session.tick(PICTURE)
-    assert np.ptp(session.series(0).energy) > 0.1, "the hand did work"
+    assert np.ptp(last_slice(session.history, 0, session.frame).energy) > 0.1, "the spring did work"
     assert session.health(0).energy_error < 1e-10
     assert session.health(0).momentum_error < 1e-10
 
 
-def test_a_bead_let_go_flies_on_at_the_speed_of_the_hand():
+def test_a_released_bead_flies_on_at_the_speed_of_the_pointer():
     session = opened()
     session.apply(SetVelocity(0, None, 0.0))
     session.play()
@@ -247,7 +248,7 @@ def test_a_bead_let_go_flies_on_at_the_speed_of_the_hand():
     assert session.lanes[0].velocity[0] == thrown
 
 
-def test_the_hand_is_no_faster_than_ten_times_the_scene():
+def test_the_pointer_spring_is_no_faster_than_ten_times_the_scene():
     session = opened()
     session.apply(SetSlow(1000.0))
     session.play()
@@ -257,16 +258,16 @@ def test_the_hand_is_no_faster_than_ten_times_the_scene():
     assert -11.0 < session.lanes[0].velocity[0] < -5.0
 
 
-def test_impacts_are_heard_once():
+def test_an_impact_is_given_once():
     session = opened()
     session.play()
-    heard = []
+    found = []
     for _ in range(180):
         session.tick(PICTURE)
-        heard += session.impacts
-    assert [(hit.lane, hit.contact) for hit in heard] == [(0, 0)]
-    assert heard[0].speed == pytest.approx(1.0)
-    assert heard[0].time == pytest.approx(1.0)
+        found += session.impacts
+    assert [(hit.lane, hit.contact) for hit in found] == [(0, 0)]
+    assert found[0].speed == pytest.approx(1.0)
+    assert found[0].time == pytest.approx(1.0)
     session.pause()
     session.tick(PICTURE)
     assert session.impacts == ()

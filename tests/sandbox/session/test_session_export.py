@@ -1,4 +1,4 @@
-"""What is kept of a session: scenes that read back equal, histories that other programs read."""
+"""Exports of a session: scenes that read back equal, histories that other programs read."""
 
 import csv
 import math
@@ -21,6 +21,7 @@ from softcradle.sandbox.session import (
     SetStep,
     SetVelocity,
 )
+from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import parse
 
@@ -36,7 +37,7 @@ def test_an_unedited_scene_comes_back_equal(name):
     assert parse(session.to_scene().to_toml()) == scene
 
 
-def test_an_edited_scene_reads_back_as_the_session_that_it_was(tmp_path):
+def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
     session = Session(scenes.load("beads-against-gear"))
     for edit in (
         AddBead(0, 4, 0.25, 0.5),
@@ -72,7 +73,7 @@ def test_an_edited_scene_reads_back_as_the_session_that_it_was(tmp_path):
     assert session.lanes[1].velocity == pytest.approx(again.lanes[1].velocity, abs=1e-9)
 
 
-def test_a_scene_is_the_start_with_the_edits_not_the_moment():
+def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
     session = Session(scenes.load("one-on-four"))
     session.step_frames(300)
     session.apply(SetMass(0, 1, 2.0))
@@ -100,7 +101,7 @@ def test_every_contact_has_a_table_that_gives_its_exact_numbers(contact):
     assert parse(session.to_scene().to_toml()).lanes[0].chain().contact[1] == contact
 
 
-def test_two_walls_give_the_scene_an_end():
+def test_a_scene_with_two_walls_has_a_duration():
     session = Session(scenes.load("one-on-four"))
     session.apply(SetMass(0, 0, math.inf))
     session.apply(SetMass(0, 4, math.inf))
@@ -113,9 +114,9 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
     paths = session.export(tmp_path / "history.npz")
     assert [path.name for path in paths] == ["history-1.npz", "history-2.npz"]
     for number, path in enumerate(paths):
-        trajectory, series = Trajectory.load(path), session.series(number, 10_000)
-        assert (trajectory.time == series.time).all()
-        assert trajectory.velocity == pytest.approx(series.velocity, abs=1e-14)
+        trajectory, part = Trajectory.load(path), last_slice(session.history, number, session.frame)
+        assert (trajectory.time == part.time).all()
+        assert trajectory.velocity == pytest.approx(part.velocity, abs=1e-14)
         assert (trajectory.final_velocity == session.lanes[number].velocity).all()
         assert trajectory.warnings == ()
         assert [len(intervals) for intervals in trajectory.contact_intervals] == [1, 1, 1]
@@ -134,12 +135,12 @@ def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
         rows = list(csv.reader(file))
     assert len(rows) == 1 + 51
     assert "frame 350" in session.trajectory(0).warnings[0]
-    pressed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
-    assert min(pressed) == session.trajectory(0).time[0], "pressed from the start"
+    closed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
+    assert min(closed) == session.trajectory(0).time[0], "closed from the start"
     assert np.isfinite(np.array(rows[1:], dtype=float)).all()
 
 
-def test_exports_that_cannot_be_are_refused_in_a_sentence(tmp_path):
+def test_an_export_that_cannot_be_written_is_refused_in_a_sentence(tmp_path):
     session = Session(scenes.load("one-on-four"))
     with pytest.raises(UserError, match=r"\.npz or \.csv"):
         session.export(tmp_path / "history.xls")

@@ -6,7 +6,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.palette import bead_colours
-from softcradle.sandbox.window.plots.history_curves import at_frame
+from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.window.plots.plot_kinds import StackPlot
 
 from tests.helpers.windows import Driver
@@ -20,7 +20,7 @@ def test_marks_stand_where_contacts_switch(driver: Driver) -> None:
     driver.frames(200)
     driver.key(pygame.K_HOME)
     driver.key(pygame.K_PERIOD, SHIFT)
-    before, after = driver.session.history.moment(driver.session.frame - 1), driver.session.lanes[0].state
+    before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
     assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
     assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
 
@@ -74,9 +74,9 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     session = driver.session
     frame = session.frame - 20
     values = plot.now(frame)
-    moment = session.history.moment(frame)
+    moment = session.history.snapshot(frame)
     length = session.scene.view.length
-    overlap = at_frame(session.history, 0, frame).overlap[0]
+    overlap = slice_at(session.history, 0, frame).overlap[0]
     assert np.diff(values) == pytest.approx(
         length - overlap, abs=1e-9
     )  # neighbours are a bead less their overlap apart

@@ -47,7 +47,7 @@ def test_session_is_saved_and_replays_to_the_last_digit(driver: Driver, tmp_path
     assert replay.done
     assert replay.diverged is None
     assert any("agrees" in text for text in driver.said)
-    shown = driver.session.history.moment(last).states[0]
+    shown = driver.session.history.snapshot(last).states[0]
     assert np.array_equal(shown.overlap, state.overlap)
 
 

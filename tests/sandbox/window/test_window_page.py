@@ -245,9 +245,9 @@ def test_quitting_ends_the_loop(driver: Driver) -> None:
 
 def test_late_physics_slows_the_clock_and_says_so(driver: Driver) -> None:
     driver.key(pygame.K_SPACE)
-    driver.session.pace.budget = 0.0
+    driver.session.pacer.budget = 0.0
     driver.frames(60)
-    assert driver.session.pace.clock_ratio < 0.95
+    assert driver.session.pacer.clock_ratio < 0.95
     assert math.isfinite(driver.session.time)
 
 

@@ -10,6 +10,7 @@ import pytest
 from softcradle.physics import METHODS
 from softcradle.sandbox.film.scene_film import simulated, simulated_quietly
 from softcradle.sandbox.session import Session
+from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.inputs import AddBead, SetFriction
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.hanging.hanging_cradle import LAWS, Hanging
@@ -17,7 +18,6 @@ from softcradle.sandbox.window.hanging.hanging_page import HangingPage
 from softcradle.sandbox.window.kernel_warmup import Warmer
 from softcradle.sandbox.window.keys import BINDINGS, CTRL, SHIFT, action_of
 from softcradle.sandbox.window.page_geometry import geometry
-from softcradle.sandbox.window.plots.history_curves import stretches
 from softcradle.sandbox.window.plots.scrolling_surface import Sheet
 from softcradle.sandbox.window.plots.time_axis import TimeSpan
 from softcradle.sandbox.window.scene.editable_parameters import number
@@ -128,15 +128,15 @@ def test_history_is_read_thinned_and_across_changes_of_the_row():
     session.step_frames(700)
     session.apply(AddBead(0, 5, 1.0))
     session.step_frames(50)
-    whole = list(stretches(session.history, 0, 0, session.history.last, 10**6))
+    whole = list(history_slices(session.history, 0, 0, session.history.last, 10**6))
     assert sum(len(rows.time) for rows in whole) == session.history.last + 1
     assert {rows.velocity.shape[1] for rows in whole} == {5, 6}
-    thin = list(stretches(session.history, 0, 0, session.history.last, 100))
+    thin = list(history_slices(session.history, 0, 0, session.history.last, 100))
     assert 90 <= sum(len(rows.time) for rows in thin) <= 130
-    moment = session.history.moment(600)
-    row = next(stretches(session.history, 0, 600, 600, 1))
+    moment = session.history.snapshot(600)
+    row = next(history_slices(session.history, 0, 600, 600, 1))
     assert np.array_equal(row.velocity[0], moment.states[0].velocity(row.chain))
-    energy = row.energies.sum()
+    energy = row.energy.sum()
     assert energy == pytest.approx(0.5, rel=1e-9)
 
 
