@@ -12,7 +12,7 @@ from softcradle.sandbox.cli.arguments import add_method, picture_size, positive_
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.compare.comparison_files import Report
+    from softcradle.sandbox.studies.compare.comparison_outputs import ComparisonReport
 
 DEFAULT_OUTPUT = "out/compare.html"
 
@@ -47,24 +47,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compare the chains, write the outputs and print the tables or the JSON."""
-    from softcradle.sandbox.studies.compare.comparison_files import Report, Wishes, checked_outputs, opened, write
-    from softcradle.sandbox.studies.compare.comparison_results import solved
-    from softcradle.sandbox.studies.compare.matched_side import matchable, with_match
-    from softcradle.sandbox.studies.compare.sides import chosen
+    from softcradle.sandbox.studies.compare.comparison_outputs import (
+        ComparisonReport,
+        FilmSettings,
+        check_outputs,
+        open_outputs,
+    )
+    from softcradle.sandbox.studies.compare.comparison_results import solve_sides
+    from softcradle.sandbox.studies.compare.matched_side import add_match, side_to_match
+    from softcradle.sandbox.studies.compare.sides import comparison_of
 
-    comparison = chosen(args.scenes, args.contact, fewest=1 if args.match else 2)
+    comparison = comparison_of(args.scenes, args.contact, fewest=1 if args.match else 2)
     if args.match:
-        matchable(comparison)
+        side_to_match(comparison)
     paths, found = _paths(args), None
-    wishes = Wishes(args.size, args.slow, args.method, args.step)
-    checked_outputs(paths, comparison, wishes)
+    settings = FilmSettings(args.size, args.slow, args.method, args.step)
+    check_outputs(paths, comparison, settings)
     with ExitStack() as stack:
-        places = opened(stack, paths)  # before the runs, so that an unwritable place is refused at once
+        places = open_outputs(stack, paths)  # before the runs, so that an unwritable place is refused at once
         if args.match:
-            comparison, found = with_match(comparison, args.match)
-        report = Report(comparison, solved(comparison, args.method, args.step), wishes, found)
+            comparison, found = add_match(comparison, args.match)
+        report = ComparisonReport(comparison, solve_sides(comparison, args.method, args.step), settings, found)
         for path in places:
-            write(path, report)
+            report.write(path)
     _print(report, paths, args.json)
     return 0
 
@@ -80,12 +85,12 @@ def _paths(args: argparse.Namespace) -> list[Path]:
     return [path]
 
 
-def _print(report: Report, paths: list[Path], as_json: bool) -> None:
+def _print(report: ComparisonReport, paths: list[Path], as_json: bool) -> None:
     from softcradle.sandbox.console import console
     from softcradle.sandbox.studies.compare.comparison_tables import print_tables
 
     if as_json:
-        print(json.dumps(report.plain(), indent=2, allow_nan=False))
+        print(json.dumps(report.as_json(), indent=2, allow_nan=False))
         return
     output = console()
     print_tables(output, report.comparison.title, report.results)

@@ -1,6 +1,7 @@
-"""Comparison: the same collision in several chains, in motion on one clock and in numbers side by side.
+"""Comparison: the same collision in several chains, in one film and in numbers side by side.
 
-choice   ->  which lanes, from the words of the command line, refused before any work
-results  ->  trajectory and measures of each
-tables, charts, page  ->  the same results for the terminal, as JSON, and as a page to look at
+sides               ->  which lanes, from the words of the command line; refused before any run
+comparison_results  ->  trajectory and measures of each side
+comparison_tables, comparison_plots, html_report  ->  the same results on the terminal, as charts, and as a page
+comparison_outputs  ->  the files
 """

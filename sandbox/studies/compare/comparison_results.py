@@ -1,4 +1,4 @@
-"""The results of a comparison: each side's motion and what it came to."""
+"""The results of a comparison: the trajectory of each side and its measures."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,8 @@ from softcradle.scenes.contact_text import contact_text
 
 
 @dataclass(frozen=True)
-class Result:
-    """One side: how it moved, and its measures."""
+class SideResult:
+    """One side: its trajectory and its measures."""
 
     side: Side
     trajectory: Trajectory
@@ -29,52 +30,48 @@ class Result:
     @property
     def contact(self) -> str:
         """Its contacts in a line of text."""
-        return contacts_text(self.trajectory)
+        return _contacts_text(self.trajectory)
 
 
-def contacts_text(trajectory: Trajectory) -> str:
-    """The contacts of a chain, those that follow each other and are alike told once."""
-    found: list[str] = []
-    for contact in trajectory.chain.contact:
-        text = contact_text(contact)
-        if not found or found[-1] != text:
-            found.append(text)
+def _contacts_text(trajectory: Trajectory) -> str:
+    """The contacts of a chain; equal neighbours are named once."""
+    found = [text for text, _ in groupby(contact_text(contact) for contact in trajectory.chain.contact)]
     return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
 
 
-def solved(comparison: Comparison, method: str | None = None, step: float | None = None) -> list[Result]:
-    """Every side, moved and measured.
+def solve_sides(comparison: Comparison, method: str | None = None, step: float | None = None) -> list[SideResult]:
+    """Simulate and measure every side.
 
     Raises:
         UserError: a method or step that a side cannot take.
     """
-    return [_solved(side, method, step) for side in comparison.sides]
+    return [_solve_side(side, method, step) for side in comparison.sides]
 
 
-def _solved(side: Side, method: str | None, step: float | None) -> Result:
+def _solve_side(side: Side, method: str | None, step: float | None) -> SideResult:
     settings = side.scene.settings(method=method, step=step)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # they are in trajectory.warnings too, which the report shows
+        warnings.simplefilter("ignore", RuntimeWarning)  # the report shows trajectory.warnings, which are the same
         try:
             trajectory = collide(side.lane.chain(), side.lane.velocity, **settings)
         except ValueError as error:
             raise UserError(f"{side.name}: {error}") from None
     if not np.isfinite(trajectory.position).all():
         raise UserError(f"{side.name}: the motion by {trajectory.method} did not stay finite: choose a smaller step")
-    return Result(side, trajectory, measured(trajectory))
+    return SideResult(side, trajectory, measured(trajectory))
 
 
-def ends(results: Sequence[Result]) -> float:
-    """Time at which the last of them is over [s]."""
+def end_time(results: Sequence[SideResult]) -> float:
+    """Time [s] at which the longest motion ends."""
     return max(float(result.trajectory.time[-1]) for result in results)
 
 
-def as_json(comparison: Comparison, results: Sequence[Result]) -> dict[str, Any]:
+def results_as_json(comparison: Comparison, results: Sequence[SideResult]) -> dict[str, Any]:
     """Everything as plain numbers, lists and texts."""
-    return {"title": comparison.title, "sides": [_side(result) for result in results], "versions": versions()}
+    return {"title": comparison.title, "sides": [_side_as_json(result) for result in results], "versions": versions()}
 
 
-def _side(result: Result) -> dict[str, Any]:
+def _side_as_json(result: SideResult) -> dict[str, Any]:
     summary, trajectory = summarise(result.side.name, result.trajectory), result.trajectory
     return {
         "name": result.side.name,
@@ -85,5 +82,5 @@ def _side(result: Result) -> dict[str, Any]:
         "method": trajectory.method,
         "energy_error": summary.energy_error,
         "momentum_error": summary.momentum_error,
-        "warnings": list(trajectory.warnings),
+        "warnings": [str(warning) for warning in trajectory.warnings],
     }

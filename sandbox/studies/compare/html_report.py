@@ -12,10 +12,16 @@ from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeas
 from softcradle.physics.version import version
 from softcradle.sandbox.draw.number_format import factor
 from softcradle.sandbox.resources import resource
-from softcradle.sandbox.studies.compare import comparison_plots as plots
-from softcradle.sandbox.studies.compare.comparison_results import Result
+from softcradle.sandbox.studies.compare.comparison_plots import (
+    TimeAxis,
+    contact_bars,
+    force_charts,
+    overlays,
+    velocity_charts,
+)
+from softcradle.sandbox.studies.compare.comparison_results import SideResult
 from softcradle.sandbox.studies.compare.comparison_tables import (
-    Row,
+    MeasureRow,
     collision_rows,
     contact_rows,
     contact_titles,
@@ -25,13 +31,13 @@ from softcradle.sandbox.studies.compare.sides import Comparison
 
 
 @dataclass(frozen=True)
-class Embedded:
-    """The film and its strongest moment as files, and how film and motion go together.
+class FilmFiles:
+    """The film and a picture of the moment of the greatest force as files, and their times.
 
     Attributes:
         film, still: paths of the .mp4 and the .png.
-        size: pixels.
-        clock: time in the motion [s] when the film begins.
+        size: [pixels].
+        clock: time of the motion [s] when the film begins.
         slow: seconds of film for one of motion.
     """
 
@@ -42,22 +48,24 @@ class Embedded:
     slow: float
 
 
-def page(comparison: Comparison, results: Sequence[Result], embedded: Embedded, notes: Sequence[str] = ()) -> str:
+def html_page(
+    comparison: Comparison, results: Sequence[SideResult], files: FilmFiles, notes: Sequence[str] = ()
+) -> str:
     """The whole page as text; `notes` are sentences that stand below the numbers."""
-    clock = plots.Clock(results)
+    axis = TimeAxis(results)
     sources = dict.fromkeys(side.scene.source for side in comparison.sides if side.scene.source)
     parts = [
         f"<h1>{escape(comparison.title)}</h1>",
         f'<p class="source">{escape(" · ".join(sources))}</p>',
-        _film(embedded, clock),
+        _film(files, axis),
         "<h2>In numbers</h2>",
         _table([""] + [r.side.name for r in results], collision_rows(results) + velocity_rows(results)),
         "".join(f'<p class="note">{escape(note)}</p>' for note in notes),
         _warnings(results),
-        "<h2>On top of each other</h2>", plots.overlays(results, clock),
-        "<h2>Velocities</h2>", plots.velocity_charts(results, clock),
-        "<h2>Forces</h2>", plots.force_charts(results, clock),
-        "<h2>Open, touching, loaded</h2>", plots.contact_bars(results, clock),
+        "<h2>On top of each other</h2>", overlays(results, axis),
+        "<h2>Velocities</h2>", velocity_charts(results, axis),
+        "<h2>Forces</h2>", force_charts(results, axis),
+        "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
         "<h2>Contact by contact</h2>",
         *(_table(["contact"] + [t for t, _ in contact_titles()], contact_rows(r), r.side.name) for r in results),
         "<h2>What the numbers mean</h2>", _meanings(),
@@ -76,25 +84,22 @@ def _document(title: str, body: str) -> str:
     )
 
 
-def _film(embedded: Embedded, clock: plots.Clock) -> str:
-    film, still = (base64.b64encode(path.read_bytes()).decode() for path in (embedded.film, embedded.still))
-    width, height = embedded.size
-    data = f'data-clock="{embedded.clock:.9g}" data-slow="{embedded.slow:.9g}" data-unit="{clock.unit:.9g}"'
-    pace = (
-        f"1/{embedded.slow:.4g} of the real pace"
-        if embedded.slow > 1.0
-        else f"{factor(1.0 / embedded.slow)} the real pace"
-    )
+def _film(files: FilmFiles, axis: TimeAxis) -> str:
+    film, still = (base64.b64encode(path.read_bytes()).decode() for path in (files.film, files.still))
+    width, height = files.size
+    data = f'data-clock="{files.clock:.9g}" data-slow="{files.slow:.9g}" data-unit="{axis.unit:.9g}"'
+    slow = files.slow
+    speed = f"1/{slow:.4g} of the real speed" if slow > 1.0 else f"{factor(1.0 / slow)} the real speed"
     return (
         f'<video controls loop muted playsinline width="{width}" height="{height}" {data} '
         f'poster="data:image/png;base64,{still}" src="data:video/mp4;base64,{film}"></video>'
         f'<img class="still" alt="the moment of the greatest force" src="data:image/png;base64,{still}">'
-        f'<p class="hint">All on one clock, {pace}. While it runs a line goes through the charts; a click in a chart '
-        "takes the film there.</p>"
+        f'<p class="hint">All on one clock, at {speed}. While the film plays a line moves through the charts; a click in a '
+        "chart moves the film to that time.</p>"
     )
 
 
-def _table(titles: Sequence[str], rows: Sequence[Row], caption: str = "") -> str:
+def _table(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str = "") -> str:
     head = "".join(f'<th scope="col">{escape(title)}</th>' for title in titles)
     lines = []
     for row in rows:
@@ -106,26 +111,26 @@ def _table(titles: Sequence[str], rows: Sequence[Row], caption: str = "") -> str
     return f'<div class="scroll"><table>{named}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def _warnings(results: Sequence[Result]) -> str:
-    told = [(r.side.name, sentence) for r in results for sentence in r.trajectory.warnings]
-    return "".join(f'<p class="note warning">{escape(name)}: {escape(sentence)}</p>' for name, sentence in told)
+def _warnings(results: Sequence[SideResult]) -> str:
+    texts = [f"{result.side.name}: {warning}" for result in results for warning in result.trajectory.warnings]
+    return "".join(f'<p class="note warning">{escape(text)}</p>' for text in texts)
 
 
 def _meanings() -> str:
-    told: dict[str, str] = {}
+    meanings: dict[str, str] = {}
     for kind in (CollisionMeasures, ContactMeasures):
         for field in fields(kind):
             if "title" in field.metadata:
-                told.setdefault(field.metadata["title"], field.metadata["meaning"])
-    items = "".join(f"<dt>{escape(title)}</dt><dd>{escape(meaning)}</dd>" for title, meaning in told.items())
+                meanings.setdefault(field.metadata["title"], field.metadata["meaning"])
+    items = "".join(f"<dt>{escape(title)}</dt><dd>{escape(meaning)}</dd>" for title, meaning in meanings.items())
     return f"<dl>{items}</dl>"
 
 
-def _footer(results: Sequence[Result]) -> str:
+def _footer(results: Sequence[SideResult]) -> str:
     methods = dict.fromkeys(_method(result) for result in results)
     return f"<footer>softcradle {escape(version())}; computed by {escape(', '.join(methods))}</footer>"
 
 
-def _method(result: Result) -> str:
-    made = result.trajectory
-    return f"{made.method}, " + (f"step {made.step:.3g} s" if made.step else f"tolerance {made.tolerance:g}")
+def _method(result: SideResult) -> str:
+    found = result.trajectory
+    return f"{found.method}, " + (f"step {found.step:.3g} s" if found.step else f"tolerance {found.tolerance:g}")

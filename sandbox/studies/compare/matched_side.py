@@ -1,4 +1,4 @@
-"""The nearest contact of the other family as one more side, and a sentence that says how near it comes."""
+"""The nearest contact of the other family as one more side, and a sentence that says how near it is."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.contact_table import Law
 from softcradle.scenes.contact_text import contact_text, law_of
 
-COMPARED = {
+DIFFERENCES = {  # by distance: what differs, and by how much
     "force": "forces of the struck contact differ by {} in the root mean square",
     "outcome": "final velocities over the closing speed and the logarithm of the contact time differ by {} together",
 }
 
 
-def matchable(comparison: Comparison) -> Side:
-    """The side whose contact is to be matched, the first; UserError where that cannot be."""
+def side_to_match(comparison: Comparison) -> Side:
+    """The side whose contact is to be matched: the first; UserError where it cannot be matched."""
     side = comparison.sides[0]
     if len(side.scene.lanes) > 1 or len({other.scene.title for other in comparison.sides}) > 1:
         raise UserError("--match needs one scene with one lane")
@@ -30,9 +30,9 @@ def matchable(comparison: Comparison) -> Side:
     return side
 
 
-def with_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, Match]:
-    """The comparison with the nearest contact as its last side, and what was found."""
-    side = matchable(comparison)
+def add_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, Match]:
+    """The comparison with the nearest contact as its last side, and the match."""
+    side = side_to_match(comparison)
     found = match(side.lane.chain(), side.lane.velocity, distance)
     law: Law = law_of(found.contact)
     given = replace(side, name=contact_text(found.given))
@@ -42,26 +42,25 @@ def with_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, 
     return Comparison(f"{side.scene.title}, and its nearest {_family(found)}", sides), found
 
 
-def sentence(found: Match) -> str:
-    """What was found, how near it comes, and whether that is near at all."""
-    told = COMPARED[found.distance].format(f"{100.0 * found.residual:.2g} %")
+def match_sentence(found: Match) -> str:
+    """Which contact is nearest, by how much it differs, and whether that is near."""
+    difference = DIFFERENCES[found.distance].format(f"{100.0 * found.residual:.2g} %")
     kind, contact, given = _family(found), contact_text(found.contact), contact_text(found.given)
     if found.near:
-        text = f"The {kind} nearest to {given} in this collision is {contact}: {told}."
+        text = f"The {kind} nearest to {given} in this collision is {contact}: {difference}."
     else:
-        text = (
-            f"No {kind} comes near {given} in this collision: with the nearest, {contact}, {told} (near: {NEAR:.0%})."
-        )
+        text = f"No {kind} comes near {given} in this collision: with the nearest, {contact}, {difference} (near: {NEAR:.0%})."
     if found.ends:
         ends = " and ".join(found.ends)
-        text += f" Its {ends} lies at the end of the range searched{_range(found)}: beyond may be a nearer one."
+        text += f" Its {ends} lies at the end of the range searched{_range(found)}: a nearer one may lie beyond."
     return text
 
 
-def match_json(found: Match) -> dict[str, Any]:
+def match_as_json(found: Match) -> dict[str, Any]:
     """The match as plain numbers and texts."""
-    told = asdict(found) | {"ends": list(found.ends), "sentence": sentence(found)}
-    return told | {
+    return asdict(found) | {
+        "ends": list(found.ends),
+        "sentence": match_sentence(found),
         "given": contact_text(found.given),
         "contact": contact_text(found.contact),
         "numbers": asdict(found.contact),

@@ -1,4 +1,4 @@
-"""What is compared: lanes of scenes, or one scene with several contacts; refused in a sentence before any work."""
+"""The sides of a comparison: lanes of scenes, or one scene with several contacts; wrong input is refused before any run."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_table import Law
 from softcradle.scenes.contact_text import contact_from, contact_text
 
-MOST_SIDES = 6  # rows that a film can show
+MOST_SIDES = 6  # as many rows as a film can show
 
 
 @dataclass(frozen=True)
 class Side:
-    """One of those compared: its name, its lane, and the scene whose settings hold for it."""
+    """One chain of a comparison: its name, its lane, and the scene whose settings hold for it."""
 
     name: str
     lane: Lane
@@ -26,13 +26,13 @@ class Side:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two sides or more, and what they are called together."""
+    """Two sides or more, and their common title."""
 
     title: str
     sides: tuple[Side, ...]
 
-    def film(self, end: float) -> Scene:
-        """All sides as the lanes of one scene, on one clock that runs for at least `end` [s]."""
+    def as_scene(self, end: float) -> Scene:
+        """All sides as the lanes of one scene, which lasts until `end` [s] if any side's scene has a duration."""
         lanes = tuple(side.lane.model_copy(update={"label": side.name}) for side in self.sides)
         views = [side.scene.view for side in self.sides]
         view = View(
@@ -48,25 +48,25 @@ class Comparison:
         )
 
 
-def chosen(names: Sequence[str], contacts: Sequence[str], fewest: int = 2) -> Comparison:
+def comparison_of(names: Sequence[str], contacts: Sequence[str], fewest: int = 2) -> Comparison:
     """The comparison of the scenes called `names`, or of one scene as it is and with each of `contacts` everywhere.
 
-    `fewest` sides are enough.
-
     Raises:
-        UserError: no such scene or contact, too few or too many sides, or one in which nothing collides.
+        UserError: no such scene or contact, less than `fewest` or too many sides, or one in which nothing collides.
     """
     scenes = [load_scene(name) for name in names]
-    sides = [side for name, scene in zip(names, scenes, strict=True) for side in _own(name, scene, len(scenes))]
+    sides = [side for name, scene in zip(names, scenes, strict=True) for side in _lane_sides(name, scene, len(scenes))]
     if contacts:
         if len(scenes) != 1:
             raise UserError(f"--contact changes one scene, but {len(scenes)} are given: {', '.join(names)}")
-        sides = _variants(names[0], scenes[0], contacts)
-    return checked(Comparison(_title(scenes, sides, bool(contacts)), _told_apart(sides)), fewest)
+        sides = _contact_sides(names[0], scenes[0], contacts)
+    comparison = Comparison(_title(scenes, sides, bool(contacts)), _distinct_names(sides))
+    _check(comparison, fewest)
+    return comparison
 
 
-def checked(comparison: Comparison, fewest: int) -> Comparison:
-    """The same, or a UserError where it cannot be compared or has less than `fewest` sides."""
+def _check(comparison: Comparison, fewest: int) -> None:
+    """Raise a UserError for less than `fewest` sides, for too many, and for one in which nothing collides."""
     count = len(comparison.sides)
     if count < fewest:
         name = comparison.sides[0].name
@@ -78,39 +78,36 @@ def checked(comparison: Comparison, fewest: int) -> Comparison:
             struck_contact(side.lane.velocity)
         except ValueError as error:
             raise UserError(f"{side.name}: {error}") from None
-    return comparison
 
 
-def _own(name: str, scene: Scene, scenes: int) -> list[Side]:
-    """The lanes of a scene as they are."""
+def _lane_sides(name: str, scene: Scene, scenes: int) -> list[Side]:
+    """The lanes of a scene as they are; `scenes` is the number of scenes compared."""
     if len(scene.lanes) == 1:
         return [Side(name, scene.lanes[0], scene)]
     prefix = f"{name}: " if scenes > 1 else ""
     return [Side(f"{prefix}{lane.label or k}", lane, scene) for k, lane in enumerate(scene.lanes, 1)]
 
 
-def _variants(name: str, scene: Scene, contacts: Sequence[str]) -> list[Side]:
-    """Each lane as it is, then with each of the contacts; what comes twice is shown once."""
+def _contact_sides(name: str, scene: Scene, contacts: Sequence[str]) -> list[Side]:
+    """Each lane as it is, then with each of the contacts; equal ones are shown once."""
     try:
         laws = [contact_from(text) for text in contacts]
     except SceneError as error:
         raise UserError(f"--contact: {error}") from None
     sides: list[Side] = []
     for lane in scene.lanes:
-        own = isinstance(lane.contact, Law)
         label = contact_text(lane.contact) if isinstance(lane.contact, Law) else "as it is"
         found = [Side(label, lane, scene)]
         for law in laws:
-            if (own and law == lane.contact) or law in [side.lane.contact for side in found]:
-                continue
-            found.append(with_contact(found[0], law))
+            if law not in [side.lane.contact for side in found]:
+                found.append(with_contact(found[0], law))
         several = len(scene.lanes) > 1 and lane.label
         sides += [Side(f"{lane.label}: {side.name}", side.lane, scene) for side in found] if several else found
     return sides
 
 
 def with_contact(side: Side, law: Law) -> Side:
-    """The same with `law` in every contact."""
+    """The side with `law` in every contact."""
     return Side(contact_text(law), side.lane.model_copy(update={"contact": law}), side.scene)
 
 
@@ -121,7 +118,8 @@ def _title(scenes: Sequence[Scene], sides: Sequence[Side], variants: bool) -> st
     return " against ".join(titles) if len(titles) < 3 else f"{titles[0]} and {len(titles) - 1} others"
 
 
-def _told_apart(sides: Sequence[Side]) -> tuple[Side, ...]:
+def _distinct_names(sides: Sequence[Side]) -> tuple[Side, ...]:
+    """The sides; the second of a name is called "name (2)", and so on."""
     names: dict[str, int] = {}
     found = []
     for side in sides:

@@ -1,4 +1,4 @@
-"""Charts as inline SVG: curves against time or overlap, and bars of what contacts do; colours come from the page."""
+"""Charts as inline SVG: curves against time or overlap, and bars of contact states; the page gives the colours."""
 
 from __future__ import annotations
 
@@ -12,114 +12,120 @@ from numpy.typing import NDArray
 from softcradle.sandbox.draw.number_format import power_of_ten, ticks
 
 Array = NDArray[np.float64]
-Span = tuple[float, float]
+Range = tuple[float, float]
 
-WIDTH, HEIGHT = 440.0, 230.0
-LEFT, RIGHT, TOP, BOTTOM = 52.0, 20.0, 12.0, 38.0
-MOST_POINTS = 500
-LEAP = 0.01  # of the axis: a jump from one sample to the next that thinning must keep
-LEAST_PLAIN, MOST_PLAIN = 1e-2, 1e4  # the largest number of an axis that shows numbers as they are
-ROW = 24.0  # height of a bar and the space below it
+WIDTH = 440.0  # of a chart, in the units of its view box
+HEIGHT = 230.0
+LEFT = 52.0  # margins around the axes
+RIGHT = 20.0
+TOP = 12.0
+BOTTOM = 38.0
+BAR_PITCH = 24.0  # height of a bar and the space below it
+BAR_SPACE = 7.0  # the space below a bar
+MOST_POINTS = 500  # of a drawn curve, jumps not counted
+JUMP = 0.01  # of the axis: a larger change from one sample to the next is drawn at its own samples
+PLAIN_NUMBERS = (1e-2, 1e4)  # an axis whose largest number lies between these shows no power of ten
 
 
 @dataclass(frozen=True)
 class Curve:
-    """x and y (T,), its name, and the class that gives it its colour."""
+    """A curve: its name, x and y (T,), and the CSS class that gives its colour."""
 
     name: str
     x: Array
     y: Array
-    tint: str
+    css_class: str
 
 
 @dataclass(frozen=True)
 class Axes:
-    """The ends of both axes and what stands beside them; with a `clock` the film moves a cursor over the chart."""
+    """Ranges and labels of both axes; with `cursor`, a line shows the time of the film."""
 
-    x: Span
-    y: Span
+    x: Range
+    y: Range
     x_label: str
     y_label: str
-    clock: bool = True
+    cursor: bool = True
 
     def across(self, value: Array) -> Array:
-        """Horizontal places of `value`."""
+        """Horizontal positions of `value`."""
         return LEFT + (WIDTH - LEFT - RIGHT) * (value - self.x[0]) / (self.x[1] - self.x[0])
 
     def down(self, value: Array) -> Array:
-        """Vertical places of `value`."""
+        """Vertical positions of `value`."""
         return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - self.y[0]) / (self.y[1] - self.y[0])
 
 
-def span(values: Sequence[Array], zero: bool = True) -> Span:
-    """From the least to the greatest of all `values`, with some room; 0 is inside where `zero`."""
-    low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
-    if zero:
-        low, high = min(low, 0.0), max(high, 0.0)
+def axis_range(values: Sequence[Array]) -> Range:
+    """The range of all `values` and of 0, and some room beyond the values."""
+    low, high = min(0.0, *(float(v.min()) for v in values)), max(0.0, *(float(v.max()) for v in values))
     if low == high:
         return low - 1.0, high + 1.0
     room = 0.06 * (high - low)
     return (low - room if low < 0.0 else low), high + room
 
 
-def chart(title: str, curves: Sequence[Curve], axes: Axes) -> str:
+def line_chart(title: str, curves: Sequence[Curve], axes: Axes) -> str:
     """A figure with the curves, a grid, and a legend where there is more than one."""
     lines = [
-        f'<path class="curve {curve.tint}" d="{_path(curve, axes)}"><title>{escape(curve.name)}</title></path>'
+        f'<path class="curve {curve.css_class}" d="{_path(curve, axes)}"><title>{escape(curve.name)}</title></path>'
         for curve in reversed(curves)
     ]
-    body = _grid(axes) + "".join(lines) + (_cursor(axes.x, HEIGHT - BOTTOM) if axes.clock else "")
-    legend = _legend([(curve.name, curve.tint) for curve in curves]) if len(curves) > 1 else ""
+    body = _grid(axes) + "".join(lines) + (_cursor(axes.x, HEIGHT - BOTTOM) if axes.cursor else "")
+    legend = _legend([(curve.name, curve.css_class) for curve in curves]) if len(curves) > 1 else ""
     return _figure(title, body, HEIGHT, legend)
 
 
-def bars(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], x: Span, x_label: str) -> str:
-    """A figure with a row of stretches (class, from, to) for each name; below them the time axis."""
-    height = TOP + ROW * len(rows) + BOTTOM
+def bar_chart(
+    title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], x: Range, x_label: str
+) -> str:
+    """A figure with a bar of intervals (state, begin, end) for each name, above a time axis."""
+    height = TOP + BAR_PITCH * len(rows) + BOTTOM
     axes = Axes(x, (0.0, 1.0), x_label, "")
     parts = []
-    for k, (name, stretches) in enumerate(rows):
-        top = TOP + ROW * k
+    for k, (name, intervals) in enumerate(rows):
+        top = TOP + BAR_PITCH * k
         parts.append(f'<text x="{LEFT - 6:.1f}" y="{top + 14:.1f}" class="end">{escape(name)}</text>')
-        for tint, begin, end in stretches:
+        for state, begin, end in intervals:
             left, right = axes.across(np.array([begin, end]))
             parts.append(
-                f'<rect class="{tint}" x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 0.3):.1f}" '
-                f'height="{ROW - 7:.0f}"><title>{escape(name)} {tint} {begin:.4g} to {end:.4g} s</title></rect>'
+                f'<rect class="{state}" x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 0.3):.1f}" '
+                f'height="{BAR_PITCH - BAR_SPACE:.0f}"><title>{escape(name)} {state} {begin:.4g} to {end:.4g} s</title></rect>'
             )
     parts.append(_x_axis(axes, height))
     parts.append(_cursor(x, height - BOTTOM))
-    return _figure(title, "".join(parts), height, _legend([(kind, kind) for kind in ("open", "touching", "loaded")]))
+    return _figure(title, "".join(parts), height, _legend([(state, state) for state in ("open", "touching", "loaded")]))
 
 
 def _path(curve: Curve, axes: Axes) -> str:
-    rows = _kept(curve.x, curve.y, axes)
-    places = zip(axes.across(curve.x[rows]).tolist(), axes.down(curve.y[rows]).tolist(), strict=True)
-    return "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in places)
+    rows = _thinned(curve.x, curve.y, axes)
+    points = zip(axes.across(curve.x[rows]).tolist(), axes.down(curve.y[rows]).tolist(), strict=True)
+    return "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
-def _kept(x: Array, y: Array, axes: Axes) -> NDArray[np.int_]:
-    """Rows inside the axes that draw the same curve: some evenly in x, and both ends of every leap."""
+def _thinned(x: Array, y: Array, axes: Axes) -> NDArray[np.int_]:
+    """Rows inside the axes that draw the same curve: MOST_POINTS evenly in x, and both ends of every jump."""
     inside = np.flatnonzero((x >= axes.x[0]) & (x <= axes.x[1]))
     if not inside.size:
         return inside
     wanted = np.linspace(x[inside[0]], x[inside[-1]], MOST_POINTS)
     even = np.searchsorted(x[inside], wanted)
-    leaps = np.flatnonzero(np.abs(np.diff(y[inside])) > LEAP * (axes.y[1] - axes.y[0]))
-    picked = np.concatenate((even, leaps, leaps + 1, [0, inside.size - 1]))
-    kept: NDArray[np.int_] = inside[np.unique(np.clip(picked, 0, inside.size - 1))]
-    return kept
+    jumps = np.flatnonzero(np.abs(np.diff(y[inside])) > JUMP * (axes.y[1] - axes.y[0]))
+    picked = np.concatenate((even, jumps, jumps + 1, [0, inside.size - 1]))
+    rows: NDArray[np.int_] = inside[np.unique(np.clip(picked, 0, inside.size - 1))]
+    return rows
 
 
 def _grid(axes: Axes) -> str:
     parts = []
     largest = max(abs(end) for end in axes.y)
-    power = math.floor(math.log10(largest)) if not LEAST_PLAIN < largest < MOST_PLAIN else 0
+    plain = PLAIN_NUMBERS[0] < largest < PLAIN_NUMBERS[1]
+    power = 0 if plain else math.floor(math.log10(largest))
     for shown, text in ticks(axes.y[0] / 10.0**power, axes.y[1] / 10.0**power, 5):
         value = shown * 10.0**power
         y = float(axes.down(np.array(value)))
-        tint = "zero" if value == 0.0 else "grid"
-        parts.append(f'<path class="{tint}" d="M{LEFT:.1f},{y:.1f}H{WIDTH - RIGHT:.1f}"/>')
+        line = "zero" if value == 0.0 else "grid"
+        parts.append(f'<path class="{line}" d="M{LEFT:.1f},{y:.1f}H{WIDTH - RIGHT:.1f}"/>')
         parts.append(f'<text x="{LEFT - 6:.1f}" y="{y + 4:.1f}" class="end">{text}</text>')
     middle = (TOP + HEIGHT - BOTTOM) / 2
     place = f'x="13" y="{middle:.1f}" transform="rotate(-90 13 {middle:.1f})"'
@@ -138,13 +144,13 @@ def _x_axis(axes: Axes, height: float) -> str:
     return "".join(parts) + f'<text x="{middle:.1f}" y="{height - 5:.1f}" class="middle">{escape(axes.x_label)}</text>'
 
 
-def _cursor(x: Span, foot: float) -> str:
+def _cursor(x: Range, foot: float) -> str:
     ends = f'data-low="{x[0]:.9g}" data-high="{x[1]:.9g}" data-left="{LEFT}" data-right="{WIDTH - RIGHT}"'
     return f'<path class="cursor" {ends} d="M0,{TOP:.1f}V{foot:.1f}" visibility="hidden"/>'
 
 
 def _legend(entries: Sequence[tuple[str, str]]) -> str:
-    items = "".join(f'<span><i class="{tint}"></i>{escape(name)}</span>' for name, tint in entries)
+    items = "".join(f'<span><i class="{css_class}"></i>{escape(name)}</span>' for name, css_class in entries)
     return f'<div class="legend">{items}</div>'
 
 

@@ -1,0 +1,50 @@
+"""The files that `softcradle compare` writes: all or none."""
+
+from __future__ import annotations
+
+import json
+
+import av
+import pytest
+from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.user_error import UserError
+
+PAIR = ["one-on-four", "--contact", "power_law(1,0.1)", "--contact", "draft_gear(5,0.2)"]
+
+
+def test_no_file_is_half_written_when_the_film_fails(refused, tmp_path, monkeypatch):
+    def fail(*_, **__):
+        raise UserError("the film has failed")
+
+    monkeypatch.setattr("softcradle.sandbox.studies.compare.comparison_outputs.render_scene", fail)
+    (tmp_path / "old.html").write_text("old")
+    outputs = ["-o", str(tmp_path / "old.html"), "-o", str(tmp_path / "new.json")]
+    assert "the film has failed" in refused(*PAIR, *outputs)
+    assert [path.name for path in tmp_path.iterdir()] == ["old.html"]
+    assert (tmp_path / "old.html").read_text() == "old"
+
+
+def test_film_report_and_numbers_in_one_run(capsys, tmp_path):
+    names = ("film.mp4", "report.html", "numbers.json")
+    outputs = [word for name in names for word in ("-o", str(tmp_path / name))]
+    assert main(["compare", *PAIR, *outputs, "--size", "480x270", "--slow", "0.5"]) == 0
+    printed = capsys.readouterr().out
+    assert all(f"written: {tmp_path / name}" in printed for name in names)
+    assert "rigidity at detachment" in printed
+    content = json.loads((tmp_path / "numbers.json").read_text())
+    assert content["sides"][0]["measures"]["final_velocity"][0] == pytest.approx(-0.56758562, abs=1e-7)
+    with av.open(str(tmp_path / "film.mp4")) as film:
+        assert film.streams.video[0].frames > 30
+    assert (tmp_path / "report.html").read_text().count("<video") == 1
+
+
+def test_film_is_simulated_with_the_given_method(tmp_path, monkeypatch):
+    given = {}
+
+    def record(scene, path, size, **settings):
+        given.update(settings)
+        raise UserError("enough")
+
+    monkeypatch.setattr("softcradle.sandbox.studies.compare.comparison_outputs.render_scene", record)
+    assert main(["compare", *PAIR, "-o", str(tmp_path / "x.mp4"), "--method", "verlet", "--step", "0.002"]) == 2
+    assert (given["method"], given["step"]) == ("verlet", 0.002)

@@ -1,0 +1,133 @@
+"""The report of a comparison: the page as text, and in a real browser."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+from softcradle.sandbox.studies.compare.comparison_outputs import ComparisonReport, FilmSettings
+from softcradle.sandbox.studies.compare.comparison_results import solve_sides
+from softcradle.sandbox.studies.compare.comparison_tables import number_text
+from softcradle.sandbox.studies.compare.sides import comparison_of
+
+from tests.helpers.browser import Browser, found
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """A report as a file, its text, and its results."""
+    comparison = comparison_of(["draft-gear-one-on-three"], ["power_law(16, 1/10)", "hertz(1e6)"])
+    results = solve_sides(comparison)
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(ComparisonReport(comparison, results, FilmSettings((640, 420), 20.0)).html(), encoding="utf-8")
+    return path, path.read_text(encoding="utf-8"), results
+
+
+class TagChecker(HTMLParser):
+    """Checks that every tag is closed, and collects what the page would load."""
+
+    VOID = frozenset({"meta", "link", "img", "br", "path", "rect"})
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.stack: list[str] = []
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag, attrs):
+        self.links += [value for name, value in attrs if name in ("src", "href", "poster")]
+        if tag not in self.VOID:
+            self.stack.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self.stack.pop() == tag
+
+
+def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
+    _, text, results = page
+    checker = TagChecker()
+    checker.feed(text)
+    assert checker.stack == []
+    assert checker.links
+    assert all(link.startswith("data:") for link in checker.links)
+    for result in results:
+        for value in result.measures.final_velocity:
+            assert number_text(value) in text
+        assert number_text(result.measures.restitution) in text
+
+
+def test_labels_of_users_are_text_not_markup(tmp_path):
+    (tmp_path / "x.toml").write_text(
+        'title = "<b>&x"\n[[lanes]]\nlabel="<script>alert(1)</script>"\nbeads=[1,1]\nvelocity=1.0\n'
+        'contact={law="hertz",stiffness=1.0}\n'
+        + '[[lanes]]\nlabel="b"\nbeads=[1,1]\nvelocity=1.0\ncontact={law="hertz",stiffness=2.0}\n'
+    )
+    comparison = comparison_of([str(tmp_path / "x.toml")], [])
+    text = ComparisonReport(comparison, solve_sides(comparison), FilmSettings((480, 270), 1.0)).html()
+    assert "<script>alert" not in text
+    assert "<b>" not in text
+
+
+@pytest.mark.skipif(found() is None, reason="there is no browser")
+def test_page_in_a_browser(page, tmp_path):
+    path, _, results = page
+    with Browser(tmp_path / "profile") as browser:
+        browser.open(path)
+        film = browser.run(
+            "new Promise((done) => { const film = document.querySelector('video');"
+            "const report = () => done([film.videoWidth, film.videoHeight, film.duration]);"
+            "film.readyState >= 1 ? report() : film.onloadedmetadata = report;"
+            "film.onerror = () => done(film.error.message); })"
+        )
+        assert film[:2] == [640, 420]
+        assert film[2] > 2.0
+        places = browser.run(
+            "new Promise((done) => { const film = document.querySelector('video'); film.onseeked = () =>"
+            "done([...document.querySelectorAll('.cursor')].map((line) => [line.getAttribute('visibility'),"
+            "Number(line.getAttribute('transform').match(/[\\d.]+/)[0]), line.dataset.low, line.dataset.high,"
+            "line.dataset.left, line.dataset.right].map(String))); film.currentTime = 1.0; })"
+        )
+        clock, slow, unit = (
+            float(browser.run(f"document.querySelector('video').dataset.{k}")) for k in ("clock", "slow", "unit")
+        )
+        assert slow == 20.0
+        assert len(places) == 3 * len(results) + 2
+        for visible, *numbers in places:  # a line in every chart, at the time that the film shows
+            place, low, high, left, right = map(float, numbers)
+            assert visible == "visible"
+            assert place == pytest.approx(
+                left + (right - left) * ((clock + 1.0 / slow) / unit - low) / (high - low), abs=0.1
+            )
+        tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
+        assert tables == [1 + 10 + 4, 4, 4, 4]
+        fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
+        assert browser.run(fits)
+        backgrounds = []
+        for scheme in ("light", "dark"):
+            browser.media("screen", scheme)
+            browser.picture(tmp_path / f"{scheme}.png", whole=True)
+            with Image.open(tmp_path / f"{scheme}.png") as opened:
+                picture = np.asarray(opened.convert("L"), dtype=float)
+            backgrounds.append(float(np.median(picture)))
+            assert picture.std() > 5.0  # not an empty page
+        assert backgrounds[0] > 200.0
+        assert backgrounds[1] < 60.0
+        browser.media("print")
+        assert browser.run("getComputedStyle(document.querySelector('video')).display") == "none"
+        assert browser.run("document.querySelector('img.still').naturalWidth") == 640
+        browser.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=True)
+        browser.media("screen")
+        assert browser.run(fits)  # on a telephone
+        assert browser.complaints == []
+
+
+def test_the_browser_reports_mistakes(tmp_path):
+    """The test above can fail: a mistake in a page is reported."""
+    if found() is None:
+        pytest.skip("there is no browser")
+    (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
+    with Browser(tmp_path / "profile") as browser:
+        browser.open(tmp_path / "bad.html")
+        assert any("nothing is not defined" in complaint for complaint in browser.complaints)
