@@ -117,6 +117,11 @@ class Chain:
         """Whether anything rubs: the bed, or a contact with loss."""
         return self.friction > 0.0 or bool(self.loss.any())
 
+    @property
+    def dry(self) -> bool:
+        """The same under the name by which the fixed-step runner still reads it."""
+        return self.dissipative
+
     @cached_property
     def drive_force(self) -> Array | None:
         """(n+1,) the drive as an array [N], made once; None for a chain that is not driven."""

@@ -1,5 +1,5 @@
-"""What people use: the `softcradle` command, the frames, the films and the window. The only package that draws."""
+"""The `softcradle` command, the pictures, the films and the window; the only package that draws."""
 
 import os
 
-os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # or pygame greets on standard output
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # pygame would print a greeting to standard output

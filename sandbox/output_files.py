@@ -1,36 +1,42 @@
-"""Output of the commands: whole files or none, and a refusal that is a sentence."""
+"""Files and folders that the commands write: complete or not at all, with a UserError where they cannot be written."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from softcradle.physics import atomic_files as files
+from softcradle.physics import atomic_files
 from softcradle.sandbox.user_error import UserError
 
+Name = str | os.PathLike[str]
 
-@contextmanager
-def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+
+def output_file(path: Name) -> AbstractContextManager[Path]:
     """A temporary path with the same suffix, moved to `path` at the end; UserError at once where that cannot be."""
-    with _refusing(files.output_file, path) as temporary:
-        yield temporary
+    return _user_errors(atomic_files.output_file(path), path)
 
 
-@contextmanager
-def output_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+def output_folder(path: Name) -> AbstractContextManager[Path]:
     """A temporary folder, moved to `path` at the end; UserError at once where that cannot be."""
-    with _refusing(files.output_folder, path) as temporary:
-        yield temporary
+    return _user_errors(atomic_files.output_folder(path), path)
 
 
 @contextmanager
-def _refusing(
-    opened: Callable[[str | os.PathLike[str]], AbstractContextManager[Path]], path: str | os.PathLike[str]
-) -> Iterator[Path]:
+def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[Path]:
     try:
-        with opened(path) as temporary:
+        with opened as temporary:
             yield temporary
-    except OSError as error:  # also a full disk while writing
+    except OSError as error:  # raised on opening, and by a full disk while writing
         raise UserError(str(error) if error.errno is None else f"cannot write {path}: {error.strerror}") from error
+
+
+def make_folder(path: Name) -> Path:
+    """Make the folder of that name if it does not exist, and return it. Raises UserError where it cannot be made."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot write to {path}: {(error.strerror or str(error)).lower()}") from None
+    return folder

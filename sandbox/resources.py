@@ -1,4 +1,4 @@
-"""Where the fonts, icons and themes lie: inside the installed package, or beside it in a checkout."""
+"""Paths of fonts, icons and themes: inside the installed package, or beside it in a checkout."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _PACKAGE = Path(__file__).parent
 
 
 def resource(name: str) -> Path:
-    """Path of the file `name` under assets/; FileNotFoundError names it where the installation is incomplete."""
+    """Path of the file `name` under assets/. Raises FileNotFoundError where the installation is incomplete."""
     for folder in (_PACKAGE / "assets", _PACKAGE.parent / "assets"):
         if (folder / name).is_file():
             return folder / name

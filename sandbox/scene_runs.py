@@ -1,8 +1,7 @@
-"""From a scene to the trajectory of each lane, with refusals as sentences and a cost that is the solver's own."""
+"""A scene by its name, and the trajectory of each of its lanes; what cannot be is a UserError."""
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.user_error import UserError
@@ -12,29 +11,34 @@ if TYPE_CHECKING:
     from softcradle.scenes import Lane, Scene
 
 
-def solve(scene: Scene, **wishes: Any) -> list[Trajectory]:
-    """The trajectory of every lane of `scene`; `wishes` are keywords of `physics.simulate`, None leaves the scene's.
+def load_scene(name_or_path: str) -> Scene:
+    """The scene of that name or in that file. Raises UserError with what is wrong with it."""
+    from softcradle.scenes import SceneError, load
+
+    try:
+        return load(name_or_path)
+    except SceneError as error:
+        raise UserError(str(error)) from None
+
+
+def run_scene(scene: Scene, **overrides: Any) -> list[Trajectory]:
+    """The trajectory of every lane of `scene`; `overrides` are keywords of `physics.simulate`, None takes the scene's.
 
     Raises:
-        UserError: a wish that the method cannot grant.
+        UserError: settings that the method does not take.
     """
-    settings = scene.settings(**wishes)
-    found = [_solve_lane(lane, settings) for lane in scene.lanes]
+    settings = scene.settings(**overrides)
+    found = [_run_lane(lane, settings) for lane in scene.lanes]
     fixed = any(trajectory.tolerance == 0.0 and not trajectory.choice for trajectory in found)
-    if wishes.get("tolerance") is not None and fixed:
+    if overrides.get("tolerance") is not None and fixed:
         raise UserError(f"method {found[0].method!r} takes a step, not a tolerance")
     return found
 
 
-def _solve_lane(lane: Lane, settings: dict[str, Any]) -> Trajectory:
-    from softcradle.physics import simulate
+def _run_lane(lane: Lane, settings: dict[str, Any]) -> Trajectory:
+    from softcradle.physics.simulation import solve  # what may be wrong is in trajectory.warnings, which callers print
 
-    chain = lane.chain()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # they are in trajectory.warnings too, which callers show
-        try:
-            # Loads the compiled kernels, which would otherwise be booked as the cost of this run.
-            simulate(chain, lane.velocity, **{**settings, "duration": 0.0, "samples": 2})
-            return simulate(chain, lane.velocity, **settings)
-        except ValueError as error:
-            raise UserError(str(error)) from None
+    try:
+        return solve(lane.chain(), lane.velocity, **settings)
+    except ValueError as error:
+        raise UserError(str(error)) from None

@@ -1,4 +1,4 @@
-"""What a trajectory came to, as plain numbers: for the table of `run` and for its JSON."""
+"""The results of a trajectory as plain numbers, for tables and JSON."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BeadSummary:
-    """One bead: mass [kg] (None: a wall), velocities [m/s] at the start and at the end."""
+    """One bead: its mass [kg] (None: a wall) and its velocities [m/s] at the start and at the end."""
 
     mass: float | None
     start_velocity: float
@@ -23,7 +23,13 @@ class BeadSummary:
 
 @dataclass(frozen=True)
 class ContactSummary:
-    """One contact: first closed and last opened [s] (None: never), how often, largest overlap [m] and force [N]."""
+    """One contact.
+
+    Attributes:
+        closed, opened: times at which it closed first and opened last [s]; None: never.
+        times: how often it closed.
+        largest_overlap, largest_force: [m], [N]; of the samples.
+    """
 
     closed: float | None
     opened: float | None
@@ -34,23 +40,23 @@ class ContactSummary:
 
 @dataclass(frozen=True)
 class Summary:
-    """A lane's results.
+    """The results of one lane.
 
     Attributes:
-        label: of the lane.
+        label: the label of the lane.
         beads, contacts: from left to right.
-        end: time at which it ends [s].
-        energy_error: largest distance of the energy from that at the start and the work of a drive, relative to it, in
-            a driven chain to the largest energy; None where that is 0.
-        energy_error_at_end: the same at the end, when explicit methods have most of it back.
-        momentum_error: largest distance of the momentum from that at the start and the impulse of a drive, relative to
-            the sum of abs(m v) at the start, in a driven chain to the largest such sum;
-            None where that is 0 or a wall or bed takes momentum.
-        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction took until the end;
-            both belong to the energy above, so that its error is that of the ledger.
-        method, step, tolerance: how; step in s (0 where the method chooses), tolerance 0 for fixed steps.
+        end: time of the last sample [s].
+        energy_error: largest change of the energy ledger (:attr:`Trajectory.ledger`), relative to the energy at the start,
+            in a driven chain to the largest energy; None where that is 0.
+        energy_error_at_end: the same at the end; errors of explicit methods are largest during the collision.
+        momentum_error: largest change of the momentum that the drive does not explain, relative to the sum of abs(m v) at
+            the start, in a driven chain to the largest such sum; None where that is 0 or a wall or bed takes momentum.
+        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction took until the end.
+        method: name of the method.
+        step: [s]; 0 where the method chooses its steps.
+        tolerance: 0 where the step is fixed.
         steps, evaluations, milliseconds: cost.
-        warnings: sentences.
+        warnings: sentences on what may be wrong.
         choice: what method "auto" chose and why; "" where the method was given.
     """
 
@@ -74,17 +80,17 @@ class Summary:
 
 
 def summarise(label: str, trajectory: Trajectory) -> Summary:
-    """The Summary of a lane's `trajectory`, from its samples: sample finely where peaks matter."""
+    """The Summary of a lane's `trajectory`. Peaks are those of its samples, so they need fine samples."""
     energy = trajectory.ledger
-    off = np.abs(energy - energy[0])
-    whole = (energy + trajectory.driven).max() if trajectory.chain.drive else energy[0]
+    change = np.abs(energy - energy[0])
+    scale = (energy + trajectory.driven).max() if trajectory.chain.drive else energy[0]
     return Summary(
         label=label,
         beads=_beads(trajectory),
         contacts=_contacts(trajectory),
         end=float(trajectory.time[-1]),
-        energy_error=_ratio(off.max(), whole),
-        energy_error_at_end=_ratio(off[-1], whole),
+        energy_error=_ratio(change.max(), scale),
+        energy_error_at_end=_ratio(change[-1], scale),
         momentum_error=_momentum_error(trajectory),
         absorbed_by_contacts=float(trajectory.absorbed_by_contacts[-1]),
         absorbed_by_bed=float(trajectory.absorbed_by_bed[-1]),
@@ -94,7 +100,7 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
         steps=trajectory.steps,
         evaluations=trajectory.evaluations,
         milliseconds=1e3 * trajectory.seconds,
-        warnings=trajectory.warnings,
+        warnings=tuple(map(str, trajectory.warnings)),
         choice=trajectory.choice,
     )
 
@@ -123,11 +129,11 @@ def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
 def _momentum_error(trajectory: Trajectory) -> float | None:
     if trajectory.chain.walls or trajectory.chain.friction:
         return None
-    kept = trajectory.momentum - trajectory.impulse
+    undriven = trajectory.momentum - trajectory.impulse
     rows = slice(None) if trajectory.chain.drive else slice(0, 1)
-    whole = np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[rows]).sum(axis=1).max()
-    return _ratio(np.abs(kept - kept[0]).max(), whole)
+    scale = np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[rows]).sum(axis=1).max()
+    return _ratio(np.abs(undriven - undriven[0]).max(), scale)
 
 
-def _ratio(part: float, whole: float) -> float | None:
-    return float(part / whole) if whole else None
+def _ratio(part: float, scale: float) -> float | None:
+    return float(part / scale) if scale else None

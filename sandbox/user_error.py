@@ -1,4 +1,4 @@
-"""The one exception that a user sees: a sentence about what to change, never a traceback."""
+"""UserError, the one exception that a user sees: a sentence about what to change, without a traceback."""
 
 from __future__ import annotations
 

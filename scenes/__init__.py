@@ -1,4 +1,4 @@
-"""Scenes: one TOML file each, checked on reading. What a scene says becomes chains, starting velocities and a view."""
+"""Scenes: TOML files, checked on reading, that describe chains, their start velocities and how they are shown."""
 
 from softcradle.scenes.library import load, names, parse, text_of
 from softcradle.scenes.scene import Lane, Scene, View

@@ -1,4 +1,4 @@
-"""Scenes by name, from the files that ship beside this module, or by path, from a file of one's own."""
+"""The catalogue of scenes, and scenes by name or by the path of a file."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def names() -> tuple[str, ...]:
 
 
 def load(name_or_path: str | Path) -> Scene:
-    """The scene of that name, or of the file at that path (which ends in .toml or names a folder).
+    """The scene of the catalogue by that name, or the scene in the file at that path.
 
     Raises:
-        SceneError: no such scene or file, not TOML, or not a scene; one sentence a problem.
+        SceneError: there is no such scene or file, or the file is not a scene; one sentence for each problem.
 
     >>> load("one-on-four").lanes[0].velocity
     (1.0, 0.0, 0.0, 0.0, 0.0)
@@ -31,12 +31,12 @@ def load(name_or_path: str | Path) -> Scene:
 
 
 def text_of(name_or_path: str | Path) -> str:
-    """The text of that scene's file, to start one's own from. Raises SceneError."""
+    """The text of that scene's file, to start one's own scene from. Raises SceneError."""
     return _read(str(name_or_path))[0]
 
 
 def parse(text: str, file: str = "scene") -> Scene:
-    """The scene that the TOML `text` describes; `file` is what errors call it. Raises SceneError."""
+    """The scene that the TOML `text` describes; errors call it `file`. Raises SceneError."""
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -48,7 +48,7 @@ def parse(text: str, file: str = "scene") -> Scene:
 
 
 def _read(wanted: str) -> tuple[str, str]:
-    """Text of the wanted scene and the name that errors give it."""
+    """The text of the wanted scene, and the name of its file in errors."""
     shipped = CATALOGUE / f"{wanted}.toml"
     if wanted in names():
         return shipped.read_text(encoding="utf-8"), shipped.name

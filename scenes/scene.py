@@ -1,4 +1,4 @@
-"""The model of a scene file: Scene, its lanes (one chain each) and its view. Immutable; written back by `to_toml`."""
+"""The model of a scene file: Scene, its lanes (one chain each) and its view; immutable."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from softcradle.scenes.scene_table import (
     OneOrMany,
     Positive,
     Table,
-    meant,
     problem,
+    suggestion,
 )
 
 from softcradle import physics
 
-MOST_BEADS = 100_000  # a slip of the keyboard (1e12) must not fill the memory
+MOST_BEADS = 100_000  # of a lane: a typing error must not fill the memory
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
 
@@ -30,16 +30,16 @@ class Lane(Table):
     """One chain and its start.
 
     Attributes:
-        label: what is written beside it.
-        beads: their number, or [strikers, targets]; may be left out where `mass` or `velocity` is a list.
+        label: its name in pictures and tables.
+        beads: the number of beads, or [strikers, targets]; may be left out where `mass` or `velocity` is a list.
         mass: one for all or a list [kg]; inf is a wall.
         contact: one for all or a list, from left to right.
-        velocity: of every bead [m/s]. In a file one number is enough beside ``beads = [strikers, targets]``: the
-            strikers have it, the targets rest.
-        gap: one for all or a list [m]; 0 is just touching, below 0 the contact is pressed from the start by so much.
+        velocity: of every bead [m/s]. In a file with ``beads = [strikers, targets]`` it may be one number, the velocity
+            of the strikers; the targets then rest.
+        gap: one for all or a list [m]; at 0 two beads just touch, and a gap < 0 is an overlap at the start.
         approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
         drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
-        friction: Coulomb coefficient of the bed on which the beads slide; 0 is none.
+        friction: Coulomb coefficient of the bed on which the beads slide; 0: no friction.
     """
 
     label: Text = ""
@@ -55,14 +55,14 @@ class Lane(Table):
     @model_validator(mode="before")
     @classmethod
     def _spread_velocity(cls, value: Any) -> Any:
-        """Give the one velocity of the strikers to each of them and rest to the targets."""
+        """Replace one velocity for all strikers by a list, in which the targets rest."""
         if not isinstance(value, dict) or isinstance(value.get("velocity", ()), list | tuple):
             return value
         clusters = value.get("beads")
         if not (isinstance(clusters, list | tuple) and len(clusters) == 2):
             raise problem("one velocity for all strikers needs beads = [strikers, targets]; else give a list of them")
         if not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in clusters):
-            return {**value, "velocity": ()}  # the field itself says what is wrong with the count
+            return {**value, "velocity": ()}  # the field `beads` then refuses the count
         strikers, targets = clusters
         return {**value, "velocity": (value["velocity"],) * strikers + (0.0,) * targets}
 
@@ -78,11 +78,11 @@ class Lane(Table):
                 raise problem(f"{key} is a list of {len(given)}, but {count} beads need {length}")
         if self.approach is not None and (not isinstance(self.beads, tuple) or isinstance(self.gap, tuple)):
             raise problem("approach needs beads = [strikers, targets] and no list of gaps")
-        self.chain()  # refuses what only the whole chain can, such as two walls side by side
+        self.chain()  # refuses what only the whole chain shows, such as two walls side by side
         return self
 
     def _count(self) -> int:
-        """Number of beads: what `beads` says, else the length of the first list."""
+        """Number of beads, from `beads` or else from the length of a list."""
         if isinstance(self.beads, tuple):
             if len(self.beads) != 2:
                 raise problem(f"beads must be a number or [strikers, targets], not {list(self.beads)}")
@@ -92,7 +92,7 @@ class Lane(Table):
         return len(self.mass) if isinstance(self.mass, tuple) else len(self.velocity)
 
     def chain(self) -> physics.Chain:
-        """The chain of this lane: n+1 masses, n contacts, n gaps."""
+        """The chain of this lane."""
         count = self._count()
         masses = self.mass if isinstance(self.mass, tuple) else (self.mass,) * count
         contacts = (
@@ -115,9 +115,9 @@ class View(Table):
     Attributes:
         slow: slow motion: seconds of film for one second of motion.
         length: length of a bead [m].
-        magnify: factor by which overlaps are drawn larger than they are; None leaves it to the drawing.
-        after: free flight [s] that is shown after the last contact has opened; None leaves it to the drawing.
-        labels: whether beads carry their numbers.
+        magnify: factor by which overlaps are drawn larger than they are; None: chosen by the drawing.
+        after: free flight [s] that a film shows after the last contact has opened; None: chosen by the film.
+        labels: whether the numbers of the beads are drawn.
     """
 
     slow: Positive = 1.0
@@ -131,10 +131,12 @@ class Scene(Table):
     """A scene: what moves, from which start, by which method, and how it is shown.
 
     Attributes:
-        title, text, source: the name, two or three sentences to read aloud, and where it is in the paper.
-        lanes: one chain each, shown side by side on one clock.
+        title: its name.
+        text: what happens in it, two or three sentences.
+        source: where it is in the paper.
+        lanes: one chain each; all are shown at the same time.
         duration: [s]; None: until every contact is open and none can close again.
-        method, step, tolerance: None leaves them to `physics.simulate`; step [s].
+        method, step, tolerance: those of `physics.simulate`, step in s; None: its defaults.
         view: how it is shown.
     """
 
@@ -160,7 +162,7 @@ class Scene(Table):
     def _check_method(cls, name: str | None) -> str | None:
         known = [AUTO, *(method.name for method in physics.METHODS)]
         if name is not None and name not in known:
-            raise problem(f"unknown method {name!r}{meant(name, known)}")
+            raise problem(f"unknown method {name!r}{suggestion(name, known)}")
         return name
 
     @model_validator(mode="after")
@@ -177,19 +179,19 @@ class Scene(Table):
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self
 
-    def settings(self, **wishes: Any) -> dict[str, Any]:
-        """Keyword arguments for `physics.simulate`: what the scene says, overruled by every wish that is not None.
+    def settings(self, **overrides: Any) -> dict[str, Any]:
+        """Keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are not None.
 
-        A wished method leaves behind the scene's step and tolerance, which were chosen for another method.
+        Another method is not given the scene's step and tolerance, which were chosen for the scene's method.
         """
-        said: dict[str, Any] = {"duration": self.duration}
-        if wishes.get("method") in (None, self.method):
-            said |= {"method": self.method, "step": self.step, "tolerance": self.tolerance}
-        said |= {key: value for key, value in wishes.items() if value is not None}
-        return {key: value for key, value in said.items() if value is not None}
+        settings: dict[str, Any] = {"duration": self.duration}
+        if overrides.get("method") in (None, self.method):
+            settings |= {"method": self.method, "step": self.step, "tolerance": self.tolerance}
+        settings |= {key: value for key, value in overrides.items() if value is not None}
+        return {key: value for key, value in settings.items() if value is not None}
 
     def to_toml(self) -> str:
-        """The scene as the text of a scene file; what it does not use has no line. Reading it gives an equal Scene."""
+        """The text of a scene file from which an equal Scene is read; keys with their default value are left out."""
         import tomli_w
 
         return tomli_w.dumps(self.model_dump(exclude_defaults=True))

@@ -1,4 +1,4 @@
-"""What is wrong with a scene file, said in one sentence a problem: file, key, what is allowed, what it is instead."""
+"""What is wrong with a scene file, one sentence for each problem: file, key, what is allowed, and the value there is."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-# pydantic speaks of Python, a scene file of TOML
-PLAIN = {
+# pydantic's types of errors in words of TOML, where its own sentences use words of Python
+DEMANDS = {
     "float_type": "must be a number",
     "int_type": "must be a whole number",
     "bool_type": "must be true or false",
@@ -19,7 +19,7 @@ PLAIN = {
 
 
 class SceneError(ValueError):
-    """A scene that cannot be had. `problems` holds one sentence each; the message is the first of them."""
+    """There is no such scene, or its file is not one. `problems` holds a sentence for each problem; the message is the first."""
 
     def __init__(self, problems: Sequence[str]) -> None:
         super().__init__(problems[0])
@@ -38,12 +38,12 @@ def _sentence(detail: ErrorDetails) -> str:
         return f"{parent or 'the scene'}: key {key!r} is missing"
     if detail["type"] in ("scene", "value_error"):
         return f"{place}{': ' if place else ''}{message.removeprefix('Value error, ')}"
-    demand = PLAIN.get(detail["type"]) or message.replace("Input should", "must").replace("String should", "must")
+    demand = DEMANDS.get(detail["type"]) or message.replace("Input should", "must").replace("String should", "must")
     return f"{place} {demand}, not {_shown(detail['input'])}"
 
 
 def _place(location: tuple[int | str, ...]) -> str:
-    """`lanes[0].contact.alpha`; the tags of alternatives, in brackets, are no keys of the file."""
+    """A place in the file such as `lanes[0].contact.alpha`. Tags of alternatives, in brackets, are not keys of the file."""
     path = ""
     for part in location:
         if isinstance(part, int):

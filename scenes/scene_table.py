@@ -1,4 +1,4 @@
-"""What all tables of a scene file share: no unknown keys, finite numbers, fractions such as "1/14"."""
+"""The base of all tables in a scene file, which refuses unknown keys, and its types of numbers, fractions such as "1/14" too."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FRACTION = re.compile(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*")
 
 
 class Table(BaseModel):
-    """An immutable table of a scene file. An unknown key is refused with the keys that are meant."""
+    """An immutable table of a scene file. An unknown key is refused with the keys that are allowed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=False)
 
@@ -25,17 +25,17 @@ class Table(BaseModel):
         if isinstance(value, Mapping):
             for key in value:
                 if key not in cls.model_fields:
-                    raise problem(f"unknown key {key!r}{meant(str(key), cls.model_fields)}")
+                    raise problem(f"unknown key {key!r}{suggestion(str(key), cls.model_fields)}")
         return value
 
 
 def problem(sentence: str) -> PydanticCustomError:
-    """A refusal whose `sentence` says all but where in the file it is."""
+    """A refusal; `sentence` is completed by the place in the file."""
     return PydanticCustomError("scene", "{sentence}", {"sentence": sentence})
 
 
-def meant(word: str, allowed: Iterable[str]) -> str:
-    """The part of a refusal that helps: the nearest allowed word, then all of them."""
+def suggestion(word: str, allowed: Iterable[str]) -> str:
+    """The end of a refusal of `word`: the allowed word nearest to it, then all allowed words."""
     words = list(allowed)
     near = difflib.get_close_matches(word, words, n=1)
     return (f" (did you mean {near[0]!r}?)" if near else "") + f"; allowed: {', '.join(words)}"
@@ -50,13 +50,13 @@ def _fraction(value: Any) -> Any:
     return int(match[1]) / int(match[2])
 
 
-# What may be one for all or a list. The brackets mark the tags as no keys of the file, for softcradle.scenes.scene_errors.
+# One value for all, or a list. Tags in brackets are left out of the place in the file by softcradle.scenes.scene_errors.
 OneOrMany = Annotated[
     Annotated[Item, Tag("(one)")] | Annotated[tuple[Item, ...], Tag("(many)")],
     Discriminator(lambda value: "(many)" if isinstance(value, list | tuple) else "(one)"),
 ]
 
-# The fraction comes last: validators before a number run from right to left, and constraints belong to the number.
+# Validators before a number run from right to left, and a constraint follows the type that it constrains: the fraction is last.
 Number = Annotated[float, Strict(), BeforeValidator(_fraction)]
 Positive = Annotated[float, Strict(), Field(gt=0), BeforeValidator(_fraction)]
 NotNegative = Annotated[float, Strict(), Field(ge=0), BeforeValidator(_fraction)]

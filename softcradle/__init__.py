@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _CHECKOUT = Path(__file__).parents[1]
 if not (Path(__file__).parent / "physics").is_dir() and (_CHECKOUT / "physics" / "__init__.py").is_file():
-    __path__.append(str(_CHECKOUT))  # an installed wheel holds the three folders itself; a checkout has them beside
+    __path__.append(str(_CHECKOUT))  # a wheel holds the three folders in this one, a checkout beside it
 
 
 def __getattr__(name: str) -> Any:
@@ -42,6 +42,8 @@ def __getattr__(name: str) -> Any:
         from softcradle.physics.version import version
 
         return version()
+    if name == "__all__":  # for `from softcradle import *`, which would otherwise give the imports of this file
+        return physics.__all__
     if name not in physics.__all__:
         raise AttributeError(f"module 'softcradle' has no attribute {name!r}")
     return getattr(physics, name)

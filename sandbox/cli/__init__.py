@@ -1,1 +1,1 @@
-"""The softcradle command: arguments, console, tables, one module a command."""
+"""The softcradle command: its arguments, its tables of results, and one module for each subcommand."""

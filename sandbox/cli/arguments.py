@@ -1,4 +1,4 @@
-"""Arguments that several commands share, and the types that refuse a bad value in a sentence."""
+"""Arguments that several commands have, and types that refuse a bad value in a sentence."""
 
 from __future__ import annotations
 
@@ -6,16 +6,10 @@ import argparse
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING
-
-from softcradle.sandbox.user_error import UserError
-
-if TYPE_CHECKING:
-    from softcradle.scenes import Scene
 
 
-def positive(text: str) -> float:
-    """A finite number > 0; fractions such as 1/60 are welcome."""
+def positive_number(text: str) -> float:
+    """A finite number > 0; it may be a fraction such as 1/60."""
     numerator, slash, denominator = text.partition("/")
     try:
         value = float(numerator) / float(denominator) if slash else float(text)
@@ -26,8 +20,8 @@ def positive(text: str) -> float:
     return value
 
 
-def whole(least: int, most: int) -> Callable[[str], int]:
-    """Type of a whole number from `least` to `most`."""
+def whole_number(least: int, most: int) -> Callable[[str], int]:
+    """The type of a whole number from `least` to `most`."""
 
     def checked(text: str) -> int:
         if not re.fullmatch(r"\d{1,12}", text) or not least <= int(text) <= most:
@@ -37,7 +31,7 @@ def whole(least: int, most: int) -> Callable[[str], int]:
     return checked
 
 
-def size(text: str) -> tuple[int, int]:
+def picture_size(text: str) -> tuple[int, int]:
     """Width and height in pixels from a text such as 1280x720."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if match is None:
@@ -46,26 +40,16 @@ def size(text: str) -> tuple[int, int]:
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
-    """The scene itself."""
+    """Add the argument that names a scene."""
     parser.add_argument("scene", metavar="SCENE", help="name of a scene, or path of a scene file")
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
-    """How to compute it."""
+    """Add the options that choose the method and its step."""
     from softcradle.physics import METHODS
 
     names = ", ".join(method.name for method in METHODS)
     parser.add_argument(
         "--method", help=f"one of {names}; or auto: the cheapest that holds the tolerance as the wanted error"
     )
-    parser.add_argument("--step", type=positive, metavar="SECONDS", help="step of a fixed-step method")
-
-
-def load_scene(name_or_path: str) -> Scene:
-    """The scene, or a UserError that says what is wrong with it."""
-    from softcradle.scenes import SceneError, load
-
-    try:
-        return load(name_or_path)
-    except SceneError as error:
-        raise UserError(str(error)) from None
+    parser.add_argument("--step", type=positive_number, metavar="SECONDS", help="step of a fixed-step method")

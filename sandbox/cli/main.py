@@ -1,4 +1,4 @@
-"""The `softcradle` command: finds the command that is asked for and imports that one alone, so that help is instant."""
+"""The `softcradle` command and the list of its subcommands. Each is imported when it is run, so that help is instant."""
 
 from __future__ import annotations
 
@@ -8,49 +8,10 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Sequence
-from importlib import import_module
-from typing import Any, NamedTuple, NoReturn, Protocol, cast
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, NoReturn, Protocol
 
 from softcradle.sandbox.user_error import UserError
-
-
-class Command(NamedTuple):
-    """A command: its name, the module with its `add_arguments` and `main`, and its line in the help."""
-
-    name: str
-    module: str
-    help: str
-
-
-COMMANDS: tuple[Command, ...] = (
-    Command(
-        "play", "softcradle.sandbox.cli.commands.play", "open the window; softcradle without a command does it too"
-    ),
-    Command("scenes", "softcradle.sandbox.cli.commands.scenes", "list the scenes, or print one to start your own from"),
-    Command(
-        "check",
-        "softcradle.sandbox.cli.commands.check",
-        "say whether scene files are right, and what is wrong with them",
-    ),
-    Command("run", "softcradle.sandbox.cli.commands.run", "compute a scene: table of results, .npz or .csv"),
-    Command("render", "softcradle.sandbox.cli.commands.render", "make a film or pictures of a scene"),
-    Command(
-        "compare",
-        "softcradle.sandbox.cli.commands.compare",
-        "set chains side by side: one film, one report, all numbers",
-    ),
-    Command("figures", "softcradle.sandbox.cli.commands.figures", "draw the paper's figures, and write their numbers"),
-    Command("chart", "softcradle.sandbox.cli.commands.chart", "speed against accuracy, beside other integrators"),
-    Command("stability", "softcradle.sandbox.cli.commands.stability", "map where each method breaks, and how"),
-    Command("maps", "softcradle.sandbox.cli.commands.maps", "map where a struck cluster moves like a rigid body"),
-    Command(
-        "experiment",
-        "softcradle.sandbox.cli.commands.experiment",
-        "fit the bed of the paper's experiment to what it lost",
-    ),
-    Command("claims", "softcradle.sandbox.cli.commands.claims", "check what the paper states: claims and measurements"),
-)
 
 
 class CommandModule(Protocol):
@@ -60,11 +21,107 @@ class CommandModule(Protocol):
         """Declare the command's arguments."""
 
     def main(self, args: argparse.Namespace) -> int:
-        """Do it; return the exit code. Raises UserError."""
+        """Run the command and return its exit code. Raises UserError."""
+
+
+class Command(NamedTuple):
+    """A command: its name, its line in the help, and the function that imports its module."""
+
+    name: str
+    help: str
+    load: Callable[[], CommandModule]
+
+
+def _play() -> CommandModule:
+    from softcradle.sandbox.cli.commands import play
+
+    return play
+
+
+def _scenes() -> CommandModule:
+    from softcradle.sandbox.cli.commands import scenes
+
+    return scenes
+
+
+def _check() -> CommandModule:
+    from softcradle.sandbox.cli.commands import check
+
+    return check
+
+
+def _run() -> CommandModule:
+    from softcradle.sandbox.cli.commands import run
+
+    return run
+
+
+def _render() -> CommandModule:
+    from softcradle.sandbox.cli.commands import render
+
+    return render
+
+
+def _compare() -> CommandModule:
+    from softcradle.sandbox.cli.commands import compare
+
+    return compare
+
+
+def _figures() -> CommandModule:
+    from softcradle.sandbox.cli.commands import figures
+
+    return figures
+
+
+def _chart() -> CommandModule:
+    from softcradle.sandbox.cli.commands import chart
+
+    return chart
+
+
+def _stability() -> CommandModule:
+    from softcradle.sandbox.cli.commands import stability
+
+    return stability
+
+
+def _maps() -> CommandModule:
+    from softcradle.sandbox.cli.commands import maps
+
+    return maps
+
+
+def _experiment() -> CommandModule:
+    from softcradle.sandbox.cli.commands import experiment
+
+    return experiment
+
+
+def _claims() -> CommandModule:
+    from softcradle.sandbox.cli.commands import claims
+
+    return claims
+
+
+COMMANDS = (
+    Command("play", "open the window; softcradle without a command does it too", _play),
+    Command("scenes", "list the scenes, or print one to start your own from", _scenes),
+    Command("check", "say whether scene files are right, and what is wrong with them", _check),
+    Command("run", "compute a scene: table of results, .npz or .csv", _run),
+    Command("render", "make a film or pictures of a scene", _render),
+    Command("compare", "set chains side by side: one film, one report, all numbers", _compare),
+    Command("figures", "draw the paper's figures, and write their numbers", _figures),
+    Command("chart", "speed against accuracy, beside other integrators", _chart),
+    Command("stability", "map where each method breaks, and how", _stability),
+    Command("maps", "map where a struck cluster moves like a rigid body", _maps),
+    Command("experiment", "fit the bed of the paper's experiment to what it lost", _experiment),
+    Command("claims", "check what the paper states: claims and measurements", _claims),
+)
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser whose refusals are one sentence, like all others."""
+    """An ArgumentParser that refuses in one sentence, as the rest of the command does."""
 
     def error(self, message: str) -> NoReturn:
         """Raise `message` as a UserError."""
@@ -72,9 +129,9 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line `arguments` (those of the process if None); return the exit code, 2 for a user's mistake."""
+    """Run the command line `arguments` (None: those of the process); return the exit code, 2 for a user's mistake."""
     if arguments is None:
-        # A terminated command ends like an interrupted one: it cleans up half-written files.
+        # A terminated command ends like an interrupted one: half-written files are removed.
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         return _run(list(sys.argv[1:] if arguments is None else arguments))
@@ -84,7 +141,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("softcradle: interrupted", file=sys.stderr)
         return 130
-    except BrokenPipeError:  # the reader of our output has gone, as in `softcradle scenes | head -1`
+    except BrokenPipeError:  # the reader of the output has closed it, as in `softcradle scenes | head -1`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
 
@@ -102,18 +159,19 @@ def _run(arguments: list[str]) -> int:
         parser.print_help()
         return 0
     with warnings.catch_warnings():
-        warnings.showwarning = _say_warning
+        warnings.showwarning = _show_warning
         return module.main(args)
 
 
-def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     print(f"softcradle: warning: {message}", file=sys.stderr)
 
 
 def _module(name: str) -> CommandModule:
+    """The module of the command of that name; UserError where there is none."""
     for command in COMMANDS:
         if command.name == name:
-            return cast(CommandModule, import_module(command.module))
+            return command.load()
     names = [command.name for command in COMMANDS]
     near = difflib.get_close_matches(name, names, n=1)
     hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
@@ -137,10 +195,10 @@ def _parsers() -> tuple[Parser, dict[str, Parser]]:
 
 
 class _Help(argparse.HelpFormatter):
-    """Help in which the longest name of a command fits before its line: argparse forgets that names are indented."""
+    """Help with a column that the longest name of a command fits; argparse does not count the indent of the names."""
 
     def add_argument(self, action: argparse.Action) -> None:
-        """Measure it, and leave room for two blanks more."""
+        """Add the argument, and make the column as wide as an indented name and two spaces."""
         super().add_argument(action)
         self._action_max_length = max(self._action_max_length, 4 + max(len(command.name) for command in COMMANDS))
 

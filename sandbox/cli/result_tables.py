@@ -16,26 +16,26 @@ if TYPE_CHECKING:
 
 
 def print_report(scene: Scene, summaries: Sequence[Summary], outputs: Sequence[Path]) -> None:
-    """Print title and source, the tables of each lane, and what was written."""
-    to = console()
-    to.print(scene.title, style="bold")
+    """Print title and source, the tables of each lane, and the files that were written."""
+    output = console()
+    output.print(scene.title, style="bold")
     if scene.source:
-        to.print(scene.source, style="dim")
+        output.print(scene.source, style="dim")
     for summary in summaries:
-        _print_lane(to, summary)
+        _print_lane(output, summary)
     for path in outputs:
-        to.print(f"written: {path}")
+        output.print(f"written: {path}")
 
 
-def _print_lane(to: Console, summary: Summary) -> None:
-    to.print()
+def _print_lane(output: Console, summary: Summary) -> None:
+    output.print()
     if summary.label:
-        to.print(summary.label, style="bold cyan")
-    to.print(_beads(summary))
-    to.print(_contacts(summary))
-    to.print(_cost(summary))
+        output.print(summary.label, style="bold cyan")
+    output.print(_beads(summary))
+    output.print(_contacts(summary))
+    output.print(_cost(summary))
     for sentence in summary.warnings:
-        to.print(f"warning: {sentence}", style="yellow")
+        output.print(f"warning: {sentence}", style="yellow")
 
 
 def _beads(summary: Summary) -> Table:
@@ -68,8 +68,8 @@ def _time(time: float | None) -> str:
 
 def _cost(summary: Summary) -> Table:
     made = Table.grid(padding=(0, 2))
-    fineness = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
-    made.add_row("method", f"{summary.method}, {fineness}")
+    resolution = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
+    made.add_row("method", f"{summary.method}, {resolution}")
     if summary.choice:
         made.add_row("chosen", summary.choice)
     made.add_row(

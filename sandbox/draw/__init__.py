@@ -9,16 +9,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import pygame
-from softcradle.sandbox.draw.drawable_trajectory import Track, longest_lead, track_of
+from softcradle.sandbox.draw.drawable_trajectory import longest_lead, track_of
 from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
-__all__ = ["Picture", "Scales", "Track", "draw", "longest_lead", "scales_of", "track_of"]
+__all__ = ["Picture", "Scales", "draw", "longest_lead", "scales_of", "track_of"]
 
 
 def draw(
-    surface: pygame.Surface, scene: Scene, tracks: Sequence[Track], row: int, scales: Scales | None = None
+    surface: pygame.Surface, scene: Scene, tracks: Sequence[Motion], row: int, scales: Scales | None = None
 ) -> None:
     """Draw one moment of `scene` on `surface`; a :class:`Picture` draws many of them faster."""
     Picture(scene, tracks, surface.get_size(), scales=scales).paint(surface, row)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pygame
-from softcradle.sandbox.draw.palette import FAINT, MUTED, PAPER, STEEL, Colour, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, MUTED, STEEL, Colour, mix
 from softcradle.sandbox.draw.supersampling import FINE, Sprites, sprites
 from softcradle.sandbox.draw.surface_cache import kept
 from softcradle.sandbox.draw.text import write
@@ -77,7 +77,7 @@ def wall(length: float, height: float) -> Sprites:
 
     def paint(fine: Canvas, shift: float) -> None:
         block = pygame.Rect(round(shift), 0, round(length * FINE), round(height * FINE))
-        fine.fill(mix(FAINT, PAPER, 0.5), block)
+        fine.fill(mix(FAINT, BACKGROUND, 0.5), block)
         fine.set_clip(block)
         step = max(2 * FINE, round(0.16 * height * FINE))
         for x in range(block.left - block.height, block.right, step):
@@ -94,6 +94,14 @@ def number(label: str, size: float) -> Sprites:
     side = math.ceil(3 * size)
 
     def paint(fine: Canvas, shift: float) -> None:
-        write(fine, label, (side / 2 * FINE + shift, side / 2 * FINE), size * FINE, PAPER, bold=True, align=(0.5, 0.5))
+        write(
+            fine,
+            label,
+            (side / 2 * FINE + shift, side / 2 * FINE),
+            size * FINE,
+            BACKGROUND,
+            bold=True,
+            align=(0.5, 0.5),
+        )
 
-    return sprites((side, side), PAPER, paint)
+    return sprites((side, side), BACKGROUND, paint)

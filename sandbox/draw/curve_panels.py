@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.drawable_trajectory import Array
 from softcradle.sandbox.draw.number_format import decades, ticks, time_unit
-from softcradle.sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, Colour, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour, mix
 from softcradle.sandbox.draw.supersampling import FINE, put_marker, stroke
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.motion import Array
 
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 44.0, 24.0, 22.0  # design pixels around the axes
 THICK = 2.2
@@ -89,7 +89,7 @@ class Panel:
 
     def backdrop(self, surface: pygame.Surface, time: Array, values: Array, peaks: Array, ahead: float) -> None:
         """Axes, titles, names beside `peaks` (k,), and the curves to come, as strong as `ahead` (0 to 1)."""
-        pale = [mix(PAPER, colour, ahead) for colour in self.colours]
+        pale = [mix(BACKGROUND, colour, ahead) for colour in self.colours]
         surface.blit(self._curves(time, values, pale if ahead > 0.0 else (), 0), self.area)
         self._annotate(surface)
         self._names(surface, self.y(self.axis.on(peaks)))
@@ -115,7 +115,7 @@ class Panel:
         start = max(0, int(np.searchsorted(self.x(time), first - 2 * THICK * self.unit)) - 1)
         wide, high = self.area.width - first, self.area.height
         fine = pygame.Surface((wide * FINE, high * FINE), 0, 32)
-        fine.fill(PAPER)
+        fine.fill(BACKGROUND)
         self._grid(fine, first)
         across = (self.x(time[start:]) - first + 0.5) * FINE
         for k in range(len(colours) - 1, -1, -1):
@@ -137,7 +137,7 @@ class Panel:
 
     def _annotate(self, surface: pygame.Surface) -> None:
         unit, area = self.unit, self.area
-        write(surface, self.axis.title, (area.left, area.top - 5 * unit), 13.5 * unit, INK, align=(0, 1))
+        write(surface, self.axis.title, (area.left, area.top - 5 * unit), 13.5 * unit, FOREGROUND, align=(0, 1))
         for value, text in self.axis.ticks:
             y = area.top + float(self.y(np.array(value)))
             write(surface, text, (area.left - 6 * unit, y), 12 * unit, MUTED, align=(1, 0.5))
@@ -155,7 +155,7 @@ class Panel:
         for k, y in enumerate(spread(heights.tolist(), LABEL_GAP * unit, 0.0, area.height - 5.0 * unit)):
             x, middle = area.right + 9 * unit, area.top + y
             put_marker(surface, k, (x, middle), 3.6 * unit, self.colours[k])
-            write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, INK, align=(0, 0.5))
+            write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, FOREGROUND, align=(0, 0.5))
 
 
 def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.draw.palette import GOOD, GRID, INK, MUTED, STEEL, WARNING, Colour
+from softcradle.sandbox.draw.palette import FOREGROUND, GOOD, GRID, MUTED, STEEL, WARNING, Colour
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import bar
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.motion import Array, Motion
 
 HOLDS = 1e-3  # relative error up to which the badge is green: what one pixel of the bars could show
 TITLES = (
@@ -17,7 +17,7 @@ TITLES = (
 )
 
 
-class Shares:
+class EnergyBars:
     """Energy bar, momentum bar and, unless they are shown elsewhere, error badges of one lane."""
 
     def __init__(
@@ -48,7 +48,7 @@ class Shares:
             if fitting[0].endswith("contacts"):
                 bar(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int) -> None:
         """Draw the shares and errors at row `row` of `track`."""
         absorbed = float(track.absorbed[row]) if track.absorbed.size else 0.0
         self._energy(surface, track.kinetic[row], float(track.stored[row]), absorbed)
@@ -69,7 +69,7 @@ class Shares:
             x += wide
 
     def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
-        """Shares to the right lie right of the zero mark, those to the left lie left of it."""
+        """EnergyBars to the right lie right of the zero mark, those to the left lie left of it."""
         rect, (low, high) = self.bars[1], self.scales.momentum
         ends = [self.zero, self.zero]
         for value, colour in zip(momentum.tolist(), self.colours, strict=True):
@@ -79,7 +79,7 @@ class Shares:
             ends[side] += wide
         total = self.zero + float(momentum.sum()) / (high - low) * rect.width
         wide, high = 1.5 * self.unit, rect.height + 6 * self.unit
-        for x, colour in ((self.zero, MUTED), (total, INK)):
+        for x, colour in ((self.zero, MUTED), (total, FOREGROUND)):
             bar(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
@@ -87,7 +87,13 @@ class Shares:
         y = self.badges.top + (6 + 17 * line) * unit
         text = f"{name}  {scientific(error) if error >= 1e-17 else '0'}"
         place = write(
-            surface, text, (self.badges.right, y), 12.5 * unit, INK if good else WARNING, bold=not good, align=(1, 0)
+            surface,
+            text,
+            (self.badges.right, y),
+            12.5 * unit,
+            FOREGROUND if good else WARNING,
+            bold=not good,
+            align=(1, 0),
         )
         mark = "✓" if good else "!"
         write(

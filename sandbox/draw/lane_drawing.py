@@ -11,12 +11,12 @@ import numpy as np
 import pygame
 from softcradle.physics import Chain, Contact
 from softcradle.sandbox.draw import bead_sprites as shapes
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.number_format import factor, fixed, round_down, scientific, ticks
-from softcradle.sandbox.draw.palette import FAINT, GRID, INK, MUTED, STAGE, bead_colours
+from softcradle.sandbox.draw.palette import FAINT, FOREGROUND, GRID, LANE_BACKGROUND, MUTED, bead_colours
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
 from softcradle.sandbox.draw.supersampling import arrow, bar, put
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import View
 
 TALLEST_BEAD = 0.40  # of the stage
@@ -52,7 +52,7 @@ class Shown(Protocol):
         """Length of the beads, and whether they are numbered."""
 
 
-class Stage:
+class LaneDrawing:
     """What is the same in every frame of one lane: scale, sprites, colours. Drawing changes nothing in it."""
 
     def __init__(self, rect: pygame.Rect, unit: float, scene: Shown, number: int, scales: Scales) -> None:
@@ -82,7 +82,7 @@ class Stage:
     def backdrop(self, surface: pygame.Surface) -> None:
         """Ground, force scale, ruler, and what the magnification is."""
         unit, rect = self.unit, self.rect
-        surface.fill(STAGE, rect)
+        surface.fill(LANE_BACKGROUND, rect)
         for value, text in ticks(0.0, self.scales.force / 1.12, max(1, min(4, int(self.bar_room / (24 * unit))))):
             y = self._bar_top(value)
             surface.fill(GRID, (rect.left, round(y), rect.width, 1))
@@ -94,12 +94,12 @@ class Stage:
         write(surface, "contact force (N)", (x, y), 12.5 * unit, MUTED)
         if any(share != 0.0 for share in self.rigid):
             x, y = rect.left + 8 * unit, rect.top + 26 * unit
-            bar(surface, INK, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
+            bar(surface, FOREGROUND, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
             write(surface, "if clusters were rigid", (x + 20 * unit, y), 12.5 * unit, MUTED)
         surface.fill(FAINT, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         self._ruler(surface)
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int, left: float) -> Array:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int, left: float) -> Array:
         """Draw row `row` of `track` with position 0 at pixel `left`; returns (n,) where the contacts are [pixels]."""
         overlap = track.overlap[row]
         edges = left + self.scale * left_edges(track.position[row], overlap, self.length, self.scales.magnify)
@@ -160,7 +160,7 @@ class Stage:
             expected = forces[self.interface] * self.rigid[i]
             if i != self.interface and expected > seen:
                 reach = wide / 2 + 5 * unit
-                bar(surface, INK, (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit))
+                bar(surface, FOREGROUND, (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit))
             if force > seen and self.bead >= 1.5 * LEAST_LABELLED * unit:
                 write(surface, fixed(force, decimals), (x, top - 3 * unit), 13 * unit, bold=True, align=(0.5, 1))
 
@@ -181,7 +181,7 @@ class Stage:
         right, y = rect.right - 12 * unit, rect.top + 20 * unit
         left = right - length * self.scale
         wide = width(drawn, 12.5 * unit)
-        surface.fill(STAGE, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
+        surface.fill(LANE_BACKGROUND, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
         bar(surface, MUTED, (left, y, right - left, max(1.0, 1.5 * unit)))
         for x in (left, right):
             bar(surface, MUTED, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))

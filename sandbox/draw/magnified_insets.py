@@ -1,4 +1,4 @@
-"""Loupes: every contact under its own magnification, so that overlaps which fall by decades are seen side by side."""
+"""MagnifiedInsets: every contact under its own magnification, so that overlaps which fall by decades are seen side by side."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ import math
 
 import pygame
 from softcradle.sandbox.draw.bead_sprites import GLASS, dark
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
-from softcradle.sandbox.draw.lane_drawing import Stage, is_gear
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing, is_gear
 from softcradle.sandbox.draw.number_format import factor, index, round_down, scientific
-from softcradle.sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, STEEL, Colour, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, STEEL, Colour, mix
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import FINE, Sprites, bar, put, sprites
 from softcradle.sandbox.draw.surface_cache import kept
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.motion import Array, Motion
 
 CURVE = 1.5  # radius of the caps in radii of the loupe
 DEEPEST = 1.05  # radii of the loupe that the greatest overlap fills at most
 TEXT_ROOM = 100.0  # design pixels beside a loupe
 
 
-class Loupes:
+class MagnifiedInsets:
     """The loupes of one lane, as many as find room, counted from the contact that is pressed deepest."""
 
     def __init__(
-        self, rect: pygame.Rect, unit: float, stage: Stage, deepest: tuple[float, ...], scales: Scales
+        self, rect: pygame.Rect, unit: float, stage: LaneDrawing, deepest: tuple[float, ...], scales: Scales
     ) -> None:
         self.rect, self.unit, self.stage = rect, unit, stage
         self.radius = max(min(0.5 * rect.height - 7 * unit, 38 * unit), 0.0)
@@ -51,7 +51,7 @@ class Loupes:
             text = factor(self.magnify[contact])
             write(surface, f"seen at {text}", (place, y + 9 * self.unit), 13 * self.unit, MUTED)
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int, contacts: Array) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int, contacts: Array) -> None:
         """Draw the loupes for row `row` of `track`; `contacts` says where on the stage each looks [pixels]."""
         for slot, contact in enumerate(self.shown):
             x, y = self.centre(slot)
@@ -61,7 +61,7 @@ class Loupes:
             surface.blit(glass, (round(x) - self.side // 2, round(y) - self.side // 2))
             depth = f"{scientific(overlap)} m" if overlap > 0.0 else "apart" if overlap < 0.0 else "touching"
             place = (x + self.radius + 10 * self.unit, y - 13 * self.unit)
-            write(surface, depth, place, 15 * self.unit, INK if overlap > 0.0 else MUTED, bold=overlap > 0.0)
+            write(surface, depth, place, 15 * self.unit, FOREGROUND if overlap > 0.0 else MUTED, bold=overlap > 0.0)
 
     def _pointer(self, surface: pygame.Surface, contact: float, centre: tuple[float, float]) -> None:
         """Thin line from the contact on the ground to the top of its loupe."""
@@ -71,7 +71,7 @@ class Loupes:
     def _glass(self, contact: int, depth: float) -> pygame.Surface:
         """What the loupe shows of an overlap `depth` [its own pixels]; apart where negative."""
         glass = pygame.Surface((self.side, self.side), 0, 32)
-        glass.fill(PAPER)
+        glass.fill(BACKGROUND)
         depth = max(depth, -1.1 * self.radius)
         colours = self.stage.colours[contact], self.stage.colours[contact + 1]
         if is_gear(self.stage.chain.contact[contact]):
@@ -100,7 +100,7 @@ class Loupes:
         bar(glass, dark(colours[1]), (other, middle - 0.8 * r, 2.0, 1.6 * r))
         bar(glass, colours[1], (other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r))
         for k in range(-4, 5, 2):
-            bar(glass, INK, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
+            bar(glass, FOREGROUND, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> range:
@@ -133,7 +133,7 @@ def _frame(side: int, radius: float) -> pygame.Surface:
     fine.fill((*mix(FAINT, MUTED, 0.4), 255))
     centre = (side / 2 * FINE, side / 2 * FINE)
     outside = pygame.Surface(fine.get_size(), pygame.SRCALPHA, 32)
-    outside.fill((*PAPER, 255))
+    outside.fill((*BACKGROUND, 255))
     pygame.draw.circle(outside, (*GRID, 0), centre, radius * FINE)
     ring = mix(FAINT, MUTED, 0.4)
     fine.fill((*ring, 0))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 Colour = tuple[int, int, int]
 
-PAPER: Colour = (255, 255, 255)
-STAGE: Colour = (247, 248, 250)
-INK: Colour = (33, 38, 45)
+BACKGROUND: Colour = (255, 255, 255)
+LANE_BACKGROUND: Colour = (247, 248, 250)
+FOREGROUND: Colour = (33, 38, 45)
 MUTED: Colour = (101, 109, 120)
 FAINT: Colour = (196, 202, 209)
 GRID: Colour = (231, 234, 238)

@@ -8,15 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Panel, decade_axis, linear_axis
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
-from softcradle.sandbox.draw.energy_bars import Shares
-from softcradle.sandbox.draw.lane_drawing import Stage
+from softcradle.sandbox.draw.energy_bars import EnergyBars
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.layout import LaneLayout, Layout, layout
-from softcradle.sandbox.draw.magnified_insets import Loupes
+from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.number_format import factor, fixed, index, time_unit
-from softcradle.sandbox.draw.palette import INK, MUTED, PAPER, STAGE, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, LANE_BACKGROUND, MUTED, mix
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import Scene
 
 
@@ -25,7 +25,7 @@ class Picture:
 
     Arguments:
         scene: the Scene.
-        tracks: one Track a lane: the history. All have the same times.
+        tracks: one Motion a lane: the history. All have the same times.
         size: pixels.
         scales: what stands for what; None fits them to the tracks.
         slow: seconds of film for one of motion, for the label; None takes the scene's.
@@ -35,7 +35,7 @@ class Picture:
     def __init__(
         self,
         scene: Scene,
-        tracks: Sequence[Track],
+        tracks: Sequence[Motion],
         size: tuple[int, int],
         *,
         scales: Scales | None = None,
@@ -63,7 +63,7 @@ class Picture:
         if told > 0.0:
             self._tell(surface, min(told, 1.0))
 
-    def extend(self, tracks: Sequence[Track]) -> None:
+    def extend(self, tracks: Sequence[Motion]) -> None:
         """Take longer `tracks` with the same beginning, for live use: only their new part is inked."""
         for lane, track in zip(self.lanes, tracks, strict=True):
             lane.ink(track, float(lane.track.time[-1]))
@@ -71,11 +71,16 @@ class Picture:
         self.tracks = tuple(tracks)
 
     def _backdrop(self, surface: pygame.Surface) -> None:
-        surface.fill(PAPER)
+        surface.fill(BACKGROUND)
         header, unit = self.layout.header, self.layout.unit
         room = header.width - 200 * unit
         write(
-            surface, shortened(self.scene.title, 25 * unit, room, bold=True), header.topleft, 25 * unit, INK, bold=True
+            surface,
+            shortened(self.scene.title, 25 * unit, room, bold=True),
+            header.topleft,
+            25 * unit,
+            FOREGROUND,
+            bold=True,
         )
         line = "  ·  ".join(part for part in (self.scene.source, self.tracks[0].method) if part)
         write(surface, shortened(line, 14 * unit, room), (header.left, header.top + 35 * unit), 14 * unit, MUTED)
@@ -90,10 +95,10 @@ class Picture:
         lines = wrapped(self.scene.text, size, 0.62 * stage.rect.width)
         y = (stage.rect.top + stage.foot_of_bars + 10 * unit) / 2 - 0.7 * size * len(lines)
         veil = pygame.Surface((round(0.64 * stage.rect.width), round(1.4 * size * len(lines))), 0, 32)
-        veil.fill(STAGE)
+        veil.fill(LANE_BACKGROUND)
         veil.set_alpha(round(255 * opacity))
         surface.blit(veil, veil.get_rect(midtop=(stage.rect.centerx, round(y))))
-        colour = mix(STAGE, INK, opacity)
+        colour = mix(LANE_BACKGROUND, FOREGROUND, opacity)
         for k, line in enumerate(lines):
             write(surface, line, (stage.rect.centerx, y + 1.4 * size * k), size, colour, align=(0.5, 0))
 
@@ -103,7 +108,7 @@ class Picture:
         size, name = time_unit(span)
         decimals = max(0, 3 - int(np.floor(np.log10(span / size))))
         text = f"t = {fixed(time / size, decimals)} {name}"
-        write(surface, text, header.topright, 25 * unit, INK, bold=True, align=(1, 0))
+        write(surface, text, header.topright, 25 * unit, FOREGROUND, bold=True, align=(1, 0))
 
 
 class _LanePicture:
@@ -112,14 +117,14 @@ class _LanePicture:
     def __init__(self, picture: Picture, number: int, place: LaneLayout) -> None:
         scene, scales, unit = picture.scene, picture.scales, picture.layout.unit
         self.track = picture.tracks[number]
-        self.stage = Stage(place.stage, unit, scene, number, scales)
-        self.loupes = Loupes(place.loupes, unit, self.stage, scales.deepest[number], scales)
-        self.shares = Shares(place.shares, unit, self.stage.colours, scales)
+        self.stage = LaneDrawing(place.stage, unit, scene, number, scales)
+        self.loupes = MagnifiedInsets(place.loupes, unit, self.stage, scales.deepest[number], scales)
+        self.shares = EnergyBars(place.shares, unit, self.stage.colours, scales)
         self.panels = [self._panel(rect, kind, scales, unit) for kind, rect in enumerate(place.panels)]
         self.ahead = picture.ahead
         self.ink(self.track)
 
-    def ink(self, track: Track, since: float = -math.inf) -> None:
+    def ink(self, track: Motion, since: float = -math.inf) -> None:
         """Ink the curves of `track` later than `since` [s]."""
         for panel, values in zip(self.panels, _curves(track), strict=False):
             panel.ink(track.time, values, since)
@@ -148,7 +153,7 @@ class _LanePicture:
             peaks = values[-1] if kind == 0 else values.max(axis=0)
             panel.backdrop(surface, self.track.time, values, peaks, self.ahead)
 
-    def paint(self, surface: pygame.Surface, track: Track, row: int, centre: float | None) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, row: int, centre: float | None) -> None:
         contacts = self.stage.paint(surface, track, row, self.stage.left(centre))
         self.loupes.paint(surface, track, row, contacts)
         self.shares.paint(surface, track, row)
@@ -156,7 +161,7 @@ class _LanePicture:
             panel.paint(surface, float(track.time[row]), values[row])
 
 
-def _curves(track: Track) -> tuple[Array, Array, Array]:
+def _curves(track: Motion) -> tuple[Array, Array, Array]:
     return track.velocity, track.force, track.overlap
 
 

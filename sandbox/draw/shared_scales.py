@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.number_format import round_down
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import Scene
 
 MOST_DECADES = 32
@@ -43,7 +43,7 @@ class Scales:
     momentum: Span
 
 
-def scales_of(scene: Scene, tracks: Sequence[Track]) -> Scales:
+def scales_of(scene: Scene, tracks: Sequence[Motion]) -> Scales:
     """Scales that hold all of the `tracks`, one a lane of `scene`."""
     deepest = tuple(tuple(np.maximum(track.overlap.max(axis=0), 0.0).tolist()) for track in tracks)
     magnify = scene.view.magnify or _magnify(max(map(max, deepest)), scene.view.length)
@@ -74,7 +74,7 @@ def left_edges(position: Array, overlap: Array, length: float, magnify: float) -
     return position + shift + length * np.arange(position.shape[-1])
 
 
-def followed(centre: float, track: Track, row: int, length: float, share: float) -> float:
+def followed(centre: float, track: Motion, row: int, length: float, share: float) -> float:
     """Where the camera looks next [m]: from `centre` a `share` (0 to 1) of the way to the middle of the beads."""
     position = track.position[row]
     middle = 0.5 * (float(position.min()) + float(position.max()) + length * len(position))
@@ -86,7 +86,7 @@ def _magnify(deepest: float, length: float) -> float:
     return round_down(wanted) if 1.0 < wanted < 1e6 else 1.0
 
 
-def _window(scene: Scene, tracks: Sequence[Track], magnify: float) -> Span:
+def _window(scene: Scene, tracks: Sequence[Motion], magnify: float) -> Span:
     length = scene.view.length
     edges = [left_edges(track.position, track.overlap, length, magnify) for track in tracks]
     low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import pygame
-from softcradle.sandbox.draw.palette import PAPER, Colour, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, Colour, mix
 from softcradle.sandbox.draw.surface_cache import kept
 
 FINE = 4  # supersampling, and positions within a pixel
@@ -79,10 +79,10 @@ def marker(shape: int, radius: float, colour: Colour) -> Sprites:
 
     def paint(fine: pygame.Surface, shift: float) -> None:
         centre = (side / 2 * FINE + shift, side / 2 * FINE)
-        for tint, size in ((PAPER, radius + 1.2), (colour, radius)):
+        for tint, size in ((BACKGROUND, radius + 1.2), (colour, radius)):
             _shape(fine, tint, shape % MARKERS, centre, size * FINE)
 
-    return sprites((side, side), PAPER, paint)
+    return sprites((side, side), BACKGROUND, paint)
 
 
 def put_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:

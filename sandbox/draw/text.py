@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import pygame
-from softcradle.sandbox.draw.palette import INK, Colour
+from softcradle.sandbox.draw.palette import FOREGROUND, Colour
 from softcradle.sandbox.draw.surface_cache import kept
 from softcradle.sandbox.resources import resource
 
@@ -21,7 +21,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
 
 
 @kept(6)
-def rendered(text: str, size: int, colour: Colour = INK, bold: bool = False) -> pygame.Surface:
+def rendered(text: str, size: int, colour: Colour = FOREGROUND, bold: bool = False) -> pygame.Surface:
     """`text` on a transparent surface of its own; not to be drawn on."""
     return font(size, bold).render(text, True, colour)
 
@@ -31,7 +31,7 @@ def write(
     text: str,
     place: tuple[float, float],
     size: float,
-    colour: Colour = INK,
+    colour: Colour = FOREGROUND,
     *,
     bold: bool = False,
     align: tuple[float, float] = (0.0, 0.0),

@@ -9,15 +9,16 @@ from time import perf_counter
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw import Track, scales_of
+from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.number_format import round_down, scientific
-from softcradle.sandbox.draw.palette import INK, MUTED, PAPER
+from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, MUTED
 from softcradle.sandbox.draw.supersampling import bar
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.kymograph_camera import Camera, Pixels, stacked
 from softcradle.sandbox.film.scene_film import AFTER, LEAD, RenderReport, motion_end, simulated
 from softcradle.sandbox.film.writer import open_film
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
 SUFFIX = ".kymograph.png"
@@ -96,13 +97,15 @@ def render_kymograph(
     return RenderReport(Path(output), frames, 0.0, seconds, known, known, float(tracks[0].time[0]))
 
 
-def paint(surface: pygame.Surface, scene: Scene, tracks: Sequence[Track], rate: float, unit: float) -> None:
+def paint(surface: pygame.Surface, scene: Scene, tracks: Sequence[Motion], rate: float, unit: float) -> None:
     """Draw everything on `surface`; the `tracks` have `rate` rows a second, a camera frame each."""
-    surface.fill(PAPER)
+    surface.fill(BACKGROUND)
     wide, high = surface.get_size()
     left, scales = round(MARGIN * unit), scales_of(scene, tracks)
     room = wide - 2 * MARGIN * unit
-    write(surface, shortened(scene.title, 25 * unit, room, bold=True), (left, 16 * unit), 25 * unit, INK, bold=True)
+    write(
+        surface, shortened(scene.title, 25 * unit, room, bold=True), (left, 16 * unit), 25 * unit, FOREGROUND, bold=True
+    )
     told = f"a line of pixels of each frame, {rate:.5g} frames a second · white: the trajectory · {tracks[0].method}"
     write(surface, shortened(told, 14 * unit, room), (left, 51 * unit), 14 * unit, MUTED)
     each = (high - (HEADER + FOOT) * unit) / len(tracks)
@@ -124,7 +127,7 @@ def _width(wide: int, unit: float) -> int:
     return round(wide - (2 * MARGIN + SIDE) * unit)
 
 
-def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, track: Track) -> None:
+def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, track: Motion) -> None:
     """The stacked lines, stretched over `place`, positions upwards; a dotted line at the first touch."""
     lines: Pixels = stacked(camera, track)
     frame_of = np.arange(place.width) * len(lines) // place.width
@@ -134,7 +137,7 @@ def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, track: Tr
     if touched.size:
         x = round(place.left + column * int(touched[0]))
         for y in range(place.top, place.bottom, 2 * DOT):
-            surface.fill(INK, (x, y, 1, min(DOT, place.bottom - y)))
+            surface.fill(FOREGROUND, (x, y, 1, min(DOT, place.bottom - y)))
     xs = place.left + column * (np.arange(len(lines)) + 0.5)
     for path in place.bottom - camera.markers(track).T:
         pygame.draw.aalines(surface, WHITE, False, np.column_stack((xs, path - 0.5)).tolist())
@@ -144,20 +147,20 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
     """On the right: a bar as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.stage.scale
-    bar(surface, INK, (x, place.bottom - tall, 4 * unit, tall))
-    write(surface, _length(length), (x + 12 * unit, place.bottom - tall / 2), 15 * unit, INK, align=(0, 0.5))
+    bar(surface, FOREGROUND, (x, place.bottom - tall, 4 * unit, tall))
+    write(surface, _length(length), (x + 12 * unit, place.bottom - tall / 2), 15 * unit, FOREGROUND, align=(0, 0.5))
 
 
 def _time_bar(
-    surface: pygame.Surface, scene: Scene, track: Track, axis: tuple[float, float], high: int, unit: float
+    surface: pygame.Surface, scene: Scene, track: Motion, axis: tuple[float, float], high: int, unit: float
 ) -> None:
     """Below: the paper's 100 ms where they fit, else a round time; `axis` is the left end and pixels a second."""
     left, pixels = axis
     span = float(track.time[-1] - track.time[0])
     time = TIME_BAR if in_si(scene) and 0.02 * span < TIME_BAR < 0.9 * span else round_down(0.25 * span)
     y = high - (FOOT - 12) * unit
-    bar(surface, INK, (left, y, time * pixels, 4 * unit))
-    write(surface, _time(time), (left + time * pixels / 2, y + 8 * unit), 15 * unit, INK, align=(0.5, 0))
+    bar(surface, FOREGROUND, (left, y, time * pixels, 4 * unit))
+    write(surface, _time(time), (left + time * pixels / 2, y + 8 * unit), 15 * unit, FOREGROUND, align=(0.5, 0))
 
 
 def _length(length: float) -> str:

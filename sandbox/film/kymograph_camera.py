@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw import Track
 from softcradle.sandbox.draw.bead_sprites import BODY
-from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, Stage, is_gear
+from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing, is_gear
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import bar
 from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
 Pixels = NDArray[np.uint8]
@@ -38,7 +38,7 @@ class Camera:
     def __init__(self, scene: Scene, number: int, scales: Scales, reach: int) -> None:
         low, high = scales.window
         height = math.ceil(scene.view.length * reach / (high - low) / TALLEST_BEAD + 2 * AROUND)
-        self.stage = Stage(pygame.Rect(0, 0, reach, height), 1.0, scene, number, scales)
+        self.stage = LaneDrawing(pygame.Rect(0, 0, reach, height), 1.0, scene, number, scales)
         self.ground = pygame.Surface((reach, height), 0, 32)
         self.stage.backdrop(self.ground)
         self.frame = pygame.Surface((reach, height), 0, 32)
@@ -51,12 +51,12 @@ class Camera:
         self.middle = scene.view.length * (np.array(middle) + np.arange(len(middle)))
         self.marked = np.isfinite(chain.mass)  # a wall has no marker
 
-    def markers(self, track: Track) -> Array:
+    def markers(self, track: Motion) -> Array:
         """(T, beads) where the trajectory says the middles of the markers are: pixels from the left of a frame."""
         places: Array = self.stage.left() + self.stage.scale * (track.position + self.middle)
         return places[:, self.marked]
 
-    def shoot(self, track: Track, row: int) -> pygame.Surface:
+    def shoot(self, track: Motion, row: int) -> pygame.Surface:
         """The frame of row `row` of `track`; it is good until the next."""
         self.frame.blit(self.ground, (0, 0))
         self.stage.paint(self.frame, track, row, self.stage.left())
@@ -65,24 +65,24 @@ class Camera:
             bar(self.frame, BLACK, (x - self.marker / 2, top, self.marker, 2 * TALL * self.stage.bead + 1))
         return self.frame
 
-    def markers_of_row(self, track: Track, row: int) -> list[float]:
+    def markers_of_row(self, track: Motion, row: int) -> list[float]:
         """The same as :meth:`markers` for one row."""
         place = self.stage.left() + self.stage.scale * (track.position[row] + self.middle)
         found: list[float] = place[self.marked].tolist()
         return found
 
-    def line(self, track: Track, row: int) -> Pixels:
+    def line(self, track: Motion, row: int) -> Pixels:
         """(reach, 3) the line of pixels of that frame which holds the markers, red, green, blue."""
         cut: Pixels = pixels_of(self.shoot(track, row))[self.row, :, 2::-1].copy()
         return cut
 
 
-def stacked(camera: Camera, track: Track) -> Pixels:
+def stacked(camera: Camera, track: Motion) -> Pixels:
     """(T, reach, 3) the lines of all frames: the kymograph as the paper's, time along the first axis."""
     return np.stack([camera.line(track, row) for row in range(len(track.time))])
 
 
-def traced(camera: Camera, track: Track) -> Pixels:
+def traced(camera: Camera, track: Motion) -> Pixels:
     """(T, reach, 3) the same from the trajectory alone: black where a marker covers a pixel, white elsewhere."""
     edges = np.arange(camera.frame.get_width())
     ink = np.zeros((len(track.time), len(edges)))

@@ -17,10 +17,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
-from softcradle.sandbox.draw import Picture, Track, longest_lead, track_of
-from softcradle.sandbox.draw.drawable_trajectory import Array
+from softcradle.sandbox.draw import Picture, longest_lead, track_of
 from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.writer import open_film
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
@@ -129,14 +129,14 @@ def script(scene: Scene, rows: int, rate: float) -> list[Shot]:
     return opening + [Shot(row) for row in range(rows)] + [Shot(rows - 1)] * round(REST * rate)
 
 
-def strongest_row(tracks: Sequence[Track]) -> int:
+def strongest_row(tracks: Sequence[Motion]) -> int:
     """Row of the greatest contact force in any lane: the moment for a single picture."""
     return int(np.argmax(np.max([track.force.max(axis=1) for track in tracks], axis=0)))
 
 
 def simulated(
     scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None
-) -> list[Track]:
+) -> list[Motion]:
     """A track for each lane of `scene`, all at the same times, with free flight at both ends.
 
     Raises UserError where the method or the step does not suit the scene, or where there would be too many rows;
@@ -150,7 +150,7 @@ def simulated(
 
 def simulated_quietly(
     scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None
-) -> tuple[list[Track], tuple[str, ...]]:
+) -> tuple[list[Motion], tuple[str, ...]]:
     """What :func:`simulated` does, with the sentences that it warns with: Python's warnings are not for threads."""
     try:
         settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step)
@@ -165,7 +165,7 @@ def simulated_quietly(
     return tracks, tuple(sentence for trajectory in found for sentence in trajectory.warnings)
 
 
-def _require_finite(tracks: Sequence[Track]) -> None:
+def _require_finite(tracks: Sequence[Motion]) -> None:
     if not all(np.isfinite(track.position).all() and np.isfinite(track.force).all() for track in tracks):
         raise UserError(f"the motion by {tracks[0].method} did not stay finite: choose a smaller step")
 

@@ -1,4 +1,4 @@
-"""Series: a stretch of the history as arrays, for plots and pictures. Its names are those of `softcradle.sandbox.draw.Track`."""
+"""Series: a stretch of the history as arrays, for plots and pictures. Its names are those of `softcradle.sandbox.draw.Motion`."""
 
 from __future__ import annotations
 

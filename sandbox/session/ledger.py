@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import State
+from softcradle.sandbox.motion import stored_energy
 from softcradle.sandbox.session.history import (
     BY_BED,
     BY_CONTACTS,
@@ -49,13 +50,6 @@ def read(chain: Chain, state: State, ledger: Array) -> None:
     ledger[MOMENTUM] = parts.sum()
     ledger[ENERGY_SCALE] = max(ledger[ENERGY_SCALE], ledger[KINETIC] + ledger[STORED])
     ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(parts).sum())
-
-
-def stored_energy(law: Array, overlap: Array) -> Array:
-    """(..., n) energy [J] in contacts with the law table (n, 3) at `overlap` (..., n)."""
-    pressed = np.maximum(overlap, 0.0)
-    energy: Array = (law[:, 0] + law[:, 1] * pressed ** law[:, 2] / (1.0 + law[:, 2])) * pressed
-    return energy
 
 
 def book_edit(before: Array, ledger: Array) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
 from softcradle.physics.trajectory import Interval, Trajectory
 from softcradle.sandbox.session.contact_events import Marks
@@ -13,6 +12,7 @@ from softcradle.sandbox.session.history import BY_BED, BY_CONTACTS
 from softcradle.sandbox.session.history_slices import Series
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.scenes import Lane, Scene
+from softcradle.scenes.contact_table import law_of
 
 DURATION = 10.0  # s, of a scene that an edit has made one without an end
 
@@ -41,13 +41,13 @@ def _lane(old: Lane, new: LaneSetup) -> Lane:
     same = (before.mass, before.contact, before.gap, before.drive, before.friction, old.velocity)
     if same == (chain.mass, chain.contact, gap, chain.drive, chain.friction, velocity):
         return old
-    tables = [table_of(contact) for contact in chain.contact]
-    one = all(table == tables[0] for table in tables)
+    laws = [law_of(contact) for contact in chain.contact]
+    alike = all(law == laws[0] for law in laws)
     return Lane.model_validate(
         {
             "label": new.label,
             "mass": chain.mass,
-            "contact": tables[0] if one else tables,
+            "contact": laws[0] if alike else laws,
             "velocity": velocity,
             "gap": gap,
             "drive": chain.drive,
@@ -67,25 +67,6 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
         if lane.method != first.method or (first.step_given and lane.step != first.step):
             return {}
     return {"method": method, "step": step}
-
-
-def table_of(contact: Contact) -> dict[str, Any]:
-    """The table of a scene file for `contact`: the most telling law that gives exactly its numbers."""
-    loss = {"loss": contact.loss} if contact.loss else {}
-    return {**_law_table(contact), **loss}
-
-
-def _law_table(contact: Contact) -> dict[str, Any]:
-    stiffness, exponent = contact.stiffness, contact.exponent
-    if contact.preload == 0.0:
-        if exponent in (1.0, 1.5):
-            return {"law": "hooke" if exponent == 1.0 else "hertz", "stiffness": stiffness}
-        return {"law": "power", "f0": stiffness, "alpha": exponent}
-    if stiffness == 0.0:
-        return {"law": "step", "f0": contact.preload}
-    if exponent == 1.0 and stiffness * (contact.preload / stiffness) == contact.preload:
-        return {"law": "draft_gear", "stiffness": stiffness, "precompression": contact.preload / stiffness}
-    return {"law": "preloaded", "preload": contact.preload, "stiffness": stiffness, "exponent": exponent}
 
 
 def trajectory_of(series: Series, lane: int, marks: Marks) -> Trajectory:

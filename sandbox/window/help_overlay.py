@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.draw.palette import FAINT, INK, MUTED, PAPER, STAGE
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.window.keys import Binding, groups
 
@@ -24,7 +24,7 @@ def paint_help(surface: pygame.Surface, unit: float) -> None:
     """Draw the overlay over all of `surface`."""
     size = surface.get_size()
     shade = pygame.Surface(size)
-    shade.fill(INK)
+    shade.fill(FOREGROUND)
     shade.set_alpha(130)
     surface.blit(shade, (0, 0))
     blocks = {name: [(_keys(b), b.text) for b in bindings] for name, bindings in groups().items()}
@@ -33,8 +33,8 @@ def paint_help(surface: pygame.Surface, unit: float) -> None:
     unit = min(unit, size[1] / (rows + 100), size[0] / 1230)
     board = pygame.Rect(0, 0, round(1190 * unit), round((rows + 78) * unit))
     board.center = (size[0] // 2, size[1] // 2)
-    pygame.draw.rect(surface, PAPER, board, border_radius=round(10 * unit))
-    write(surface, "Keys and mouse", (board.left + 26 * unit, board.top + 16 * unit), 22 * unit, INK, bold=True)
+    pygame.draw.rect(surface, BACKGROUND, board, border_radius=round(10 * unit))
+    write(surface, "Keys and mouse", (board.left + 26 * unit, board.top + 16 * unit), 22 * unit, FOREGROUND, bold=True)
     place = (board.right - 26 * unit, board.top + 22 * unit)
     write(surface, "Esc or a click closes this", place, 13.5 * unit, MUTED, align=(1, 0))
     for k, column in enumerate(COLUMNS):
@@ -52,12 +52,12 @@ def _block(
 ) -> float:
     """Draw one group; returns where the next begins."""
     x, y = place
-    write(surface, name, (x, y), 15 * unit, INK, bold=True)
+    write(surface, name, (x, y), 15 * unit, FOREGROUND, bold=True)
     surface.fill(FAINT, (round(x), round(y + 21 * unit), round(362 * unit), max(1, round(unit))))
     y += TITLE * unit
     for keys, text in rows:
         _cap(surface, keys, (x, y), unit)
-        write(surface, text, (x + 128 * unit, y + 1 * unit), 13 * unit, INK)
+        write(surface, text, (x + 128 * unit, y + 1 * unit), 13 * unit, FOREGROUND)
         y += LINE * unit
     return y + 10 * unit
 
@@ -68,7 +68,7 @@ def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: f
     for text in keys.split("  "):
         wide = width(text, 12 * unit, bold=True) + 10 * unit
         plate = pygame.Rect(round(x), round(y), round(wide), round(18 * unit))
-        pygame.draw.rect(surface, STAGE, plate, border_radius=round(4 * unit))
+        pygame.draw.rect(surface, LANE_BACKGROUND, plate, border_radius=round(4 * unit))
         pygame.draw.rect(surface, FAINT, plate, 1, border_radius=round(4 * unit))
-        write(surface, text, plate.center, 12 * unit, INK, bold=True, align=(0.5, 0.5))
+        write(surface, text, plate.center, 12 * unit, FOREGROUND, bold=True, align=(0.5, 0.5))
         x += wide + 4 * unit

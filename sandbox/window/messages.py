@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pygame
-from softcradle.sandbox.draw.palette import GOOD, INK, PAPER, WARNING
+from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, GOOD, WARNING
 from softcradle.sandbox.draw.text import wrapped, write
 
 MOST = 4  # on screen at once
@@ -66,11 +66,11 @@ class Messages:
         rect = pygame.Rect(0, 0, round(wide), round(high))
         rect.midbottom = (surface.get_width() // 2, round(bottom))
         tint = WARNING if message.trouble else GOOD
-        pygame.draw.rect(surface, PAPER, rect, border_radius=round(6 * unit))
+        pygame.draw.rect(surface, BACKGROUND, rect, border_radius=round(6 * unit))
         pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
         x = rect.left + 13 * unit
         write(surface, "!" if message.trouble else "✓", (x, rect.top + 7 * unit), 14 * unit, tint, bold=True)
         for k, line in enumerate(lines):
-            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, INK)
+            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, FOREGROUND)
         self._places.append((rect, message))
         return high

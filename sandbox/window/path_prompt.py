@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton, UITextEntryLine
-from softcradle.sandbox.draw.palette import FAINT, INK, MUTED, PAPER
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, MUTED
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.window.window_page import Host
 
@@ -68,8 +68,8 @@ class Prompt:
     def paint(self, surface: pygame.Surface) -> None:
         """The box, below its widgets."""
         unit = self.host.unit
-        pygame.draw.rect(surface, PAPER, self.box, border_radius=round(8 * unit))
+        pygame.draw.rect(surface, BACKGROUND, self.box, border_radius=round(8 * unit))
         pygame.draw.rect(surface, FAINT, self.box, max(1, round(2 * unit)), border_radius=round(8 * unit))
         x, y = self.box.left + 20 * unit, self.box.top + 12 * unit
-        write(surface, self.title, (x, y), 17 * unit, INK, bold=True)
+        write(surface, self.title, (x, y), 17 * unit, FOREGROUND, bold=True)
         write(surface, self.note, (x, y + 26 * unit), 12.5 * unit, MUTED)

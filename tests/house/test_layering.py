@@ -1,23 +1,66 @@
-"""Imports point one way: physics <- scenes <- sandbox; heavy packages stay where the design puts them."""
+"""Imports point one way: physics <- scenes <- sandbox, and so between the rooms of each; none leads in a circle."""
 
 from __future__ import annotations
 
-import ast
+import re
 import subprocess
 import sys
+from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-LAYERS = ("physics", "scenes", "sandbox")
-MODULES = sorted(path.relative_to(ROOT).as_posix() for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
+from tests.helpers.imports import cycles, import_graph, imported
+from tests.helpers.paths import LAYERS, ROOT, module_name, source_files
 
-# package: the modules (or folders, ending in /) that may import it
+# A room is a folder, or a file that lies in none; each imports from itself and from those before it alone.
+PHYSICS = (
+    *("version", "source_digest", "atomic_files", "status"),
+    *("contact", "chain", "scales", "state", "methods", "problem"),
+    *("numerics", "fixed_step", "friction", "adaptive", "reference", "pymunk_contacts", "dispatch"),
+    *("storage", "trajectory", "advice", "simulation", "ensemble", "analysis"),
+)
+SANDBOX = (
+    *("resources", "user_error", "console", "output_files", "scene_runs", "trajectory_summary", "motion"),
+    *("draw", "film", "session", "studies", "window", "cli"),
+)
+ROOMS = (
+    *(f"physics.{room}" for room in PHYSICS),
+    *("physics", "scenes", "sandbox"),  # `physics` and `sandbox` alone are the files __init__.py of the two
+    *(f"sandbox.{room}" for room in SANDBOX),
+    *("softcradle", "__main__"),
+)
+ROOMS_TO_COME = {"physics.status", "physics.dispatch"}
+
+# Circles of modules, imports against the order of rooms, and uses of bare names that still exist.
+SCENE_PAGE = ("pointer_tool", "save_dialogs", "scene_page", "scene_view", "view_keys")
+CIRCLES_TO_GO = [
+    {"physics.storage", "physics.trajectory"},
+    {"physics.advice.choose", "physics.advice.step_cost", "physics.simulation"},
+    {"physics.fixed_step.dissipative_runner", "physics.fixed_step.runner"},
+    {f"sandbox.window.scene.{name}" for name in SCENE_PAGE},
+]
+IMPORTS_TO_GO = [
+    ("physics.numerics.dissipative_solve", "physics.fixed_step.discrete_gradient"),
+    ("physics.storage", "physics.trajectory"),
+    ("physics.advice.step_cost", "physics.simulation"),
+    ("sandbox.studies.compare.sides", "sandbox.cli.arguments"),
+]
+
+BARE_NAMES_TO_GO = ["tests/sandbox/cli/test_commands.py", "tests/sandbox/window/test_window_screen.py"]
+
+SAME_BASENAME = {
+    "__init__.py": "Python's name for the file of a package",
+    "__main__.py": "Python's name for what `python -m` runs",
+    "runner.py": "each family of methods has one, which is where the family is called",
+}
+
 PEERS = "sandbox/studies/precision/peers/"
-HOMES = {
-    # compiled callbacks ask numba for more than jit; peers share no kernel with what they are compared to
+HOMES = {  # package: the files, or folders ending in /, that may import it
+    # compiled callbacks need more of numba than jit; peers share no kernel with what they are compared to
     "numba": ("physics/numerics/", "physics/pymunk_contacts/compiled_law.py", PEERS),
+    "llvmlite": ("physics/numerics/",),
     "pymunk": (
         "physics/pymunk_contacts/soft_contact.py",
         "physics/pymunk_contacts/compiled_force.py",
@@ -25,7 +68,8 @@ HOMES = {
         "physics/pymunk_contacts/soft_chain.py",
         "physics/pymunk_contacts/space_forces.py",
         "physics/pymunk_contacts/runner.py",
-        "sandbox/",
+        "sandbox/studies/stability/rigid_cradle.py",
+        "sandbox/window/hanging/",
     ),
     # the reference, special functions of closed forms, the search for the nearest contact, and peers of the charts
     "scipy": (
@@ -34,13 +78,14 @@ HOMES = {
         "physics/analysis/matching.py",
         PEERS,
     ),
-    "pygame": ("sandbox/",),
-    "pygame_gui": ("sandbox/",),
-    "matplotlib": ("sandbox/",),
-    "av": ("sandbox/",),
-    "PIL": ("sandbox/",),
-    "rich": ("sandbox/",),
+    "pygame": ("sandbox/draw/", "sandbox/film/", "sandbox/window/", "sandbox/cli/commands/play.py"),
+    "pygame_gui": ("sandbox/window/",),
+    "matplotlib": ("sandbox/studies/",),
+    "av": ("sandbox/film/",),
+    "PIL": ("sandbox/film/",),
+    "rich": ("sandbox/console.py", "sandbox/cli/", "sandbox/film/", "sandbox/studies/"),
     "pydantic": ("scenes/",),
+    "tomli_w": ("scenes/",),
     "CyRK": (PEERS,),
     "heyoka": (PEERS,),
     "numbalsoda": (PEERS,),
@@ -48,63 +93,144 @@ HOMES = {
     "diffrax": (PEERS,),
     "jax": (PEERS,),
 }
+HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL", "pydantic")
+
+FILES = sorted(path.relative_to(ROOT).as_posix() for path in source_files())
 
 
-def imported(path: str) -> set[str]:
-    """Top-level packages and full module names that a file imports anywhere, inside functions too."""
-    found: set[str] = set()
-    for node in ast.walk(ast.parse((ROOT / path).read_text(), path)):
-        if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path} imports relatively"
-            found.add(node.module or "")
-    return found | {name.partition(".")[0] for name in found}
+def room(module: str) -> str:
+    """The room of a module: sandbox.draw of softcradle.sandbox.draw.text; the whole layer `scenes` is one."""
+    parts = module.removeprefix("softcradle.").split(".")
+    return "scenes" if parts[0] == "scenes" else ".".join(parts[:2])
 
 
-def test_there_are_modules_in_every_layer():
-    for layer in LAYERS:
-        assert any(module.startswith(f"{layer}/") for module in MODULES)
+def edges() -> set[tuple[str, str]]:
+    """Every import of one module of the package by another, without the package's name."""
+    graph = import_graph()
+    return {(name.removeprefix("softcradle."), to.removeprefix("softcradle.")) for name in graph for to in graph[name]}
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_imports_point_down(module):
-    above = LAYERS[LAYERS.index(module.partition("/")[0]) + 1 :]
-    assert not imported(module) & set(above)
+def circles() -> list[set[str]]:
+    return [{name.removeprefix("softcradle.") for name in circle} for circle in cycles(import_graph())]
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_packages_stay_at_home(module):
-    for package in imported(module) & set(HOMES):
-        assert module.startswith(HOMES[package]), f"{module} imports {package}"
+def to_go(known: Iterable[object]) -> list[object]:
+    return [pytest.param(each, marks=pytest.mark.xfail(reason="is being removed", strict=False)) for each in known]
 
 
-def test_the_reference_shares_no_kernel():
-    for module in ("physics/reference/runner.py", "physics/reference/phases.py", "physics/analysis/closed_forms.py"):
-        assert not [name for name in imported(module) if name.startswith("softcradle.physics.numerics")]
+def test_no_circle():
+    assert [sorted(found) for found in circles() if not any(found <= known for known in CIRCLES_TO_GO)] == []
 
 
-def test_peers_share_no_kernel_with_what_they_are_compared_to():
-    for path in (ROOT / "sandbox/precision/peers").glob("*.py"):
-        names = imported(path.relative_to(ROOT).as_posix())
-        assert not [name for name in names if name.startswith("softcradle.physics.numerics")]
+@pytest.mark.parametrize("circle", to_go(CIRCLES_TO_GO))
+def test_a_known_circle_is_gone(circle):
+    assert not any(found & circle for found in circles())
+
+
+def test_circles_are_found():
+    graph = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": {"d"}, "f": {"a"}}
+    assert cycles(graph) == [{"a", "b", "c"}, {"d", "e"}]
+
+
+def test_every_room_has_its_place():
+    found = {room(module_name(path)) for path in source_files()}
+    assert found - ROOMS_TO_COME == set(ROOMS) - ROOMS_TO_COME
+    assert len(set(ROOMS)) == len(ROOMS)
+
+
+@pytest.mark.parametrize(("layer", "order"), [("physics", PHYSICS), ("sandbox", SANDBOX)])
+def test_the_architecture_page_has_this_order(layer, order):
+    cells = re.findall(r"^\| (`.*?) \|", (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"), re.MULTILINE)
+    named = re.findall(rf"`{layer}/(\w+)", " ".join(cells))
+    assert tuple(dict.fromkeys(named)) == order
+
+
+def test_imports_follow_the_order_of_rooms():
+    against = {(name, to) for name, to in edges() if ROOMS.index(room(to)) > ROOMS.index(room(name))}
+    assert sorted(against - set(IMPORTS_TO_GO)) == []
+
+
+@pytest.mark.parametrize("edge", to_go(IMPORTS_TO_GO))
+def test_a_known_import_is_gone(edge):
+    assert edge not in edges()
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_packages_stay_at_home(file):
+    for package in {name.partition(".")[0] for name in imported(ROOT / file)} & HOMES.keys():
+        assert file.startswith(HOMES[package]), f"{file} imports {package}"
+
+
+@pytest.mark.parametrize(("package", "home"), [(package, home) for package in HOMES for home in HOMES[package]])
+def test_homes_are_lived_in(package, home):
+    found = [file for file in FILES if file.startswith(home)]
+    assert any(name.partition(".")[0] == package for file in found for name in imported(ROOT / file))
+
+
+@pytest.mark.parametrize("file", [file for file in FILES if file.startswith(("physics/reference/", PEERS))])
+def test_what_checks_the_kernels_shares_none(file):
+    assert not [name for name in imported(ROOT / file) if name.startswith("softcradle.physics.numerics")]
+
+
+def test_closed_forms_share_no_kernel():
+    names = imported(ROOT / "physics" / "analysis" / "closed_forms.py")
+    assert not [name for name in names if name.startswith("softcradle.physics.numerics")]
+
+
+def test_one_basename_is_one_thing():
+    counts = Counter(Path(file).name for file in FILES)
+    assert {name for name, count in counts.items() if count > 1} <= SAME_BASENAME.keys()
+
+
+# Bare names: in a checkout `import physics` finds a second copy of every module; in an installed wheel, a stranger's.
+BARE = re.compile(
+    r"""^\W*(?:from|import)\ (?:physics|scenes|sandbox)(?:\.[\w.]+)?(?:\ import\b|\ as\b|\ *$)  # a statement, prompted or not
+      | (?:-m\ |"-m",\ ["'])(?:physics|scenes|sandbox)\b                                       # python -m sandbox
+      | ["'](?:physics|scenes|sandbox)(?:\.[a-z_]\w*)+["']                                     # a module by its name
+    """,
+    re.MULTILINE | re.VERBOSE,
+)
+TEXTS = sorted(
+    path.relative_to(ROOT).as_posix()
+    for pattern in ("*.md", "Makefile", "pyproject.toml", ".ci/*", "docs/*.md", "benchmarks/*.py", "tests/**/*.py")
+    for path in ROOT.glob(pattern)
+)
+
+
+@pytest.mark.parametrize(
+    "file",
+    [*sorted({*FILES, *TEXTS} - {"tests/house/test_layering.py", *BARE_NAMES_TO_GO}), *to_go(BARE_NAMES_TO_GO)],
+)
+def test_no_bare_name(file):
+    text = (ROOT / file).read_text(encoding="utf-8")
+    assert BARE.findall(text) == []
+    if file.endswith(".py"):
+        assert not {name.partition(".")[0] for name in imported(ROOT / file)} & set(LAYERS)
+
+
+def test_bare_names_are_found():
+    bad = ["import physics", ">>> from scenes import load", '    "from physics.chain import Chain"']
+    bad += ["import sandbox as s", "python -m sandbox.cli", 'run("-m", "sandbox")', 'import_module("physics.chain")']
+    good = ["from softcradle.physics import Chain", "import the physics", "from physics to scenes", '"physics/a.py"']
+    assert [text for text in bad if not BARE.search(text)] == []
+    assert [text for text in good if BARE.search(text)] == []
 
 
 @pytest.mark.parametrize(
     ("code", "absent"),
     [
-        ("from softcradle import physics", ("numpy", "numba", "scipy", "pymunk", "pygame")),
-        ("from softcradle import physics; physics.METHODS", ("numpy", "numba", "scipy", "pymunk", "pygame")),
-        ("from softcradle import physics; physics.Chain", ("numba", "scipy", "pymunk", "pygame")),
-        ("import softcradle.physics.simulation", ("numba", "scipy", "pymunk", "pygame")),
-        (
-            "import softcradle.physics.fixed_step.runner",
-            ("pymunk", "pygame"),
-        ),  # numba itself takes scipy where it is installed
+        ("from softcradle import physics", HEAVY),
+        ("import softcradle; softcradle.METHODS", HEAVY),
+        ("import softcradle.sandbox.cli.main", HEAVY),
+        ("from softcradle.physics import Chain", [name for name in HEAVY if name != "numpy"]),
+        ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
+        ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),  # numba itself takes scipy where it is
         ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
+        ("import softcradle.scenes", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
+        ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
     ],
 )
 def test_imports_are_light(code, absent):
-    program = f"{code}; import sys; print([name for name in {absent!r} if name in sys.modules])"
+    program = f"{code}; import sys; print([name for name in {tuple(absent)!r} if name in sys.modules])"
     found = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"

@@ -1,1 +1,1 @@
-"""One module a command: `add_arguments(parser)` and `main(args) -> exit code`; softcradle.sandbox.cli.main lists them."""
+"""One module for each subcommand, with `add_arguments` and `main`; softcradle.sandbox.cli.main lists them."""

@@ -1,4 +1,4 @@
-"""`softcradle chart`: what every method costs to be how wrong, on this machine, beside other people's integrators."""
+"""`softcradle chart`: the cost of every method against its error on this machine, beside other people's integrators."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import load_scene
 from softcradle.sandbox.console import console, table
+from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Measure, draw, print."""
+    """Measure the cases, draw the chart and print the table of each case."""
     from softcradle.sandbox.studies.precision.chart_cases import RECIPES
 
     if args.list:
@@ -55,7 +55,8 @@ def main(args: argparse.Namespace) -> int:
 
     paths = [Path(args.output), *([Path(args.output).with_suffix(".csv")] if args.csv else [])]
     with ExitStack() as stack:
-        files = [stack.enter_context(output_file(path)) for path in paths]  # before the work: a refusal comes at once
+        # The files are opened before the runs, so that an unwritable place is refused at once.
+        files = [stack.enter_context(output_file(path)) for path in paths]
         measured = _measure(recipes, args.error, not args.ours)
         _write(measured, *files)
     for found in measured:
@@ -66,7 +67,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _recipes(wanted: Sequence[str]) -> list[Recipe]:
-    """The recipes of those names, all for none."""
+    """The recipes of those names; without names, all."""
     from softcradle.sandbox.studies.precision.chart_cases import RECIPES, recipes_of
 
     known = {recipe.name: recipe for recipe in RECIPES}
@@ -81,26 +82,28 @@ def _measure(recipes: Sequence[Recipe], quantity: str, peers: bool) -> list[Meas
 
     found = []
     with Progress(console=Console(stderr=True), transient=True) as progress:
-        whole = progress.add_task("cases", total=len(recipes))
+        task = progress.add_task("cases", total=len(recipes))
         for recipe in recipes:
-            found.append(_measured(recipe, quantity, peers, lambda said: progress.update(whole, description=said)))
-            progress.advance(whole)
+            found.append(_measured(recipe, quantity, peers, lambda text: progress.update(task, description=text)))
+            progress.advance(task)
     return found
 
 
-def _measured(recipe: Recipe, quantity: str, with_peers: bool, told: Callable[[str], None]) -> Measured:
+def _measured(recipe: Recipe, quantity: str, with_peers: bool, report: Callable[[str], None]) -> Measured:
     from softcradle.sandbox.studies.precision.peers import peers
     from softcradle.sandbox.studies.precision.precision_table import Measured
     from softcradle.sandbox.studies.precision.solvers import ours
     from softcradle.sandbox.studies.precision.work_precision import measure
 
-    told(f"{recipe.label}: the truth")
+    report(f"{recipe.label}: the truth")
     try:
         case = recipe.cook()
     except ValueError as error:
         raise UserError(f"{recipe.label}: {error}") from None
     solvers = [*ours(case), *(peers(case) if with_peers else [])]
-    return Measured(case, measure(case, solvers, quantity, told=lambda name: told(f"{recipe.label}: {name}")), quantity)
+    return Measured(
+        case, measure(case, solvers, quantity, told=lambda name: report(f"{recipe.label}: {name}")), quantity
+    )
 
 
 def _write(measured: Sequence[Measured], picture: Path, numbers: Path | None = None) -> None:
@@ -119,15 +122,15 @@ def _print(found: Measured) -> None:
     from softcradle.sandbox.studies.precision.precision_table import auto_sentence, how, ratio_sentence, rows
 
     made = table(f"ms to an error of {found.quantity} of", *(f"{reach:g}" for reach in REACHES), "by")
-    told = rows(found)
-    for row in told:
+    measured = rows(found)
+    for row in measured:
         cells = ["-" if best is None else f"{1e3 * best.seconds:.3g}" for best in row.best]
         made.add_row(row.name, *cells, "; ".join(how(best) for best in row.best))
-    to = console()
-    to.print(f"{found.case.label}; truth: {found.case.origin}", style="bold")
-    to.print(made)
-    to.print(ratio_sentence(told))
-    to.print(auto_sentence(told))
-    if cut := [row.name for row in told if row.ended.startswith("a ")]:
-        to.print(f"ended where a further run would have taken too long: {', '.join(cut)}")
-    to.print()
+    output = console()
+    output.print(f"{found.case.label}; truth: {found.case.origin}", style="bold")
+    output.print(made)
+    output.print(ratio_sentence(measured))
+    output.print(auto_sentence(measured))
+    if cut := [row.name for row in measured if row.ended.startswith("a ")]:
+        output.print(f"ended where a further run would have taken too long: {', '.join(cut)}")
+    output.print()

@@ -1,4 +1,4 @@
-"""`softcradle check FILE ...`: every problem of every file, one line each; exit code 2 where there is one."""
+"""`softcradle check FILE ...`: every problem of every file, one line each; exit code 2 if there is any."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Check all files, also those after a bad one."""
+    """Check all files, those after a bad one too."""
     return max([_check(file) for file in args.files])
 
 

@@ -1,4 +1,4 @@
-"""`softcradle claims`: what the paper states, measured, as a table or as JSON."""
+"""`softcradle claims`: the paper's statements and what was measured of each, as a table or as JSON."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _print_table(found: list[Claim]) -> None:
         made.add_row(
             claim.statement, claim.place, claim.measured, claim.how, Text(claim.verdict, colours[claim.verdict])
         )
-    to = console()
-    to.print(made)
+    output = console()
+    output.print(made)
     for verdict, colour in colours.items():
-        to.print(f"{verdict}: {sum(claim.verdict == verdict for claim in found)}", style=colour)
+        output.print(f"{verdict}: {sum(claim.verdict == verdict for claim in found)}", style=colour)

@@ -1,4 +1,4 @@
-"""`softcradle compare`: the same collision in several chains, in motion and in numbers."""
+"""`softcradle compare`: the same collision in several chains, as a film, a report and numbers."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_method, positive, size
+from softcradle.sandbox.cli.arguments import add_method, picture_size, positive_number
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.compare.comparison_files import Report
 
-PAGE = ".html"
-DEFAULT = "out/compare.html"
+DEFAULT_OUTPUT = "out/compare.html"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,16 +33,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", action="append", default=[], metavar="OUT",
         help="report .html (with the film inside), film .mp4 .gif .webp .avif, or numbers .json; may be given several "
-        f"times (default: {DEFAULT}, nothing with --json)",
+        f"times (default: {DEFAULT_OUTPUT}, nothing with --json)",
     )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead of tables")
-    parser.add_argument("--size", type=size, metavar="WxH", help="pixels of the film (default: 1280x720 or higher)")
-    parser.add_argument("--slow", type=positive, help="seconds of film for a second of motion (default: the scenes')")
+    parser.add_argument(
+        "--size", type=picture_size, metavar="WxH", help="pixels of the film (default: 1280x720 or higher)"
+    )
+    parser.add_argument(
+        "--slow", type=positive_number, help="seconds of film for a second of motion (default: the scenes')"
+    )
     add_method(parser)
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compare them."""
+    """Compare the chains, write the outputs and print the tables or the JSON."""
     from softcradle.sandbox.studies.compare.comparison_files import Report, Wishes, checked_outputs, opened, write
     from softcradle.sandbox.studies.compare.comparison_results import solved
     from softcradle.sandbox.studies.compare.matched_side import matchable, with_match
@@ -56,7 +59,7 @@ def main(args: argparse.Namespace) -> int:
     wishes = Wishes(args.size, args.slow, args.method, args.step)
     checked_outputs(paths, comparison, wishes)
     with ExitStack() as stack:
-        places = opened(stack, paths)  # before the work: an unwritable place is said at once
+        places = opened(stack, paths)  # before the runs, so that an unwritable place is refused at once
         if args.match:
             comparison, found = with_match(comparison, args.match)
         report = Report(comparison, solved(comparison, args.method, args.step), wishes, found)
@@ -69,7 +72,7 @@ def main(args: argparse.Namespace) -> int:
 def _paths(args: argparse.Namespace) -> list[Path]:
     if args.output or args.json:
         return [Path(path) for path in args.output]
-    path = Path(DEFAULT)
+    path = Path(DEFAULT_OUTPUT)
     try:
         path.parent.mkdir(exist_ok=True)
     except OSError as error:
@@ -84,9 +87,9 @@ def _print(report: Report, paths: list[Path], as_json: bool) -> None:
     if as_json:
         print(json.dumps(report.plain(), indent=2, allow_nan=False))
         return
-    to = console()
-    print_tables(to, report.comparison.title, report.results)
+    output = console()
+    print_tables(output, report.comparison.title, report.results)
     for note in report.notes():
-        to.print(note)
+        output.print(note)
     for path in paths:
-        to.print(f"written: {path}", soft_wrap=True)
+        output.print(f"written: {path}", soft_wrap=True)

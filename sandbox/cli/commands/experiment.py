@@ -1,4 +1,4 @@
-"""`softcradle experiment`: the paper's experiment on its bed of straws, what friction explains of it and what it leaves open."""
+"""`softcradle experiment`: how much of the losses in the paper's experiment the friction of its bed explains."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.bed_experiment import Fit
 
-OPEN = (
-    "Friction of the bed alone, one coefficient for both, gives both momentum deficits, but an energy deficit no larger than "
-    "that of the momentum, where the paper states twice as much: during the collision the bed acts on slow beads, where it "
-    "takes momentum and little energy. A loss of the gears takes energy and no momentum, and one loss fits both experiments. "
-    "The same numbers, 5-10 % and 10-20 %, also follow if all speeds are 5-10 % lower, as after some more sliding: over which "
-    "time they were taken is not said. The launch speed stays open too: from 0.25 to 1 m/s the coefficient grows by a third."
+OPEN_QUESTIONS = (
+    "Friction of the bed alone, one coefficient for both experiments, gives both momentum deficits, but an energy deficit no "
+    "larger than that of the momentum, where the paper states twice as much: during the collision the bed acts on slow beads, "
+    "from which it takes momentum and little energy. A loss of the gears takes energy and no momentum, and one loss fits both "
+    "experiments. The same numbers, 5-10 % and 10-20 %, also follow if all speeds are 5-10 % lower, as after longer sliding; the "
+    "paper does not say over which time it took them. Nor does it give the launch speed: from 0.25 to 1 m/s the coefficient "
+    "grows by a third."
 )
 
 
@@ -23,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Fit and print."""
+    """Fit the friction and print the fits."""
     from softcradle.sandbox.studies.bed_experiment import SPEEDS, alone, with_loss
 
     fits = [fit for speed in SPEEDS for fit in (*alone(speed), *with_loss(speed))]
@@ -40,7 +41,7 @@ def _print_json(fits: list[Fit]) -> None:
 
     from softcradle.physics.storage import versions
 
-    print(json.dumps({"fits": [asdict(fit) for fit in fits], "open": OPEN, "versions": versions()}, indent=2))
+    print(json.dumps({"fits": [asdict(fit) for fit in fits], "open": OPEN_QUESTIONS, "versions": versions()}, indent=2))
 
 
 def _print_table(fits: list[Fit]) -> None:
@@ -61,10 +62,10 @@ def _print_table(fits: list[Fit]) -> None:
             _marked(lost.energy, ENERGY),
             f"{1e3 * lost.time:.1f} ms",
         )
-    to = console()
-    to.print(made)
-    to.print("marked ✓: within the 5-10 % of the momentum and 10-20 % of the energy that the paper states (App. C)")
-    to.print(OPEN)
+    output = console()
+    output.print(made)
+    output.print("marked ✓: within the 5-10 % of the momentum and 10-20 % of the energy that the paper states (App. C)")
+    output.print(OPEN_QUESTIONS)
 
 
 def _marked(share: float, stated: tuple[float, float]) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from softcradle.sandbox.console import console, table
+from softcradle.sandbox.output_files import make_folder
 from softcradle.sandbox.studies.figures import FIGURES, named
 from softcradle.sandbox.user_error import UserError
 
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Draw them, or list them."""
+    """Draw the figures, or list them."""
     try:
         figures = named(args.names)
     except KeyError as error:
@@ -32,19 +32,9 @@ def main(args: argparse.Namespace) -> int:
             listed.add_row(figure.name, figure.place, figure.caption)
         console().print(listed)
         return 0
-    folder = made_folder(args.output)
+    folder = make_folder(args.output)
     from softcradle.sandbox.studies.figures.figure_files import write
 
     for figure in figures:
         print("written:", ", ".join(str(path) for path in write(figure, folder)), flush=True)
     return 0
-
-
-def made_folder(wanted: str) -> Path:
-    """The folder of that name, made if it is not there; UserError where it cannot be."""
-    folder = Path(wanted)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"cannot write to {wanted}: {(error.strerror or str(error)).lower()}") from None
-    return folder

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from softcradle.sandbox.studies.maps.rigidity_scan import Map
 
 NAMES = ("power-law", "draft-gear")
-COLUMNS, ROWS = 200, 20
-MOST = 2000  # points along either side
+COLUMNS = 200  # abscissae of a map, where none are given
+ROWS = 20  # cluster sizes of a map, where none are given
+MOST_POINTS = 2000  # along either side of a map: a typing error must not run for days
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,15 +33,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute, draw, write."""
+    """Compute the maps, draw them and write their numbers."""
     for name in args.names:
         if name not in NAMES:
             raise UserError(f"there is no map {name!r}; there are {', '.join(NAMES)}")
     columns, rows = _points(args.points)
-    from softcradle.sandbox.cli.commands.figures import made_folder
+    from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import maps
 
-    folder = made_folder(args.output)
+    folder = make_folder(args.output)
     for wanted in maps(columns, rows):
         if not args.names or wanted.name in args.names:
             paths = _write(wanted, _computed(wanted), folder)
@@ -50,8 +51,9 @@ def main(args: argparse.Namespace) -> int:
 
 def _points(text: str) -> tuple[int, int]:
     columns, _, rows = text.partition("x")
-    if not (columns.isdigit() and rows.isdigit() and 2 <= int(columns) <= MOST and 2 <= int(rows) <= MOST):
-        raise UserError(f"--points must be two whole numbers from 2 to {MOST}, such as {COLUMNS}x{ROWS}, not {text!r}")
+    if not all(number.isdigit() and 2 <= int(number) <= MOST_POINTS for number in (columns, rows)):
+        limits = f"two whole numbers from 2 to {MOST_POINTS}, such as {COLUMNS}x{ROWS}"
+        raise UserError(f"--points must be {limits}, not {text!r}")
     return int(columns), int(rows)
 
 

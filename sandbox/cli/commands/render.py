@@ -1,11 +1,12 @@
-"""`softcradle render`: a film or pictures of a scene."""
+"""`softcradle render`: a film, pictures or a kymograph of a scene."""
 
 from __future__ import annotations
 
 import argparse
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_method, add_scene, load_scene, positive, size
+from softcradle.sandbox.cli.arguments import add_method, add_scene, picture_size, positive_number
+from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
@@ -20,20 +21,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, or .kymograph.png: the "
         "markers of the beads over time, a line of pixels of each frame of a camera",
     )  # fmt: skip
-    parser.add_argument("--size", type=size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)")
+    parser.add_argument(
+        "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"
+    )
     parser.add_argument(
         "--fps",
-        type=positive,
-        help="frames a second (default: 60, less for moving pictures); of a kymograph: those "
-        "of the camera for a second of motion (default: the paper's 2052 in SI units)",
+        type=positive_number,
+        help="frames a second (default: 60 for .mp4, 25 to 30 for .gif, .webp and .avif); of a kymograph: camera frames "
+        "for a second of motion (default: the paper's 2052 in SI units)",
     )
-    parser.add_argument("--slow", type=positive, help="seconds of film for a second of motion (default: the scene's)")
+    parser.add_argument(
+        "--slow", type=positive_number, help="seconds of film for a second of motion (default: the scene's)"
+    )
     parser.add_argument("--pixel-format", metavar="FORMAT", help="of an .mp4: yuv420p (plays everywhere) or yuv444p")
     add_method(parser)
 
 
 def main(args: argparse.Namespace) -> int:
-    """Render it."""
+    """Write the film, the pictures or the kymograph."""
     scene = load_scene(args.scene)
     if args.output.lower().endswith(".kymograph.png"):
         return _kymograph(scene, args)

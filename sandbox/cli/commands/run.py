@@ -1,4 +1,4 @@
-"""`softcradle run`: compute a scene, print a table of results a lane, write its trajectories."""
+"""`softcradle run`: compute a scene, print the results of each lane as tables or JSON, and write its trajectories."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_method, add_scene, load_scene, positive, whole
+from softcradle.sandbox.cli.arguments import add_method, add_scene, positive_number, whole_number
+from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from softcradle.sandbox.trajectory_summary import Summary
     from softcradle.scenes import Scene
 
-MOST_SAMPLES = 1_000_000  # a slip of the keyboard must not fill the memory
-WRITERS = {".npz": "save", ".csv": "to_csv"}
+MOST_SAMPLES = 1_000_000  # a typing error must not fill the memory
+FORMATS = (".npz", ".csv")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,34 +28,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write the motion to OUT.npz (everything) or OUT.csv (a table); OUT-1, OUT-2 ... for several lanes",
     )  # fmt: skip
     add_method(parser)
-    parser.add_argument("--tolerance", type=positive, help="wanted error of an adaptive method")
-    parser.add_argument("--duration", type=positive, metavar="SECONDS", help="time to run (default: until all is over)")
+    parser.add_argument("--tolerance", type=positive_number, help="wanted error of an adaptive method")
     parser.add_argument(
-        "--samples", type=whole(2, MOST_SAMPLES), default=1001, help="samples to take and write (default: 1001)"
+        "--duration",
+        type=positive_number,
+        metavar="SECONDS",
+        help="time to run (default: until no contact can close again)",
+    )
+    parser.add_argument(
+        "--samples", type=whole_number(2, MOST_SAMPLES), default=1001, help="number of samples to write (default: 1001)"
     )
     parser.add_argument("--json", action="store_true", help="print the results as JSON instead of tables")
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute, write, print."""
+    """Compute the lanes, write their trajectories and print the results."""
     scene = load_scene(args.scene)
     outputs = _outputs(args.output, len(scene.lanes))
     with ExitStack() as stack:
-        temporary = [_open(stack, path) for path in outputs]  # before the work: an unwritable place is said at once
-        trajectories = _solve(scene, args)
+        # The files are opened before the run, so that an unwritable place is refused at once.
+        temporary = [_open(stack, path) for path in outputs]
+        trajectories = _run(scene, args)
         for trajectory, path in zip(trajectories, temporary, strict=False):
-            getattr(trajectory, WRITERS[path.suffix])(path)
+            _write(trajectory, path)
     _print(scene, trajectories, outputs, args.json)
     return 0
 
 
 def _outputs(wanted: str | None, lanes: int) -> list[Path]:
-    """One path a lane; a UserError for a format that is not ours."""
+    """One path for each lane. Raises UserError for a format that run does not write."""
     if wanted is None:
         return []
     path = Path(wanted)
-    if path.suffix not in WRITERS:
-        raise UserError(f"cannot write {wanted}: run writes {' or '.join(WRITERS)}")
+    if path.suffix not in FORMATS:
+        raise UserError(f"cannot write {wanted}: run writes {' or '.join(FORMATS)}")
     return [path] if lanes == 1 else [path.with_name(f"{path.stem}-{i + 1}{path.suffix}") for i in range(lanes)]
 
 
@@ -64,10 +71,15 @@ def _open(stack: ExitStack, path: Path) -> Path:
     return stack.enter_context(output_file(path))
 
 
-def _solve(scene: Scene, args: argparse.Namespace) -> list[Trajectory]:
-    from softcradle.sandbox.scene_runs import solve
+def _write(trajectory: Trajectory, path: Path) -> None:
+    if path.suffix == ".npz":
+        trajectory.save(str(path))
+    else:
+        trajectory.to_csv(str(path))
 
-    return solve(
+
+def _run(scene: Scene, args: argparse.Namespace) -> list[Trajectory]:
+    return run_scene(
         scene,
         method=args.method,
         step=args.step,
@@ -96,5 +108,5 @@ def _print_json(scene: Scene, summaries: list[Summary]) -> None:
     from softcradle.physics.storage import versions
 
     lanes = [asdict(summary) for summary in summaries]
-    told = {"title": scene.title, "source": scene.source, "lanes": lanes, "versions": versions()}
-    print(json.dumps(told, indent=2, allow_nan=False))
+    results = {"title": scene.title, "source": scene.source, "lanes": lanes, "versions": versions()}
+    print(json.dumps(results, indent=2, allow_nan=False))

@@ -1,11 +1,11 @@
-"""`softcradle scenes`: the catalogue, or the file of one scene."""
+"""`softcradle scenes`: the list of scenes, or the file of one of them."""
 
 from __future__ import annotations
 
 import argparse
 
-from softcradle.sandbox.cli.arguments import load_scene
 from softcradle.sandbox.console import console, table
+from softcradle.sandbox.scene_runs import load_scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -14,11 +14,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Print the list, or the file."""
+    """Print the list of scenes, or the file of one."""
     if args.scene is not None:
         from softcradle.scenes import text_of
 
-        load_scene(args.scene)  # refuses what is no scene, in a sentence
+        load_scene(args.scene)  # raises UserError where there is no such scene
         print(text_of(args.scene), end="")
         return 0
     from softcradle.scenes import load, names

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run, draw, say."""
+    """Run the scans, draw the maps and print the verdicts."""
     from softcradle.sandbox.output_files import output_file
     from softcradle.sandbox.studies.figures.figure_style import styled
     from softcradle.sandbox.studies.stability.stability_chart import draw
@@ -49,7 +49,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _scans(wanted: Sequence[str]) -> list[Scan]:
-    """The scans of those names, all for none."""
+    """The scans of those names; without names, all."""
     from softcradle.sandbox.studies.stability.failure_scans import SCANS
 
     known = {scan.name: scan for scan in SCANS}
@@ -90,24 +90,24 @@ def _print(spots: Sequence[Spot]) -> None:
         failed = f"{found.failed} of {found.runs}"
         unsafe = "-" if find_method(found.method).adaptive else str(found.unsafe)
         made.add_row(found.scan, found.method, failed, how, first, unsafe, str(found.silent))
-    to = console()
-    to.print(made)
-    to.print(
+    output = console()
+    output.print(made)
+    output.print(
         f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or {KEPT:g} times the tolerance; "
         "chatter: contacts switch more "
         "often than they should; error: they do not; blow-up: the energy has at least doubled. "
         "Letters in the maps: c, e, b; red where no warning spoke of it."
     )
-    to.print(_caution())
+    output.print(_caution())
 
 
 def _caution() -> str:
-    """What pymunk's own rigid contacts do."""
+    """A sentence on what pymunk's own rigid contacts do to the energy of a cradle."""
     from softcradle.sandbox.studies.stability.rigid_cradle import SECONDS, STEPS, blow, energy_kept
 
     kept = ", ".join(f"{energy_kept(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
-    after = " ".join(f"{speed:.2f}" for speed in blow(STEPS[0]) + 0.0)
+    final = " ".join(f"{speed:.2f}" for speed in blow(STEPS[0]) + 0.0)
     return (
         f"caution: pymunk's own rigid contacts, a cradle of five after {SECONDS:g} s, keep of their energy {kept}; one on "
-        f"four ends with {after} at any step: the blow leaves with the last ball, not with the cluster."
+        f"four ends with {final} at any step: the blow leaves with the last ball, not with the cluster."
     )

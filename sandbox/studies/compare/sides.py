@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from softcradle.physics.analysis.collision import struck_contact
-from softcradle.sandbox.cli.arguments import load_scene
+from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_table import Law

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 import pygame
-from softcradle.sandbox.draw.palette import FAINT, INK, MUTED, OKABE_ITO, PAPER, STAGE
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED, OKABE_ITO
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.hanging.hanging_page import NAME as HANGING
@@ -125,14 +125,14 @@ class Gallery:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the cards and the header above them."""
         unit = self.host.unit
-        surface.fill(PAPER)
+        surface.fill(BACKGROUND)
         for k in range(len(self.names)):
             place = self.place(k)
             if place.bottom > HEADER * unit and place.top < self.host.size[1]:
                 self._card(surface, k, place)
-        surface.fill(PAPER, (0, 0, self.host.size[0], round((HEADER - 4) * unit)))
+        surface.fill(BACKGROUND, (0, 0, self.host.size[0], round((HEADER - 4) * unit)))
         x, y = MARGIN * unit, 20 * unit
-        write(surface, "softcradle", (x, y), 28 * unit, INK, bold=True)
+        write(surface, "softcradle", (x, y), 28 * unit, FOREGROUND, bold=True)
         line = "Beads that only push on each other, softly. Choose a scene, or drop a scene file here."
         write(surface, line, (x, y + 38 * unit), 15 * unit, MUTED)
         place_of_help = (self.host.size[0] - MARGIN * unit, y + 38 * unit)
@@ -143,12 +143,12 @@ class Gallery:
         image = self._image(k)
         picture = pygame.Rect(place.topleft, self.picture_size)
         if image is None:
-            surface.fill(STAGE, picture)
+            surface.fill(LANE_BACKGROUND, picture)
             write(surface, "drawing …", picture.center, 13 * unit, MUTED, align=(0.5, 0.5))
         else:
             surface.blit(image, picture)
         x, y, room = place.left + 10 * unit, picture.bottom + 7 * unit, self.wide - 20 * unit
-        write(surface, shortened(title, 15 * unit, room, bold=True), (x, y), 15 * unit, INK, bold=True)
+        write(surface, shortened(title, 15 * unit, room, bold=True), (x, y), 15 * unit, FOREGROUND, bold=True)
         caption = wrapped(text, 12 * unit, room)[:1] if text else []
         for line in caption:
             write(surface, shortened(line + " …", 12 * unit, room), (x, y + 21 * unit), 12 * unit, MUTED)
@@ -158,7 +158,7 @@ class Gallery:
         self._border(surface, k, place)
         if k == self.selected:
             frame = place.inflate(round(4 * unit), round(4 * unit))
-            pygame.draw.rect(surface, INK, frame, max(2, round(2 * unit)))
+            pygame.draw.rect(surface, FOREGROUND, frame, max(2, round(2 * unit)))
 
     def _border(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
         """No widgets: their pictures of every state of every card took 100 MB, and a third of a second to make."""

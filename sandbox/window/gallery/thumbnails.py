@@ -11,10 +11,10 @@ import pygame
 from softcradle.physics.methods import AUTO
 from softcradle.physics.source_digest import PHYSICS, digest_of
 from softcradle.sandbox.draw import lane_drawing
-from softcradle.sandbox.draw.drawable_trajectory import Track
-from softcradle.sandbox.draw.lane_drawing import Stage
-from softcradle.sandbox.draw.palette import FAINT, STAGE
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
+from softcradle.sandbox.draw.palette import FAINT, LANE_BACKGROUND
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
 SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
@@ -65,7 +65,7 @@ def keep(scene: Scene, thumbnail: pygame.Surface) -> None:
         return
 
 
-def motion(scene: Scene) -> list[Track]:
+def motion(scene: Scene) -> list[Motion]:
     """What a thumbnail is drawn from: the motion of each lane. Takes some milliseconds; runs behind the window."""
     from softcradle.sandbox.film.scene_film import simulated_quietly
 
@@ -75,12 +75,12 @@ def motion(scene: Scene) -> list[Track]:
     return tracks  # whoever plays the scene has a badge for what it warns of
 
 
-def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
+def paint(scene: Scene, tracks: list[Motion]) -> pygame.Surface:
     """The moment of the greatest force, one lane below the other."""
     from softcradle.sandbox.film.scene_film import strongest_row
 
     surface = pygame.Surface(SIZE, 0, 32)
-    surface.fill(STAGE)
+    surface.fill(LANE_BACKGROUND)
     row, scales, length = strongest_row(tracks), scales_of(scene, tracks), scene.view.length
     edges = [left_edges(t.position[row], t.overlap[row], length, scales.magnify) for t in tracks]
     low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length
@@ -88,7 +88,7 @@ def paint(scene: Scene, tracks: list[Track]) -> pygame.Surface:
     tall = SIZE[1] / len(tracks)
     for k, track in enumerate(tracks):
         rect = pygame.Rect(0, round(k * tall), SIZE[0], round(tall))
-        stage = Stage(rect, 1.5 if len(tracks) == 1 else 0.9, scene, k, scales)
+        stage = LaneDrawing(rect, 1.5 if len(tracks) == 1 else 0.9, scene, k, scales)
         surface.fill(FAINT, (0, round(stage.ground), SIZE[0], 3))
         stage.paint(surface, track, row, stage.left())
     return surface

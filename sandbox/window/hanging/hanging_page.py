@@ -10,7 +10,7 @@ import pygame_gui
 from pygame_gui.elements import UIButton, UIDropDownMenu
 from softcradle.sandbox.draw.curve_panels import linear_axis
 from softcradle.sandbox.draw.number_format import MINUS, fixed
-from softcradle.sandbox.draw.palette import FAINT, INK, MUTED, OKABE_ITO, PAPER, STAGE
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED, OKABE_ITO
 from softcradle.sandbox.draw.text import wrapped, write
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, LAWS, RADIUS, Hanging
 from softcradle.sandbox.window.hanging.hanging_picture import paint_cradle, scale, to_model, to_screen
@@ -141,18 +141,18 @@ class HangingPage:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
         unit = self.host.unit
-        surface.fill(PAPER)
-        write(surface, TITLE, (110 * unit, 24 * unit), 19 * unit, INK, bold=True, align=(0, 0.5))
+        surface.fill(BACKGROUND)
+        write(surface, TITLE, (110 * unit, 24 * unit), 19 * unit, FOREGROUND, bold=True, align=(0, 0.5))
         surface.fill(FAINT, (0, round(48 * unit) - 1, self.host.size[0], 1))
         for rect, cradle, name in zip(self.stages, self.model.cradles, NAMES, strict=True):
-            surface.fill(STAGE, rect)
+            surface.fill(LANE_BACKGROUND, rect)
             title = f"{name}: {self.model.law}" if cradle.chain is not None else name
-            write(surface, title, (rect.left + 12 * unit, rect.top + 8 * unit), 15 * unit, INK, bold=True)
+            write(surface, title, (rect.left + 12 * unit, rect.top + 8 * unit), 15 * unit, FOREGROUND, bold=True)
             paint_cradle(surface, rect, cradle.places())
         self._energies(surface)
         y = float(self.text.top)
         for line in wrapped(TEXT, 13.5 * unit, self.text.width):
-            write(surface, line, (self.text.left, y), 13.5 * unit, INK)
+            write(surface, line, (self.text.left, y), 13.5 * unit, FOREGROUND)
             y += 19 * unit
         for label, x, middle in self.labels:
             write(surface, label, (x, middle), 13 * unit, MUTED, align=(1, 0.5))
@@ -194,13 +194,13 @@ class HangingPage:
         unit = self.host.unit
         for name, button in self.buttons.items():
             shape = ("pause" if self.playing else "play") if name == "play_pause" else name
-            put_icon(surface, shape, button.rect.center, 14 * unit, PAPER if name == "play_pause" else INK)
+            put_icon(surface, shape, button.rect.center, 14 * unit, BACKGROUND if name == "play_pause" else FOREGROUND)
         x, y = self.clock_at
-        write(surface, f"t = {fixed(self.model.time, 2)} s", (x, y - 2 * unit), 16 * unit, INK, bold=True)
+        write(surface, f"t = {fixed(self.model.time, 2)} s", (x, y - 2 * unit), 16 * unit, FOREGROUND, bold=True)
         pace = "real time" if self.slow == 1.0 else f"slow motion 1/{self.slow:.0f}"
         write(surface, pace, (x, y + 19 * unit), 12 * unit, MUTED)
         if self.held is not None:
-            pygame.draw.aacircle(surface, INK, self.pointer, 5 * unit, 2)
+            pygame.draw.aacircle(surface, FOREGROUND, self.pointer, 5 * unit, 2)
 
     def shown(self, surface: pygame.Surface, seconds: float) -> None:
         """Films are made of scenes."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import pygame
 from softcradle.sandbox.draw import bead_sprites as shapes
-from softcradle.sandbox.draw.palette import MUTED, STAGE, bead_colours
+from softcradle.sandbox.draw.palette import LANE_BACKGROUND, MUTED, bead_colours
 from softcradle.sandbox.draw.supersampling import put
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, RADIUS, anchors, start_places
 
@@ -55,6 +55,6 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[tu
 def thumbnail(size: tuple[int, int]) -> pygame.Surface:
     """The picture for the gallery."""
     surface = pygame.Surface(size, 0, 32)
-    surface.fill(STAGE)
+    surface.fill(LANE_BACKGROUND)
     paint_cradle(surface, surface.get_rect(), start_places(1))
     return surface

@@ -9,9 +9,8 @@ from functools import cached_property
 import numpy as np
 from softcradle.physics import Chain
 from softcradle.physics.state import from_anchor
-from softcradle.sandbox.draw.drawable_trajectory import Array
+from softcradle.sandbox.motion import Array, stored_energy
 from softcradle.sandbox.session.history import Block, History
-from softcradle.sandbox.session.ledger import stored_energy
 
 
 @dataclass(frozen=True, eq=False)

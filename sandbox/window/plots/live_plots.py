@@ -10,10 +10,10 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.curve_panels import Axis, spread
-from softcradle.sandbox.draw.drawable_trajectory import Array
-from softcradle.sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, Colour
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour
 from softcradle.sandbox.draw.supersampling import FINE, put_marker
 from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history import History
 from softcradle.sandbox.window.plots.history_curves import Rows, at_frame, stretches
 from softcradle.sandbox.window.plots.scrolling_surface import Sheet
@@ -71,7 +71,7 @@ class Plot:
 
     def _ground(self) -> pygame.Surface:
         ground = pygame.Surface(self.area.size, 0, 32)
-        ground.fill(PAPER)
+        ground.fill(BACKGROUND)
         for value, _ in self.axis.ticks:
             tint = FAINT if value == 0.0 and not self.axis.logarithmic else GRID
             ground.fill(tint, (0, round(float(self.y(np.array(value)))), self.area.width, 1))
@@ -127,7 +127,7 @@ class Plot:
         unit, area = self.unit, self.area
         whole = width(self.title, 13 * unit) <= area.width + 20 * unit
         title = self.title if whole else shortened(self.title.split(" · ")[0], 13 * unit, area.width)
-        write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, INK, align=(0, 1))
+        write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, FOREGROUND, align=(0, 1))
         for value, text in self.axis.ticks:
             y = area.top + float(self.y(np.array(value)))
             if area.top - 1 <= y <= area.bottom + 1:
@@ -178,7 +178,7 @@ class Plot:
         for k, y in enumerate(spread(heights, 13.0 * unit, 2.0 * unit, area.height - 4.0 * unit)):
             put_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, self.colours[k])
             place = (area.right + 14 * unit, area.top + y)
-            write(surface, self.names[k], place, 12 * unit, INK, align=(0, 0.5))
+            write(surface, self.names[k], place, 12 * unit, FOREGROUND, align=(0, 0.5))
 
 
 def strokes(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:
@@ -221,7 +221,7 @@ def veil(size: tuple[int, int]) -> pygame.Surface:
         if len(_veils) > 8:
             _veils.clear()
         made = pygame.Surface(size, 0, 32)
-        made.fill(PAPER)
+        made.fill(BACKGROUND)
         made.set_alpha(150)
         _veils[size] = made
     return _veils[size]

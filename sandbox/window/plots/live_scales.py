@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
 from softcradle.physics.scales import contact_scales
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
 from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history import BY_BED, BY_CONTACTS
-from softcradle.sandbox.session.ledger import stored_energy
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.scenes import Scene
@@ -23,25 +21,15 @@ DEEPER = 1.5
 FEWEST_DECADES = 4
 
 
-class LiveTrack(Track):
-    """A track of one row, with the energy of all contacts in one go."""
-
-    @cached_property
-    def stored(self) -> Array:
-        """(1,) energy in all contacts [J]."""
-        energy: Array = stored_energy(self.chain.parameters.law, self.overlap).sum(axis=1)
-        return energy
-
-
-def moment(lane: LiveLane) -> LiveTrack:
+def moment(lane: LiveLane) -> Motion:
     """The state of a lane now."""
     state = lane.state
-    return LiveTrack(
+    return Motion(
         chain=lane.chain,
         time=np.array([state.time]),
-        position=lane.position[None],
-        velocity=lane.velocity[None],
         overlap=state.overlap[None],
+        rate=state.rate[None],
+        anchor=state.anchor[None],
         force=state.force[None],
         absorbed=lane.books[[BY_CONTACTS, BY_BED]].sum()[None] if lane.chain.dissipative else np.zeros(0),
     )
@@ -87,7 +75,7 @@ class LiveScales:
             kept.append(deepest if same else (max(deepest),) * lane.chain.contacts)
         self.scales = replace(self.scales, deepest=tuple(kept))
 
-    def fit(self, tracks: Sequence[Track]) -> bool:
+    def fit(self, tracks: Sequence[Motion]) -> bool:
         """Grow so that the lanes as they are now, one row each, fit in."""
         old = self.scales
         self._velocities(tracks)
@@ -96,7 +84,7 @@ class LiveScales:
         self._energies(tracks)
         return self.scales is not old
 
-    def _velocities(self, tracks: Sequence[Track]) -> None:
+    def _velocities(self, tracks: Sequence[Motion]) -> None:
         low, high = self.scales.velocity
         least = min(float(track.velocity.min()) for track in tracks)
         most = max(float(track.velocity.max()) for track in tracks)
@@ -105,12 +93,12 @@ class LiveScales:
             high = _rounded(most) if most > high else high
             self.scales = replace(self.scales, velocity=(low, high))
 
-    def _forces(self, tracks: Sequence[Track]) -> None:
+    def _forces(self, tracks: Sequence[Motion]) -> None:
         most = max(float(track.force.max()) for track in tracks)
         if most > self.scales.force:
             self.scales = replace(self.scales, force=_rounded(most))
 
-    def _overlaps(self, tracks: Sequence[Track]) -> None:
+    def _overlaps(self, tracks: Sequence[Motion]) -> None:
         pairs = [(track.overlap[0], np.array(deep)) for track, deep in zip(tracks, self.scales.deepest, strict=True)]
         if all((overlap <= DEEPER * deep).all() for overlap, deep in pairs):
             return
@@ -120,7 +108,7 @@ class LiveScales:
         deepest = tuple(tuple(deep.tolist()) for deep in grown)
         self.scales = replace(self.scales, deepest=deepest, decades=(low, higher))
 
-    def _energies(self, tracks: Sequence[Track]) -> None:
+    def _energies(self, tracks: Sequence[Motion]) -> None:
         energy = max(float(track.kinetic.sum() + track.stored[0]) for track in tracks)
         if energy > 1.02 * self.scales.energy:
             self.scales = replace(self.scales, energy=_rounded(energy))

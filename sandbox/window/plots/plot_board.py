@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import fixed, scientific
-from softcradle.sandbox.draw.palette import FAINT, INK, PAPER
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import put_marker
 from softcradle.sandbox.draw.text import width, write
@@ -131,7 +131,7 @@ class Board:
             return
         x = point[0] - plot.area.left
         for other in self.plots:
-            surface.fill(INK, (other.area.left + min(x, other.area.width), other.area.top, 1, other.area.height))
+            surface.fill(FOREGROUND, (other.area.left + min(x, other.area.width), other.area.top, 1, other.area.height))
         history = self.session.history
         frame = history.frame_at(self.span.time(x))
         values = plot.now(frame)
@@ -156,10 +156,10 @@ class Board:
         box.clamp_ip(surface.get_rect().inflate(-8, -8))
         if box.collidepoint(point):
             box.right = point[0] - 14
-        pygame.draw.rect(surface, PAPER, box, border_radius=4)
+        pygame.draw.rect(surface, BACKGROUND, box, border_radius=4)
         pygame.draw.rect(surface, FAINT, box, 1, border_radius=4)
-        write(surface, head, (box.left + 8 * unit, box.top + 4 * unit), 12 * unit, INK, bold=True)
+        write(surface, head, (box.left + 8 * unit, box.top + 4 * unit), 12 * unit, FOREGROUND, bold=True)
         for row, (k, line) in enumerate(zip(chosen, lines, strict=True)):
             y = box.top + (20 + 16 * row) * unit
             put_marker(surface, k, (box.left + 14 * unit, y + 8 * unit), 3.4 * unit, plot.colours[k])
-            write(surface, line, (box.left + 24 * unit, y), 12 * unit, INK)
+            write(surface, line, (box.left + 24 * unit, y), 12 * unit, FOREGROUND)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Axis, decade_axis, linear_axis
-from softcradle.sandbox.draw.drawable_trajectory import Array
 from softcradle.sandbox.draw.number_format import index
-from softcradle.sandbox.draw.palette import INK, PAPER, STEEL, Colour, bead_colours, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, STEEL, Colour, bead_colours, mix
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import FINE
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history import History
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.window.plots.history_curves import Rows, at_frame, stretches
@@ -29,7 +29,7 @@ CHIPS = {
     "kymograph": "kymograph",
     "difference": "difference",
 }
-HEAT: tuple[Colour, ...] = (PAPER, (198, 222, 240), (86, 160, 211), (0, 94, 160), (10, 34, 82))
+HEAT: tuple[Colour, ...] = (BACKGROUND, (198, 222, 240), (86, 160, 211), (0, 94, 160), (10, 34, 82))
 SHADES = 256
 BODY_SEEN, PALE = 0.8, 0.45  # of a bead's length, and how much paper is in its colour, in a kymograph
 
@@ -45,7 +45,9 @@ class StackPlot(Plot):
         pixels = pygame.surfarray.array3d(self.sheet.ground)[:1].repeat(last - first, axis=0)
         middles = np.arange(height) + 0.5
         for time, values in self.curves(first, last):
-            table = np.array([*_pile_colours(values.shape[1]), PAPER], dtype=np.uint8)  # there may have been more beads
+            table = np.array(
+                [*_pile_colours(values.shape[1]), BACKGROUND], dtype=np.uint8
+            )  # there may have been more beads
             tops = self.y(np.cumsum(values, axis=1))
             for column, row in _latest(time / self.span.column, first, last):
                 layer = np.searchsorted(-tops[row], -middles)  # the first pile that reaches as high as the pixel
@@ -101,9 +103,9 @@ class KymographPlot(Plot):
             for k in range(min(values.shape[1], len(self.colours))):
                 edge = np.concatenate((across, across[::-1])), np.concatenate((low[:, k], high[::-1, k]))
                 if len(across) > 1:
-                    pygame.draw.polygon(fine, mix(self.colours[k], PAPER, PALE), np.column_stack(edge).tolist())
+                    pygame.draw.polygon(fine, mix(self.colours[k], BACKGROUND, PALE), np.column_stack(edge).tolist())
             down = (self.y(values) + 0.5) * FINE
-            strokes(fine, [INK] * values.shape[1], across, down, THICK * self.unit * FINE)
+            strokes(fine, [FOREGROUND] * values.shape[1], across, down, THICK * self.unit * FINE)
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
 

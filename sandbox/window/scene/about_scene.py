@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.draw.palette import INK, MUTED
+from softcradle.sandbox.draw.palette import FOREGROUND, MUTED
 from softcradle.sandbox.draw.text import wrapped, write
 from softcradle.scenes import Scene
 
@@ -13,12 +13,12 @@ TIPS = "Click a bead or a contact to change it. Drag a bead and throw it. Space 
 def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, scene: Scene) -> None:
     """Write it into `rect`, as much as there is room for."""
     y = float(rect.top + 4 * unit)
-    write(surface, "About this scene", (rect.left, y), 16 * unit, INK, bold=True)
+    write(surface, "About this scene", (rect.left, y), 16 * unit, FOREGROUND, bold=True)
     y += 27 * unit
     for line in wrapped(scene.text, 13 * unit, rect.width):
         if y > rect.bottom - 80 * unit:
             break
-        write(surface, line, (rect.left, y), 13 * unit, INK)
+        write(surface, line, (rect.left, y), 13 * unit, FOREGROUND)
         y += 18.5 * unit
     y += 6 * unit
     for line in wrapped(scene.source, 12 * unit, rect.width)[:2]:

@@ -11,7 +11,7 @@ import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
 from softcradle.sandbox.draw.number_format import index
-from softcradle.sandbox.draw.palette import INK, MUTED, bead_colours
+from softcradle.sandbox.draw.palette import FOREGROUND, MUTED, bead_colours
 from softcradle.sandbox.draw.supersampling import put_marker
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.session.contact_conversion import kind_of
@@ -233,10 +233,10 @@ class Inspector:
             title, colour = f"Contact {index(shape, shape + 1)}{label}", colours[shape + 1]
         put_marker(surface, shape, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
         title = shortened(title, 16 * unit, rect.width - 22 * unit, bold=True)
-        write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, INK, bold=True)
+        write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, FOREGROUND, bold=True)
         for control in self.controls.values():
             parameter, y = control.parameter, control.entry.rect.centery
-            end = write(surface, parameter.name, (rect.left, y), 13 * unit, INK, align=(0, 0.5)).right
+            end = write(surface, parameter.name, (rect.left, y), 13 * unit, FOREGROUND, align=(0, 0.5)).right
             if parameter.unit:
                 write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, MUTED, align=(0, 0.5))
 

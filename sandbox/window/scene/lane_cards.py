@@ -9,7 +9,7 @@ import pygame_gui
 from pygame_gui.elements import UIDropDownMenu
 from softcradle.physics import METHODS
 from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.draw.palette import FAINT, GOOD, INK, MUTED, PAPER, Colour, mix
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GOOD, MUTED, Colour, mix
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.session.health import BAD, FAIR, Health
 from softcradle.sandbox.session.health import GOOD as GOOD_LEVEL
@@ -86,14 +86,14 @@ class Cards:
     def _card(self, surface: pygame.Surface, rect: pygame.Rect, health: Health, number: int) -> None:
         unit, label = self.host.unit, self.session.lanes[number].label
         tint = RED if health.level == BAD else AMBER if health.level == FAIR else GOOD
-        pygame.draw.rect(surface, mix(PAPER, tint, 0.16 if health.level == BAD else 0.05), rect, border_radius=6)
+        pygame.draw.rect(surface, mix(BACKGROUND, tint, 0.16 if health.level == BAD else 0.05), rect, border_radius=6)
         pygame.draw.rect(
             surface, tint if health.level != "good" else FAINT, rect, max(1, round(1.5 * unit)), border_radius=6
         )
         x, y = rect.left + 10 * unit, rect.top + 12 * unit
         room = rect.width - 160 * unit
         title = label if len(self.session.lanes) > 1 and label else "method"
-        write(surface, shortened(title, 14 * unit, room, bold=True), (x, y), 14 * unit, INK, bold=True)
+        write(surface, shortened(title, 14 * unit, room, bold=True), (x, y), 14 * unit, FOREGROUND, bold=True)
         setup = self.session.lanes[number].setup
         step = setup.step_for(self.session.setup.frame_time)
         how = f"{setup.method}, step {scientific(step)} s" if step else f"{setup.method}, adaptive"
@@ -126,7 +126,7 @@ class Cards:
                 text,
                 (x + wide - (8 * unit if columns == 2 and k % 2 == 0 else 0), y),
                 12.5 * unit,
-                INK,
+                FOREGROUND,
                 align=(1, 0),
             )
             y += 16.5 * unit if k % columns == columns - 1 else 0.0

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.physics import Chain
-from softcradle.sandbox.draw.drawable_trajectory import Array, Track
-from softcradle.sandbox.draw.energy_bars import Shares
-from softcradle.sandbox.draw.lane_drawing import Stage
-from softcradle.sandbox.draw.magnified_insets import Loupes
-from softcradle.sandbox.draw.palette import INK, WARNING
+from softcradle.sandbox.draw.energy_bars import EnergyBars
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
+from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
+from softcradle.sandbox.draw.palette import FOREGROUND, WARNING
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
+from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.scenes import View
 
@@ -74,9 +74,11 @@ class StageView:
         scales: Scales,
     ) -> None:
         self.number, self.unit, self.view, self.scales = number, unit, scene.view, scales
-        self.stage = Stage(rects[0], unit, scene, number, scales)
-        self.loupes = Loupes(rects[1], unit, self.stage, scales.deepest[number], scales) if rects[1].height else None
-        self.shares = Shares(rects[2], unit, self.stage.colours, scales, badges=False) if rects[2].height else None
+        self.stage = LaneDrawing(rects[0], unit, scene, number, scales)
+        self.loupes = (
+            MagnifiedInsets(rects[1], unit, self.stage, scales.deepest[number], scales) if rects[1].height else None
+        )
+        self.shares = EnergyBars(rects[2], unit, self.stage.colours, scales, badges=False) if rects[2].height else None
         lane = scene.lanes[number]
         self.locked = lane.locked
         self.edges: Array = np.zeros(lane.row.contacts + 1)  # pixels, of the last picture
@@ -90,7 +92,7 @@ class StageView:
         if self.shares is not None:
             self.shares.backdrop(surface)
 
-    def paint(self, surface: pygame.Surface, track: Track, centre: float) -> None:
+    def paint(self, surface: pygame.Surface, track: Motion, centre: float) -> None:
         """Draw the one row of `track`, the camera at `centre` [m]."""
         left = self.stage.left(centre)
         edges = left_edges(track.position[0], track.overlap[0], self.view.length, self.scales.magnify)
@@ -109,10 +111,10 @@ class StageView:
             if self.stage.rect.left < x < self.stage.rect.right:
                 body = pygame.Rect(0, 0, round(size), round(0.8 * size))
                 body.midtop = (round(x), round(self.stage.ground + 6 * self.unit))
-                pygame.draw.rect(surface, INK, body, border_radius=2)
+                pygame.draw.rect(surface, FOREGROUND, body, border_radius=2)
                 ring = pygame.Rect(0, 0, round(0.64 * size), round(0.9 * size))
                 ring.midbottom = (body.centerx, body.top + round(0.45 * size))
-                pygame.draw.arc(surface, INK, ring, 0.0, math.pi, max(1, round(1.5 * self.unit)))
+                pygame.draw.arc(surface, FOREGROUND, ring, 0.0, math.pi, max(1, round(1.5 * self.unit)))
 
     def paint_hold(self, surface: pygame.Surface, bead: int, pointer: tuple[int, int], spring: bool) -> None:
         """The hand: a ring about the bead, and a line to the pointer where a spring pulls."""
@@ -129,13 +131,15 @@ class StageView:
         thick = max(2, round(2 * self.unit))
         surface.set_clip(self.stage.rect)
         if pick.kind == "bead" and pick.index < len(self.edges):
-            pygame.draw.aacircle(surface, INK, self.centre(pick.index), 0.5 * self.stage.bead + 4 * self.unit, thick)
+            pygame.draw.aacircle(
+                surface, FOREGROUND, self.centre(pick.index), 0.5 * self.stage.bead + 4 * self.unit, thick
+            )
         elif pick.kind == "contact" and pick.index < len(self.contacts):
             x, foot = round(float(self.contacts[pick.index])), round(self.stage.ground + 3 * self.unit)
             half = round(6 * self.unit)
-            pygame.draw.polygon(surface, INK, [(x, foot), (x - half, foot + half), (x + half, foot + half)])
+            pygame.draw.polygon(surface, FOREGROUND, [(x, foot), (x - half, foot + half), (x + half, foot + half)])
             top = self.stage.foot_of_bars + 3 * self.unit
-            pygame.draw.line(surface, INK, (x, round(top)), (x, foot), 1)
+            pygame.draw.line(surface, FOREGROUND, (x, round(top)), (x, foot), 1)
         surface.set_clip(None)
 
     def centre(self, bead: int) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pygame
-from softcradle.sandbox.draw.palette import FAINT, INK, PAPER
+from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.user_error import UserError
@@ -93,7 +93,7 @@ class Scenery:
     def _drawn_ground(self, size: tuple[int, int]) -> pygame.Surface:
         page, unit, places = self.page, self.page.host.unit, self.page.places
         ground = pygame.Surface(size, 0, 32)
-        ground.fill(PAPER)
+        ground.fill(BACKGROUND)
         for view in self.views:
             view.backdrop(ground)
         page.board.backdrop(ground)
@@ -103,5 +103,5 @@ class Scenery:
         if page.side:
             ground.fill(FAINT, (places.side.left, places.side.top, 1, places.side.height))
         title = shortened(self.session.scene.title, 19 * unit, page.title_room, bold=True)
-        write(ground, title, (110 * unit, places.top.centery), 19 * unit, INK, bold=True, align=(0, 0.5))
+        write(ground, title, (110 * unit, places.top.centery), 19 * unit, FOREGROUND, bold=True, align=(0, 0.5))
         return ground

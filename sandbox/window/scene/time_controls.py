@@ -9,7 +9,7 @@ import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton, UIHorizontalSlider
 from softcradle.sandbox.draw.number_format import fixed, time_unit
-from softcradle.sandbox.draw.palette import INK, MUTED, PAPER, WARNING
+from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, MUTED, WARNING
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.session import Session
@@ -129,10 +129,10 @@ class Transport:
         unit = self.host.unit
         for name, button in self.buttons.items():
             shape = ("pause" if self.session.playing else "play") if name == "play_pause" else name
-            put_icon(surface, shape, button.rect.center, 14 * unit, PAPER if name == "play_pause" else INK)
+            put_icon(surface, shape, button.rect.center, 14 * unit, BACKGROUND if name == "play_pause" else FOREGROUND)
         slow = self.slow
         text = "real time" if slow <= 1.0 else f"slow motion 1/{slow:.4g}"
-        write(surface, text, (self.slow_at, self.rect.centery - 17 * unit), 13 * unit, INK)
+        write(surface, text, (self.slow_at, self.rect.centery - 17 * unit), 13 * unit, FOREGROUND)
         self._clock(surface)
 
     def _clock(self, surface: pygame.Surface) -> None:
@@ -140,7 +140,7 @@ class Transport:
         size, name = time_unit(self.board.span.seconds)
         decimals = max(0, 3 - math.floor(math.log10(self.board.span.seconds / size)))
         place = (self.clock_at, self.rect.centery - 17 * unit)
-        write(surface, f"t = {fixed(session.time / size, decimals)} {name}", place, 16 * unit, INK, bold=True)
+        write(surface, f"t = {fixed(session.time / size, decimals)} {name}", place, 16 * unit, FOREGROUND, bold=True)
         ratio = session.pace.clock_ratio
         below = (self.clock_at, self.rect.centery + 4 * unit)
         if session.playing and ratio < LATE:

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import pygame
 from softcradle.sandbox.draw.number_format import fixed, time_unit
-from softcradle.sandbox.draw.palette import FAINT, GRID, INK, MUTED, PAPER, STAGE, bead_colours, mix
+from softcradle.sandbox.draw.palette import (
+    BACKGROUND,
+    FAINT,
+    FOREGROUND,
+    GRID,
+    LANE_BACKGROUND,
+    MUTED,
+    bead_colours,
+    mix,
+)
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.session.contact_events import Marks
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
@@ -100,19 +109,19 @@ class Timeline:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw it."""
         history, unit, rect = self.session.history, self.unit, self.rect
-        pygame.draw.rect(surface, STAGE, rect, border_radius=round(4 * unit))
+        pygame.draw.rect(surface, LANE_BACKGROUND, rect, border_radius=round(4 * unit))
         done = pygame.Rect(rect.left, rect.top, round(self.x(history.last)) - rect.left, rect.height)
         pygame.draw.rect(surface, GRID, done, border_radius=round(4 * unit))
         now = round(self.x(self.session.frame))
         past = pygame.Rect(rect.left, rect.top, now - rect.left, rect.height)
-        pygame.draw.rect(surface, mix(PAPER, FAINT, 0.75), past, border_radius=round(4 * unit))
+        pygame.draw.rect(surface, mix(BACKGROUND, FAINT, 0.75), past, border_radius=round(4 * unit))
         if self._layer is not None:
             surface.blit(self._layer, rect)
         if history.first > 0:
             write(surface, "older is forgotten", (rect.left + 6 * unit, rect.centery), 11 * unit, MUTED, align=(0, 0.5))
         knob = pygame.Rect(0, 0, round(4 * unit), rect.height + round(8 * unit))
         knob.center = (now, rect.centery)
-        pygame.draw.rect(surface, INK, knob, border_radius=round(2 * unit))
+        pygame.draw.rect(surface, FOREGROUND, knob, border_radius=round(2 * unit))
 
     def paint_reading(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
         """The time under the pointer."""
@@ -122,6 +131,6 @@ class Timeline:
         size, name = time_unit(max(self.session.span[1] - self.session.span[0], 1e-9))
         x = min(max(point[0], self.rect.left + 40 * self.unit), self.rect.right - 40 * self.unit)
         text = f"{fixed(time / size, 3)} {name}"
-        place = write(surface, text, (x, self.rect.top - 5 * self.unit), 12 * self.unit, PAPER, align=(0.5, 1))
-        pygame.draw.rect(surface, INK, place.inflate(12 * self.unit, 4 * self.unit), border_radius=4)
-        write(surface, text, (x, self.rect.top - 5 * self.unit), 12 * self.unit, PAPER, align=(0.5, 1))
+        place = write(surface, text, (x, self.rect.top - 5 * self.unit), 12 * self.unit, BACKGROUND, align=(0.5, 1))
+        pygame.draw.rect(surface, FOREGROUND, place.inflate(12 * self.unit, 4 * self.unit), border_radius=4)
+        write(surface, text, (x, self.rect.top - 5 * self.unit), 12 * self.unit, BACKGROUND, align=(0.5, 1))

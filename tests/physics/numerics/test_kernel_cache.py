@@ -12,7 +12,8 @@ import pytest
 from softcradle.physics.numerics.jit import cache_folder, jit
 from softcradle.physics.source_digest import digest_of, kernel_sources
 
-ROOT = Path(__file__).parents[3]
+from tests.helpers.paths import ROOT
+
 PHYSICS = ROOT / "physics"
 
 # prints the bytes of a short run of every kernel method: final velocities, an overlap row, and a live advance

@@ -175,7 +175,7 @@ def test_interrupted_run_leaves_no_file(tmp_path, monkeypatch, capsys):
         assert len(list(tmp_path.iterdir())) == 1  # the place is taken before the work
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("softcradle.sandbox.scene_runs.solve", interrupt)
+    monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
     assert main(["run", "mixed", "-o", str(tmp_path / "out.csv")]) == 130
     assert capsys.readouterr().err == "softcradle: interrupted\n"
     assert list(Path(tmp_path).iterdir()) == []

@@ -79,13 +79,13 @@ def test_help_imports_nothing_heavy():
 
 
 def test_module_is_the_command():
-    told = subprocess.run([sys.executable, "-m", "sandbox", "run", "nope"], capture_output=True, text=True, check=False)
+    told = subprocess.run([sys.executable, "-m", "softcradle", "run", "nope"], capture_output=True, text=True, check=False)
     assert told.returncode == 2
     assert told.stderr.startswith("softcradle: there is no scene 'nope'")
 
 
 def test_reader_that_goes_away_is_no_error():
-    shell = f"{sys.executable} -m sandbox scenes mixed | true; exit ${{PIPESTATUS[0]}}"
+    shell = f"{sys.executable} -m softcradle scenes mixed | true; exit ${{PIPESTATUS[0]}}"
     told = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert told.stderr == ""
 

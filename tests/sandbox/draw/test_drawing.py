@@ -1,6 +1,7 @@
 """Pictures: what is on them is what the history says, and drawing changes nothing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pygame
@@ -9,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
 from softcradle.sandbox.draw.curve_panels import spread
-from softcradle.sandbox.draw.drawable_trajectory import Track
 from softcradle.sandbox.draw.lane_drawing import rigid_shares
 from softcradle.sandbox.draw.number_format import (
     decades,
@@ -22,12 +22,13 @@ from softcradle.sandbox.draw.number_format import (
     scientific,
     ticks,
 )
-from softcradle.sandbox.draw.palette import OKABE_ITO, PAPER, STEEL, bead_colours
+from softcradle.sandbox.draw.palette import BACKGROUND, OKABE_ITO, STEEL, bead_colours
 from softcradle.sandbox.draw.shared_scales import followed, left_edges
 from softcradle.sandbox.draw.surface_cache import forget, kept
 from softcradle.sandbox.draw.text import font, shortened, width, wrapped
 from softcradle.sandbox.film.codecs import pixels_of
 from softcradle.sandbox.film.scene_film import simulated, strongest_row
+from softcradle.sandbox.motion import Motion
 from softcradle.scenes.library import parse
 
 SIZE = (960, 540)
@@ -226,7 +227,7 @@ def test_errors_are_those_of_the_motion(soft):
     _, (track,) = soft
     energy = track.kinetic.sum(axis=1) + track.stored
     assert track.energy_error[-1] == pytest.approx(np.abs(energy / energy[0] - 1.0).max())
-    lost = Track(track.chain, track.time, track.position, 0.5 * track.velocity, track.overlap, track.force)
+    lost = replace(track, rate=0.5 * track.rate, anchor=track.anchor * [1.0, 0.5])
     assert lost.momentum_error[-1] == pytest.approx(track.momentum_error[-1], abs=1e-12)
     assert lost.energy_error[-1] > 0.1
 
@@ -251,8 +252,8 @@ def test_a_history_that_grows_is_inked_like_one_that_is_known(two):
 
 
 def shortened_track(track, rows):
-    arrays = (track.time, track.position, track.velocity, track.overlap, track.force)
-    return Track(track.chain, *(array[:rows] for array in arrays))
+    arrays = (track.time, track.overlap, track.rate, track.anchor, track.force)
+    return Motion(track.chain, *(array[:rows] for array in arrays))
 
 
 @pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])
@@ -260,8 +261,8 @@ def test_any_size(two, size):
     scene, tracks = two
     pixels = painted(Picture(scene, tracks, size), 40, told=1.0)
     assert pixels.shape == (size[1], size[0], 3)
-    assert 0.01 < (~near(pixels, PAPER)).mean() < 0.9
-    assert near(pixels[0, 0], PAPER)
+    assert 0.01 < (~near(pixels, BACKGROUND)).mean() < 0.9
+    assert near(pixels[0, 0], BACKGROUND)
 
 
 @pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
@@ -269,7 +270,7 @@ def test_any_chain(text):
     scene, tracks = history(text, 20.0)
     picture = Picture(scene, tracks, SIZE)
     frames = [painted(picture, row) for row in (0, len(tracks[0].time) // 2, len(tracks[0].time) - 1)]
-    assert all((~near(frame, PAPER)).mean() > 0.02 for frame in frames)
+    assert all((~near(frame, BACKGROUND)).mean() > 0.02 for frame in frames)
     assert (frames[0] != frames[-1]).any()
 
 

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.draw import scales_of
-from softcradle.sandbox.draw.palette import INK
+from softcradle.sandbox.draw.palette import FOREGROUND
 from softcradle.sandbox.film.kymograph import CAMERA_RATE, as_seen, camera_rate, in_si, render_kymograph
 from softcradle.sandbox.film.kymograph_camera import Camera, stacked, traced
 from softcradle.sandbox.film.scene_film import motion_end, simulated
@@ -105,7 +105,7 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
 
 def bar_lengths(picture):
     """Longest level and upright stretches of ink outside the kymograph: (pixels below, pixels on the right)."""
-    black = (picture == np.array(INK)).all(axis=2)
+    black = (picture == np.array(FOREGROUND)).all(axis=2)
     below = max(int(row.sum()) for row in black[-60:-40])
     right = max(int(column.sum()) for column in black[100:-62, -118:-90].T)
     return below, right

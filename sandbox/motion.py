@@ -1,0 +1,106 @@
+"""Motion: what one chain did as arrays, a row a time. Drawing, live plots and the export of a session read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain
+from softcradle.physics.state import from_anchor
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """States of one chain at T times; all in SI units or the paper's.
+
+    Attributes:
+        chain: the Chain.
+        time: (T,) [s], ascending.
+        overlap, rate, force: (T, n) [m], [m/s] and [N].
+        anchor: (T, 2) position [m] and velocity [m/s] of bead ``chain.anchor``.
+        absorbed: (T,) energy [J] that contacts with loss and the bed have absorbed; empty for a chain without either.
+        method: how it was made, for a label.
+    """
+
+    chain: Chain
+    time: Array
+    overlap: Array
+    rate: Array
+    anchor: Array
+    force: Array
+    absorbed: Array = field(default_factory=lambda: np.zeros(0))
+    method: str = ""
+
+    @cached_property
+    def position(self) -> Array:
+        """(T, n+1) positions [m], bead lengths taken out."""
+        return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
+
+    @cached_property
+    def velocity(self) -> Array:
+        """(T, n+1) bead velocities [m/s]."""
+        return from_anchor(self.rate, self.anchor[:, 1], self.chain.anchor)
+
+    @cached_property
+    def kinetic(self) -> Array:
+        """(T, n+1) kinetic energy of each bead [J]; 0 for a wall."""
+        return 0.5 * self._mass * self.velocity**2
+
+    @cached_property
+    def stored(self) -> Array:
+        """(T,) energy in all contacts [J]."""
+        energy: Array = stored_energy(self.chain.parameters.law, self.overlap).sum(axis=1)
+        return energy
+
+    @cached_property
+    def momentum(self) -> Array:
+        """(T, n+1) momentum of each bead [N s]; 0 for a wall."""
+        return self._mass * self.velocity
+
+    @cached_property
+    def energy(self) -> Array:
+        """(T,) kinetic and stored energy of the chain [J]."""
+        energy: Array = self.kinetic.sum(axis=1) + self.stored
+        return energy
+
+    @cached_property
+    def energy_error(self) -> Array:
+        """(T,) greatest relative change of the energy so far; what was absorbed and the work of a drive are no change."""
+        energy = self.energy - self._given(self.position)
+        if self.absorbed.size:
+            energy = energy + self.absorbed
+        return _worst_so_far(energy, self.kinetic.sum(axis=1).max())
+
+    @cached_property
+    def momentum_error(self) -> Array:
+        """(T,) greatest change of the momentum so far, relative to the sum of the beads' momenta without sign."""
+        momentum = self.momentum.sum(axis=1) - self._given(np.where(self._mass > 0.0, self.time[:, None], 0.0))
+        return _worst_so_far(momentum, np.abs(self.momentum).sum(axis=1).max())
+
+    def _given(self, path: Array) -> Array:
+        """(T,) what the drive, which acts from t = 0 on, has given along `path` (T, n+1): work, or impulse."""
+        if self.chain.drive_force is None:
+            return np.zeros(len(self.time))
+        start = np.searchsorted(self.time, 0.0)
+        return np.where(self.time > 0.0, (path - path[start]) @ self.chain.drive_force, 0.0)
+
+    @cached_property
+    def _mass(self) -> Array:
+        mass = np.array(self.chain.mass)
+        return np.where(np.isfinite(mass), mass, 0.0)
+
+
+def stored_energy(law: Array, overlap: Array) -> Array:
+    """(..., n) energy [J] in contacts with the law table (n, 3) at `overlap` (..., n)."""
+    pressed = np.maximum(overlap, 0.0)
+    energy: Array = (law[:, 0] + law[:, 1] * pressed ** law[:, 2] / (1.0 + law[:, 2])) * pressed
+    return energy
+
+
+def _worst_so_far(value: Array, unit: float) -> Array:
+    deviation = np.abs(value - value[0])
+    return np.maximum.accumulate(deviation) / unit if unit > 0.0 else deviation

@@ -1,0 +1,50 @@
+"""The kinds of contact by name: what files and lines of text call them, their numbers, and what makes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from softcradle.scenes.scene_table import NotNegative, Positive
+
+from softcradle import physics
+
+
+@dataclass(frozen=True)
+class ContactKind:
+    """One kind of contact.
+
+    Attributes:
+        law: its name in a scene file.
+        spelling: its name in a line of text, that of its constructor in Python; read in a file too, but not written.
+        constructor: makes the contact from its numbers and its loss.
+        numbers: the names of its numbers in the order of the constructor, each with the values that it may have.
+    """
+
+    law: str
+    spelling: str
+    constructor: Callable[..., physics.Contact]
+    numbers: Mapping[str, Any]
+
+
+KINDS = (
+    # f0 * overlap**alpha, Eq. (2); f0 [N / m**alpha]
+    ContactKind("power", "power_law", physics.power_law, {"f0": Positive, "alpha": Positive}),
+    # a spring of stiffness [N/m] precompressed by precompression [m] behind a piston, Eq. (C1)
+    ContactKind("draft_gear", "draft_gear", physics.draft_gear, {"stiffness": Positive, "precompression": NotNegative}),
+    # elastic spheres, stiffness * overlap**1.5; stiffness [N / m**1.5]
+    ContactKind("hertz", "hertz", physics.hertz, {"stiffness": Positive}),
+    # a one-sided linear spring; stiffness [N/m]
+    ContactKind("hooke", "hooke", physics.hooke, {"stiffness": Positive}),
+    # the limit alpha -> 0: f0 [N] at any overlap
+    ContactKind("step", "step_force", physics.step_force, {"f0": Positive}),
+    # preload [N] + stiffness * overlap**exponent, the law that all others are cases of
+    ContactKind(
+        "preloaded",
+        "preloaded",
+        physics.Contact,
+        {"preload": NotNegative, "stiffness": Positive, "exponent": Positive},
+    ),
+)
+KIND_BY_NAME = {name: kind for kind in KINDS for name in (kind.law, kind.spelling)}

@@ -1,0 +1,167 @@
+"""The wheel: one top-level name, all that softcradle needs, and it runs beside a stranger's folder `physics`."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.paths import LAYERS, ROOT
+
+PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet")
+BUILD = (*PIP, "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir")
+
+ASSETS = (
+    "theme.json",
+    "icon.png",
+    "Inter-Regular.otf",
+    "Inter-SemiBold.otf",
+    "report/compare.css",
+    "report/compare.js",
+)
+
+# The user's own game: its folders bear the names of ours.
+GAME = """
+import physics, sandbox, scenes
+assert [module.OF for module in (physics, sandbox, scenes)] == ["the game"] * 3
+from softcradle import SoftContact, one_on, power_law, simulate
+import softcradle.physics, softcradle.scenes, softcradle.sandbox
+print(simulate(one_on(1, power_law(1.0, 1.0)), [1, 0], method="verlet").final_velocity.round(3) + 0.0)
+"""
+
+# Imports every module of the package that needs no package beyond the dependencies, and prints where it lies.
+EVERY_MODULE = """
+import importlib, pkgutil, softcradle
+names = [found.name for found in pkgutil.walk_packages(softcradle.__path__, "softcradle.")]
+for name in names:
+    if not name.endswith(("_peer", ".__main__")):
+        print(importlib.import_module(name).__file__)
+"""
+
+
+@dataclass(frozen=True)
+class Installed:
+    """The wheel in an environment of its own, and a user's folder to run it from."""
+
+    python: Path
+    scripts: Path
+    packages: Path
+    game: Path
+
+    def run(self, *command: str | Path) -> str:
+        """What the command prints, run in the user's folder by an interpreter that does not know the checkout."""
+        left_out = ("PYTHON", "NUMBA_", "VIRTUAL_ENV")
+        kept = {key: value for key, value in os.environ.items() if not key.startswith(left_out)}
+        quick = {"NUMBA_DISABLE_JIT": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", "PYTHONUTF8": "1"}
+        environment = kept | quick | {"SOFTCRADLE_CACHE": str(self.game / "cache")}
+        done = subprocess.run(command, cwd=self.game, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+
+def built(source: Path, folder: Path) -> Path:
+    subprocess.run([*BUILD, str(folder), str(source)], cwd=folder.parent, check=True)
+    (wheel,) = folder.glob("*.whl")
+    return wheel
+
+
+def contents(wheel: Path) -> set[str]:
+    with zipfile.ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return built(ROOT, tmp_path_factory.mktemp("built") / "wheel")
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """A new environment with the wheel in it; the dependencies are those of this one, whose path files do not count."""
+    home = tmp_path_factory.mktemp("installed")
+    builder = venv.EnvBuilder(symlinks=os.name != "nt")
+    made = builder.ensure_directories(home / "environment")
+    builder.create(home / "environment")
+    python = Path(made.env_exe)
+    subprocess.run([*PIP, "--python", str(python), "install", "--no-deps", "--no-index", str(wheel)], check=True)
+    ask = [str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+    packages = Path(subprocess.run(ask, capture_output=True, text=True, check=True).stdout.strip())
+    dependencies = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
+    (packages / "dependencies.pth").write_text("\n".join(dependencies), encoding="utf-8")
+    game = home / "game"
+    for name in LAYERS:
+        (game / name).mkdir(parents=True)
+        (game / name / "__init__.py").write_text('OF = "the game"\n', encoding="utf-8")
+    (game / "game.py").write_text(GAME, encoding="utf-8")
+    return Installed(python, Path(made.bin_path), packages, game)
+
+
+def test_one_name_at_the_top(wheel):
+    tops = {name.partition("/")[0] for name in contents(wheel)}
+    assert {name for name in tops if not name.endswith(".dist-info")} == {"softcradle"}
+    assert len(tops) == 2
+
+
+def test_everything_is_in_it_and_nothing_else(wheel):
+    homes = {"softcradle": "softcradle", "assets": "softcradle/sandbox/assets"}
+    homes |= {layer: f"softcradle/{layer}" for layer in LAYERS}
+    expected = {
+        f"{home}/{path.relative_to(ROOT / folder).as_posix()}"
+        for folder, home in homes.items()
+        for path in (ROOT / folder).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert {name for name in contents(wheel) if ".dist-info/" not in name} == expected
+    assert expected >= {"softcradle/py.typed", "softcradle/scenes/catalogue/one-on-four.toml"}
+    assert expected >= {f"softcradle/sandbox/assets/{name}" for name in ASSETS}
+
+
+def test_the_licences_are_in_it(wheel):
+    licences = {name.partition(".dist-info/licenses/")[2] for name in contents(wheel)}
+    assert licences >= {"LICENSE", "assets/Inter-LICENSE.txt"}
+
+
+def test_the_source_archive_builds_the_same_wheel(wheel, tmp_path):
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    assert contents(built(archive, tmp_path / "wheel")) == contents(wheel)
+
+
+def test_every_module_comes_from_the_wheel(installed):
+    files = [Path(line) for line in installed.run(installed.python, "-c", EVERY_MODULE).splitlines()]
+    assert len(files) > 200
+    assert [file for file in files if not file.is_relative_to(installed.packages / "softcradle")] == []
+
+
+def test_the_checkout_is_out_of_reach(installed):
+    path = installed.run(installed.python, "-c", "import sys; print(*sys.path[1:], sep='\\n')").splitlines()
+    assert str(installed.packages) in path
+    assert str(ROOT) not in path
+
+
+def test_a_game_with_a_folder_physics_of_its_own(installed):
+    assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
+
+
+def test_the_command_runs(installed):
+    printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
+    assert "-0.5675856" in printed  # final velocity of the striker [m/s]
+    assert "accurate, tolerance 1e-08" in printed
+
+
+def test_the_script_runs(installed):
+    assert "one-on-four" in installed.run(installed.scripts / "softcradle", "scenes")
+
+
+def test_fonts_theme_and_report_are_found(installed):
+    program = f"from softcradle.sandbox.resources import resource\nfor name in {ASSETS}: print(resource(name))"
+    files = [Path(line) for line in installed.run(installed.python, "-c", program).splitlines()]
+    assert [file for file in files if not file.is_relative_to(installed.packages)] == []
