@@ -88,7 +88,8 @@ class LiveLane:
         absorbed = state.absorbed.copy()
         state.push = self._push(bead, pointer, quickness)
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
-        self.trouble, self.troubled = (state.trouble, 0) if state.trouble else (self.trouble, self.troubled + 1)
+        found = " ".join(map(str, state.warnings))
+        self.trouble, self.troubled = (found, 0) if found else (self.trouble, self.troubled + 1)
         if self.troubled >= TROUBLE_FRAMES:
             self.trouble = ""
         if not all(

@@ -85,5 +85,5 @@ def _side(result: Result) -> dict[str, Any]:
         "method": trajectory.method,
         "energy_error": summary.energy_error,
         "momentum_error": summary.momentum_error,
-        "warnings": list(trajectory.warnings),
+        "warnings": [warning.sentence for warning in trajectory.warnings],
     }

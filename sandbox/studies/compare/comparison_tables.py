@@ -94,5 +94,5 @@ def print_tables(to: Console, title: str, results: Sequence[Result]) -> None:
         for row in contact_rows(result):
             made.add_row(row.title, *row.values)
         to.print(made)
-        for sentence in result.trajectory.warnings:
+        for sentence in map(str, result.trajectory.warnings):
             to.print(f"warning: {sentence}", style="yellow")

@@ -107,7 +107,7 @@ def _table(titles: Sequence[str], rows: Sequence[Row], caption: str = "") -> str
 
 
 def _warnings(results: Sequence[Result]) -> str:
-    told = [(r.side.name, sentence) for r in results for sentence in r.trajectory.warnings]
+    told = [(r.side.name, warning.sentence) for r in results for warning in r.trajectory.warnings]
     return "".join(f'<p class="note warning">{escape(name)}: {escape(sentence)}</p>' for name, sentence in told)
 
 
