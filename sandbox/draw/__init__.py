@@ -1,6 +1,6 @@
 """Drawing: a scene, its history and a time in, pixels out. Nothing here knows of windows, films or clocks.
 
-tracks = [track_of(trajectory) for trajectory in trajectories]     # one a lane
+tracks = [motion_of(trajectory) for trajectory in trajectories]     # one a lane
 draw(surface, scene, tracks, row)                                  # row of the history: the state that is drawn
 """
 
@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import pygame
-from softcradle.sandbox.draw.drawable_trajectory import longest_lead, track_of
+from softcradle.sandbox.draw.drawable_trajectory import longest_lead, motion_of
 from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
-__all__ = ["Picture", "Scales", "draw", "longest_lead", "scales_of", "track_of"]
+__all__ = ["Picture", "Scales", "draw", "longest_lead", "motion_of", "scales_of"]
 
 
 def draw(

@@ -10,7 +10,7 @@ import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import decades, ticks, time_unit
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour, mix
-from softcradle.sandbox.draw.supersampling import FINE, put_marker, stroke
+from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line, draw_marker
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array
 
@@ -108,28 +108,28 @@ class Panel:
         for k in range(len(values) - 1, -1, -1):
             if 0.0 <= heights[k] <= self.area.height:
                 centre = (self.area.left + place + 0.5, self.area.top + float(heights[k]) + 0.5)
-                put_marker(surface, k, centre, 3.6 * self.unit, self.colours[k])
+                draw_marker(surface, k, centre, 3.6 * self.unit, self.colours[k])
 
     def _curves(self, time: Array, values: Array, colours: Sequence[Colour], first: int) -> pygame.Surface:
         """Grid and curves from pixel column `first` on; from any column the same pixels as from column 0."""
         start = max(0, int(np.searchsorted(self.x(time), first - 2 * THICK * self.unit)) - 1)
         wide, high = self.area.width - first, self.area.height
-        fine = pygame.Surface((wide * FINE, high * FINE), 0, 32)
+        fine = pygame.Surface((wide * SUBPIXELS, high * SUBPIXELS), 0, 32)
         fine.fill(BACKGROUND)
         self._grid(fine, first)
-        across = (self.x(time[start:]) - first + 0.5) * FINE
+        across = (self.x(time[start:]) - first + 0.5) * SUBPIXELS
         for k in range(len(colours) - 1, -1, -1):
-            down = (self.y(self.axis.on(values[start:, k])) + 0.5) * FINE
-            stroke(fine, colours[k], _thinned(across, down), THICK * self.unit * FINE)
+            down = (self.y(self.axis.on(values[start:, k])) + 0.5) * SUBPIXELS
+            draw_line(fine, colours[k], _thinned(across, down), THICK * self.unit * SUBPIXELS)
         return pygame.transform.smoothscale(fine, (wide, high))
 
     def _grid(self, fine: pygame.Surface, first: int) -> None:
         for value, _ in self.axis.ticks:
             y = round(float(self.y(np.array(value))))
             tint = FAINT if value == 0.0 and not self.axis.logarithmic else GRID
-            fine.fill(tint, (0, y * FINE, fine.get_width(), FINE))
+            fine.fill(tint, (0, y * SUBPIXELS, fine.get_width(), SUBPIXELS))
         for value, _ in self._time_ticks():
-            fine.fill(GRID, ((round(float(self.x(value))) - first) * FINE, 0, FINE, fine.get_height()))
+            fine.fill(GRID, ((round(float(self.x(value))) - first) * SUBPIXELS, 0, SUBPIXELS, fine.get_height()))
 
     def _time_ticks(self) -> list[tuple[float, str]]:
         size, _ = time_unit(self.time[1] - self.time[0])
@@ -154,7 +154,7 @@ class Panel:
         unit, area = self.unit, self.area
         for k, y in enumerate(spread(heights.tolist(), LABEL_GAP * unit, 0.0, area.height - 5.0 * unit)):
             x, middle = area.right + 9 * unit, area.top + y
-            put_marker(surface, k, (x, middle), 3.6 * unit, self.colours[k])
+            draw_marker(surface, k, (x, middle), 3.6 * unit, self.colours[k])
             write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, FOREGROUND, align=(0, 0.5))
 
 

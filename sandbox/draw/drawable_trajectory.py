@@ -8,7 +8,7 @@ from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.motion import Array, Motion
 
 
-def track_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
+def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
     """The motion in `trajectory`, with free flight before it at the times `lead` < 0 (see :func:`longest_lead`)."""
     times = np.empty(0) if lead is None else lead - trajectory.time[0]
     flight, open_contacts = times[:, None], np.zeros((len(times), trajectory.chain.contacts))

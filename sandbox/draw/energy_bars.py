@@ -6,7 +6,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import FOREGROUND, GOOD, GRID, MUTED, STEEL, WARNING, Colour
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.draw.supersampling import bar
+from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.motion import Array, Motion
 
@@ -46,7 +46,7 @@ class EnergyBars:
             fitting = [title for title in titles if width(title, 12.5 * unit) < rect.width - 14 * unit] or [""]
             end = write(surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, MUTED, align=(0, 1)).right
             if fitting[0].endswith("contacts"):
-                bar(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
+                fill_rectangle(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
 
     def paint(self, surface: pygame.Surface, track: Motion, row: int) -> None:
         """Draw the shares and errors at row `row` of `track`."""
@@ -65,7 +65,7 @@ class EnergyBars:
         rect, x = self.bars[0], float(self.bars[0].left)
         for value, colour in zip((*kinetic.tolist(), stored, absorbed), (*self.colours, STEEL, MUTED), strict=True):
             wide = value / self.scales.energy * rect.width
-            bar(surface, colour, (x, rect.top, wide, rect.height))
+            fill_rectangle(surface, colour, (x, rect.top, wide, rect.height))
             x += wide
 
     def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
@@ -75,12 +75,12 @@ class EnergyBars:
         for value, colour in zip(momentum.tolist(), self.colours, strict=True):
             wide = value / (high - low) * rect.width
             side = 1 if wide > 0 else 0
-            bar(surface, colour, (min(ends[side], ends[side] + wide), rect.top, abs(wide), rect.height))
+            fill_rectangle(surface, colour, (min(ends[side], ends[side] + wide), rect.top, abs(wide), rect.height))
             ends[side] += wide
         total = self.zero + float(momentum.sum()) / (high - low) * rect.width
         wide, high = 1.5 * self.unit, rect.height + 6 * self.unit
         for x, colour in ((self.zero, MUTED), (total, FOREGROUND)):
-            bar(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
+            fill_rectangle(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
         unit, good = self.unit, error <= HOLDS

@@ -14,7 +14,7 @@ from softcradle.sandbox.draw import bead_sprites as shapes
 from softcradle.sandbox.draw.number_format import factor, fixed, round_down, scientific, ticks
 from softcradle.sandbox.draw.palette import FAINT, FOREGROUND, GRID, LANE_BACKGROUND, MUTED, bead_colours
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
-from softcradle.sandbox.draw.supersampling import arrow, bar, put
+from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import View
@@ -94,7 +94,7 @@ class LaneDrawing:
         write(surface, "contact force (N)", (x, y), 12.5 * unit, MUTED)
         if any(share != 0.0 for share in self.rigid):
             x, y = rect.left + 8 * unit, rect.top + 26 * unit
-            bar(surface, FOREGROUND, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
+            fill_rectangle(surface, FOREGROUND, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
             write(surface, "if clusters were rigid", (x + 20 * unit, y), 12.5 * unit, MUTED)
         surface.fill(FAINT, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         self._ruler(surface)
@@ -121,16 +121,18 @@ class LaneDrawing:
             if self._is_gear(i):
                 end = faces[i] if i < len(faces) else edges[i] + self.bead
                 image = shapes.piston(self.bead, self.bead)
-                put(surface, image, end - 0.5 * self.bead, self.ground - self.bead * (0.5 * shapes.BODY_HEIGHT + 0.22))
+                blit_sprite(
+                    surface, image, end - 0.5 * self.bead, self.ground - self.bead * (0.5 * shapes.BODY_HEIGHT + 0.22)
+                )
         for i in on_screen:
             if math.isinf(self.chain.mass[i]):
-                put(surface, shapes.wall(self.bead, 1.2 * self.bead), edges[i], self.ground - 1.2 * self.bead)
+                blit_sprite(surface, shapes.wall(self.bead, 1.2 * self.bead), edges[i], self.ground - 1.2 * self.bead)
             elif self._is_gear(i):
                 image = shapes.cylinder(self.bead, self.bead, self.colours[i])
-                put(surface, image, edges[i], self.ground - shapes.BODY_HEIGHT * self.bead)
+                blit_sprite(surface, image, edges[i], self.ground - shapes.BODY_HEIGHT * self.bead)
             else:
                 image = shapes.bead(self.bead, self.colours[i], self._core(i))
-                put(surface, image, edges[i], self.ground - math.ceil(self.bead))
+                blit_sprite(surface, image, edges[i], self.ground - math.ceil(self.bead))
 
         size = self.number_size
         for i in on_screen if self.numbered and size >= LEAST_NUMBER else ():
@@ -139,7 +141,7 @@ class LaneDrawing:
             middle = edges[i] + self.bead * (0.5 * shapes.BODY if self._is_gear(i) else 0.5)
             y = self.ground - self.bead * (0.5 * shapes.BODY_HEIGHT if self._is_gear(i) else 0.5)
             half = math.ceil(3 * size) / 2
-            put(surface, shapes.number(str(i), size), middle - half, y - half)
+            blit_sprite(surface, shapes.number(str(i), size), middle - half, y - half)
 
     def _is_gear(self, bead: int) -> bool:
         """Whether the bead pushes to its right with a piston; the last one looks like its neighbour."""
@@ -156,11 +158,13 @@ class LaneDrawing:
         decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
         for i, (x, force) in enumerate(zip(contacts, forces, strict=True)):
             top = self._bar_top(force)
-            bar(surface, self.contact_colours[i], (x - wide / 2, top, wide, self.foot_of_bars - top))
+            fill_rectangle(surface, self.contact_colours[i], (x - wide / 2, top, wide, self.foot_of_bars - top))
             expected = forces[self.interface] * self.rigid[i]
             if i != self.interface and expected > seen:
                 reach = wide / 2 + 5 * unit
-                bar(surface, FOREGROUND, (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit))
+                fill_rectangle(
+                    surface, FOREGROUND, (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
+                )
             if force > seen and self.bead >= 1.5 * LEAST_LABELLED * unit:
                 write(surface, fixed(force, decimals), (x, top - 3 * unit), 13 * unit, bold=True, align=(0.5, 1))
 
@@ -170,7 +174,7 @@ class LaneDrawing:
         for i, (x, speed) in enumerate(zip(edges, speeds, strict=True)):
             middle = x + self.bead / 2
             colour = shapes.dark(self.colours[i])
-            arrow(surface, colour, (middle, y), 0.85 * self.bead * speed / fastest, self.unit)
+            draw_arrow(surface, colour, (middle, y), 0.85 * self.bead * speed / fastest, self.unit)
             if self.masses:
                 write(surface, self.masses[i], (middle, y + 5 * self.unit), size, MUTED, align=(0.5, 0))
 
@@ -182,9 +186,9 @@ class LaneDrawing:
         left = right - length * self.scale
         wide = width(drawn, 12.5 * unit)
         surface.fill(LANE_BACKGROUND, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
-        bar(surface, MUTED, (left, y, right - left, max(1.0, 1.5 * unit)))
+        fill_rectangle(surface, MUTED, (left, y, right - left, max(1.0, 1.5 * unit)))
         for x in (left, right):
-            bar(surface, MUTED, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
+            fill_rectangle(surface, MUTED, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
         write(surface, name, (middle, y - 3 * unit), 12.5 * unit, MUTED, align=(0.5, 1))
         write(surface, drawn, (right, y + 8 * unit), 12.5 * unit, MUTED, align=(1, 0))

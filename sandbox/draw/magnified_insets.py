@@ -7,11 +7,11 @@ import math
 import pygame
 from softcradle.sandbox.draw.bead_sprites import GLASS, dark
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing, is_gear
-from softcradle.sandbox.draw.number_format import factor, index, round_down, scientific
+from softcradle.sandbox.draw.number_format import factor, round_down, scientific, subscript
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, STEEL, Colour, mix
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.draw.supersampling import FINE, Sprites, bar, put, sprites
-from softcradle.sandbox.draw.surface_cache import kept
+from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
+from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array, Motion
 
@@ -46,7 +46,11 @@ class MagnifiedInsets:
             x, y = self.centre(slot)
             place = x + self.radius + 10 * self.unit
             write(
-                surface, f"overlap δ{index(contact, contact + 1)}", (place, y - 30 * self.unit), 13 * self.unit, MUTED
+                surface,
+                f"overlap δ{subscript(contact, contact + 1)}",
+                (place, y - 30 * self.unit),
+                13 * self.unit,
+                MUTED,
             )
             text = factor(self.magnify[contact])
             write(surface, f"seen at {text}", (place, y + 9 * self.unit), 13 * self.unit, MUTED)
@@ -84,23 +88,23 @@ class MagnifiedInsets:
     def _caps(self, glass: pygame.Surface, colours: tuple[Colour, Colour], depth: float) -> None:
         middle, radius = self.side / 2, CURVE * self.radius
         y = middle - math.ceil(radius)
-        put(glass, cap(radius, colours[0]), middle + depth / 2 - 2 * radius, y)
-        put(glass, cap(radius, colours[1]), middle - depth / 2, y)
+        blit_sprite(glass, cap(radius, colours[0]), middle + depth / 2 - 2 * radius, y)
+        blit_sprite(glass, cap(radius, colours[1]), middle - depth / 2, y)
 
     def _gear(self, glass: pygame.Surface, colours: tuple[Colour, Colour], depth: float) -> None:
         """Cylinder head, piston and the face it meets; the dashes show where the piston's face rests."""
         middle, r = self.side / 2, self.radius
         head, face = middle - 0.75 * r, middle + 0.45 * r
         pushed = face - max(depth, 0.0)
-        bar(glass, STEEL, (head, middle - 0.22 * r, pushed - head, 0.44 * r))
-        bar(glass, MUTED, (pushed - 0.16 * r, middle - 0.5 * r, 0.16 * r, r))
-        bar(glass, colours[0], (0, middle - 0.8 * r, head, 1.6 * r))
-        bar(glass, dark(colours[0]), (head - 0.2 * r, middle - 0.8 * r, 0.2 * r, 1.6 * r))
+        fill_rectangle(glass, STEEL, (head, middle - 0.22 * r, pushed - head, 0.44 * r))
+        fill_rectangle(glass, MUTED, (pushed - 0.16 * r, middle - 0.5 * r, 0.16 * r, r))
+        fill_rectangle(glass, colours[0], (0, middle - 0.8 * r, head, 1.6 * r))
+        fill_rectangle(glass, dark(colours[0]), (head - 0.2 * r, middle - 0.8 * r, 0.2 * r, 1.6 * r))
         other = face - depth
-        bar(glass, dark(colours[1]), (other, middle - 0.8 * r, 2.0, 1.6 * r))
-        bar(glass, colours[1], (other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r))
+        fill_rectangle(glass, dark(colours[1]), (other, middle - 0.8 * r, 2.0, 1.6 * r))
+        fill_rectangle(glass, colours[1], (other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r))
         for k in range(-4, 5, 2):
-            bar(glass, FOREGROUND, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
+            fill_rectangle(glass, FOREGROUND, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> range:
@@ -113,30 +117,30 @@ def _magnify(room: float, deepest: float) -> float:
     return round_down(room / deepest) if deepest > 0.0 else 1.0
 
 
-@kept(4)
+@cached_surfaces(4)
 def cap(radius: float, colour: Colour) -> Sprites:
     """One side of a contact: a piece of a large disc."""
     side = math.ceil(2 * radius)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
-        centre = (radius * FINE + shift, side / 2 * FINE)
-        pygame.draw.circle(fine, dark(colour), centre, radius * FINE)
-        pygame.draw.circle(fine, (*colour, GLASS), centre, radius * FINE - 1.5 * FINE)
+        centre = (radius * SUBPIXELS + shift, side / 2 * SUBPIXELS)
+        pygame.draw.circle(fine, dark(colour), centre, radius * SUBPIXELS)
+        pygame.draw.circle(fine, (*colour, GLASS), centre, radius * SUBPIXELS - 1.5 * SUBPIXELS)
 
-    return sprites((side, side), dark(colour), paint)
+    return make_sprites((side, side), dark(colour), paint)
 
 
-@kept(4)
+@cached_surfaces(4)
 def _frame(side: int, radius: float) -> pygame.Surface:
     """Paper with a round hole and a ring about it."""
-    fine = pygame.Surface((side * FINE, side * FINE), pygame.SRCALPHA, 32)
+    fine = pygame.Surface((side * SUBPIXELS, side * SUBPIXELS), pygame.SRCALPHA, 32)
     fine.fill((*mix(FAINT, MUTED, 0.4), 255))
-    centre = (side / 2 * FINE, side / 2 * FINE)
+    centre = (side / 2 * SUBPIXELS, side / 2 * SUBPIXELS)
     outside = pygame.Surface(fine.get_size(), pygame.SRCALPHA, 32)
     outside.fill((*BACKGROUND, 255))
-    pygame.draw.circle(outside, (*GRID, 0), centre, radius * FINE)
+    pygame.draw.circle(outside, (*GRID, 0), centre, radius * SUBPIXELS)
     ring = mix(FAINT, MUTED, 0.4)
     fine.fill((*ring, 0))
-    pygame.draw.circle(fine, (*ring, 255), centre, (radius + 0.5) * FINE, round(1.5 * FINE))
+    pygame.draw.circle(fine, (*ring, 255), centre, (radius + 0.5) * SUBPIXELS, round(1.5 * SUBPIXELS))
     outside.blit(fine, (0, 0))
     return pygame.transform.smoothscale(outside, (side, side))

@@ -14,8 +14,8 @@ def power_of_ten(exponent: int) -> str:
     return "10" + str(exponent).translate(_RAISED)
 
 
-def index(*numbers: int) -> str:
-    """Lowered index: 12 for the contact of beads 1 and 2; with a minus between where 1 and 12 might be meant."""
+def subscript(*numbers: int) -> str:
+    """A subscript: 12 for the contact of beads 1 and 2; with a minus between where 1 and 12 might be meant."""
     return ("-" if max(numbers) > 9 else "").join(map(str, numbers)).translate(_LOWERED)
 
 

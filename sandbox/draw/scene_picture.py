@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.layout import LaneLayout, Layout, layout
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
-from softcradle.sandbox.draw.number_format import factor, fixed, index, time_unit
+from softcradle.sandbox.draw.number_format import factor, fixed, subscript, time_unit
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, LANE_BACKGROUND, MUTED, mix
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
@@ -138,9 +138,9 @@ class _LanePicture:
         )[kind]
         letters = "vfδ"[kind]
         names = (
-            [letters + index(i) for i in range(beads)]
+            [letters + subscript(i) for i in range(beads)]
             if kind == 0
-            else [letters + index(i, i + 1) for i in range(contacts)]
+            else [letters + subscript(i, i + 1) for i in range(contacts)]
         )
         colours = self.stage.colours if kind == 0 else self.stage.contact_colours
         return Panel(rect, unit, scales.time, axis, colours=colours, names=names)

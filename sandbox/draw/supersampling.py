@@ -7,34 +7,34 @@ from collections.abc import Callable, Sequence
 
 import pygame
 from softcradle.sandbox.draw.palette import BACKGROUND, Colour, mix
-from softcradle.sandbox.draw.surface_cache import kept
+from softcradle.sandbox.draw.surface_cache import cached_surfaces
 
-FINE = 4  # supersampling, and positions within a pixel
+SUBPIXELS = 4  # supersampling, and positions within a pixel
 Point = tuple[float, float]
 Sprites = tuple[pygame.Surface, ...]
 
 
-def sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
+def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
     """A shape at each quarter of a pixel: `paint(fine surface, shift in fine pixels)` draws it four times as large.
 
     `rim` is the colour of the outline: the transparent surroundings have it too, or the edge would darken.
     """
     images = []
-    for shift in range(FINE):
-        fine = pygame.Surface(((size[0] + 1) * FINE, size[1] * FINE), pygame.SRCALPHA, 32)
+    for shift in range(SUBPIXELS):
+        fine = pygame.Surface(((size[0] + 1) * SUBPIXELS, size[1] * SUBPIXELS), pygame.SRCALPHA, 32)
         fine.fill((*rim, 0))
         paint(fine, float(shift))
         images.append(pygame.transform.smoothscale(fine, (size[0] + 1, size[1])))
     return tuple(images)
 
 
-def put(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
+def blit_sprite(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
     """Blit the sprite whose top left corner is at (x, y), `x` to a quarter of a pixel."""
-    quarters = round(x * FINE)
-    surface.blit(images[quarters % FINE], (quarters // FINE, round(y)))
+    quarters = round(x * SUBPIXELS)
+    surface.blit(images[quarters % SUBPIXELS], (quarters // SUBPIXELS, round(y)))
 
 
-def bar(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
+def fill_rectangle(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
     """Filled rectangle (left, top, width, height) with edges to a fraction of a pixel, over whatever is there."""
     x, y, width, height = area
     if width <= 0.0 or height <= 0.0:
@@ -59,7 +59,7 @@ def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
     return [(first, first + 1, first + 1 - low), (first + 1, last, 1.0), (last, last + 1, high - last)]
 
 
-def stroke(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickness: float) -> None:
+def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickness: float) -> None:
     """Line through `points` with round joints, all in pixels of the (fine) surface."""
     width = max(1, round(thickness))
     if len(points) > 1:
@@ -72,23 +72,23 @@ def stroke(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickn
 MARKERS = 5
 
 
-@kept(2)
+@cached_surfaces(2)
 def marker(shape: int, radius: float, colour: Colour) -> Sprites:
     """Disc, square, triangle, diamond or triangle on its head: `shape` counts through them."""
     side = math.ceil(2 * radius + 4)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
-        centre = (side / 2 * FINE + shift, side / 2 * FINE)
+        centre = (side / 2 * SUBPIXELS + shift, side / 2 * SUBPIXELS)
         for tint, size in ((BACKGROUND, radius + 1.2), (colour, radius)):
-            _shape(fine, tint, shape % MARKERS, centre, size * FINE)
+            _shape(fine, tint, shape % MARKERS, centre, size * SUBPIXELS)
 
-    return sprites((side, side), BACKGROUND, paint)
+    return make_sprites((side, side), BACKGROUND, paint)
 
 
-def put_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:
+def draw_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:
     """Draw a marker about `centre`."""
     half = math.ceil(2 * radius + 4) / 2
-    put(surface, marker(shape, radius, colour), centre[0] - half, centre[1] - half)
+    blit_sprite(surface, marker(shape, radius, colour), centre[0] - half, centre[1] - half)
 
 
 def _shape(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, radius: float) -> None:
@@ -101,13 +101,13 @@ def _shape(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, r
     pygame.draw.polygon(surface, colour, corner)
 
 
-def arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
+def draw_arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
     """Level arrow from `start`, `length` pixels to the right (left where negative)."""
     x, y = start
     if abs(length) < 2.5 * unit:
         return
     head = math.copysign(min(7.0 * unit, 0.6 * abs(length)), length)
-    bar(surface, colour, (min(x, x + length - head), y - unit, abs(length - head), 2.0 * unit))
+    fill_rectangle(surface, colour, (min(x, x + length - head), y - unit, abs(length - head), 2.0 * unit))
     tip, back = x + length, x + length - head
     half = 0.6 * abs(head)
     corners = [(tip, y), (back, y - half), (back, y + half)]

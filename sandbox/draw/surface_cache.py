@@ -1,4 +1,4 @@
-"""`kept`: a cache of drawings that is bounded by the memory they take; zooming makes new sizes all the time."""
+"""`cached_surfaces`: a cache of drawings that is bounded by the memory they take; zooming makes new sizes all the time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _forgetting: list[Callable[[], None]] = []
 OBJECT = 200  # bytes of a surface beside its pixels, about
 
 
-def kept(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Drawn]]:
+def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Drawn]]:
     """Decorate a function of hashable arguments: what it drew last stays, up to `megabytes` of pixels."""
 
     def decorate(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
@@ -46,7 +46,7 @@ def kept(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Dra
     return decorate
 
 
-def forget() -> None:
+def clear_cached_surfaces() -> None:
     """Let go of every drawing that is kept: those of a page that was left are hardly those of the next."""
     for forget_these in _forgetting:
         forget_these()

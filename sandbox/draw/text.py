@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import pygame
 from softcradle.sandbox.draw.palette import FOREGROUND, Colour
-from softcradle.sandbox.draw.surface_cache import kept
+from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.resources import resource
 
 _FONTS = {False: "Inter-Regular.otf", True: "Inter-SemiBold.otf"}
@@ -20,7 +20,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
     return pygame.font.Font(str(resource(_FONTS[bold])), max(4, size))
 
 
-@kept(6)
+@cached_surfaces(6)
 def rendered(text: str, size: int, colour: Colour = FOREGROUND, bold: bool = False) -> pygame.Surface:
     """`text` on a transparent surface of its own; not to be drawn on."""
     return font(size, bold).render(text, True, colour)

@@ -12,7 +12,7 @@ import pygame
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.number_format import round_down, scientific
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, MUTED
-from softcradle.sandbox.draw.supersampling import bar
+from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.kymograph_camera import Camera, Pixels, stacked
@@ -147,7 +147,7 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
     """On the right: a bar as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.stage.scale
-    bar(surface, FOREGROUND, (x, place.bottom - tall, 4 * unit, tall))
+    fill_rectangle(surface, FOREGROUND, (x, place.bottom - tall, 4 * unit, tall))
     write(surface, _length(length), (x + 12 * unit, place.bottom - tall / 2), 15 * unit, FOREGROUND, align=(0, 0.5))
 
 
@@ -159,7 +159,7 @@ def _time_bar(
     span = float(track.time[-1] - track.time[0])
     time = TIME_BAR if in_si(scene) and 0.02 * span < TIME_BAR < 0.9 * span else round_down(0.25 * span)
     y = high - (FOOT - 12) * unit
-    bar(surface, FOREGROUND, (left, y, time * pixels, 4 * unit))
+    fill_rectangle(surface, FOREGROUND, (left, y, time * pixels, 4 * unit))
     write(surface, _time(time), (left + time * pixels / 2, y + 8 * unit), 15 * unit, FOREGROUND, align=(0.5, 0))
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from softcradle.sandbox.draw.bead_sprites import BODY
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing, is_gear
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.draw.supersampling import bar
+from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.film.codecs import pixels_of
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
@@ -62,7 +62,7 @@ class Camera:
         self.stage.paint(self.frame, track, row, self.stage.left())
         top = self.row - TALL * self.stage.bead
         for x in self.markers_of_row(track, row):
-            bar(self.frame, BLACK, (x - self.marker / 2, top, self.marker, 2 * TALL * self.stage.bead + 1))
+            fill_rectangle(self.frame, BLACK, (x - self.marker / 2, top, self.marker, 2 * TALL * self.stage.bead + 1))
         return self.frame
 
     def markers_of_row(self, track: Motion, row: int) -> list[float]:

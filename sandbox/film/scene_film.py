@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
-from softcradle.sandbox.draw import Picture, longest_lead, track_of
+from softcradle.sandbox.draw import Picture, longest_lead, motion_of
 from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.motion import Array, Motion
@@ -160,7 +160,7 @@ def simulated_quietly(
         found = [_solve(scene, k, settings) for k in range(len(scene.lanes))]
     except ValueError as error:
         raise UserError(str(error)) from error
-    tracks = [track_of(trajectory, times[times < 0.0]) for trajectory in found]
+    tracks = [motion_of(trajectory, times[times < 0.0]) for trajectory in found]
     _require_finite(tracks)
     return tracks, tuple(warning.sentence for trajectory in found for warning in trajectory.warnings)
 

@@ -6,7 +6,7 @@ import gc
 from collections.abc import Callable, Iterable
 
 import pygame
-from softcradle.sandbox.draw.surface_cache import forget
+from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.display import open_display
@@ -74,7 +74,7 @@ class App:
             self.page.close()
         self.prompt = None
         self.page = page
-        forget()
+        clear_cached_surfaces()
         self.rebuild()
         self._left = True
 

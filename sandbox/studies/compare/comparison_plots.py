@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.draw.number_format import index, time_unit
+from softcradle.sandbox.draw.number_format import subscript, time_unit
 from softcradle.sandbox.studies.compare.comparison_results import Result
 from softcradle.sandbox.studies.compare.svg_charts import Axes, Curve, Span, bars, chart, span
 
@@ -50,7 +50,7 @@ def _beside(
     axes = Axes(clock.span, span(found), clock.label, label)
     charts = []
     for result, columns in zip(results, found, strict=True):
-        names = [letter + (index(k, k + 1) if first else index(k)) for k in range(columns.shape[1])]
+        names = [letter + (subscript(k, k + 1) if first else subscript(k)) for k in range(columns.shape[1])]
         curves = [
             Curve(name, clock.of(result), columns[:, k], f"c{(k + first) % BEAD_TINTS}") for k, name in enumerate(names)
         ]

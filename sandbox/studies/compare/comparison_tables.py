@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from rich.console import Console
 from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.sandbox.console import table
-from softcradle.sandbox.draw.number_format import MINUS, index, scientific
+from softcradle.sandbox.draw.number_format import MINUS, scientific, subscript
 from softcradle.sandbox.studies.compare.comparison_results import Result
 
 NOTHING = 1e-12  # below it a number is round-off
@@ -55,7 +55,7 @@ def velocity_rows(results: Sequence[Result]) -> list[Row]:
     for bead in range(most):
         speeds = [result.measures.final_velocity[bead : bead + 1] for result in results]
         values = tuple(number(speed[0]) if speed else "" for speed in speeds)
-        rows.append(Row(f"v{index(bead)} at the end (m/s)", "", values))
+        rows.append(Row(f"v{subscript(bead)} at the end (m/s)", "", values))
     return rows
 
 

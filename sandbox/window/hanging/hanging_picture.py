@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pygame
 from softcradle.sandbox.draw import bead_sprites as shapes
 from softcradle.sandbox.draw.palette import LANE_BACKGROUND, MUTED, bead_colours
-from softcradle.sandbox.draw.supersampling import put
+from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, RADIUS, anchors, start_places
 
 WIDE, HIGH = 2.6, 1.35  # metres that a cradle's picture holds
@@ -49,7 +49,7 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[tu
         tip = end[0] + share * (centre[0] - end[0]), end[1] + share * (centre[1] - end[1])
         pygame.draw.aaline(surface, MUTED, end, tip, 2)
         side = math.ceil(size)
-        put(surface, shapes.bead(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
+        blit_sprite(surface, shapes.bead(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
 
 
 def thumbnail(size: tuple[int, int]) -> pygame.Surface:

@@ -11,7 +11,7 @@ import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.curve_panels import Axis, spread
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour
-from softcradle.sandbox.draw.supersampling import FINE, put_marker
+from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history import History
@@ -101,12 +101,12 @@ class Plot:
 
     def ink(self, first: int, last: int) -> pygame.Surface:
         """Curves in columns `first` to `last`, smooth."""
-        size = (last - first) * FINE, self.area.height * FINE
+        size = (last - first) * SUBPIXELS, self.area.height * SUBPIXELS
         fine = pygame.transform.scale(self.sheet.ground.subsurface((0, 0, 1, self.area.height)), size)
-        thick = THICK * self.unit * FINE
+        thick = THICK * self.unit * SUBPIXELS
         for time, values in self.curves(first, last):
-            across = (time / self.span.column - first + 0.5) * FINE
-            down = (self.y(self.axis.on(values)) + 0.5) * FINE
+            across = (time / self.span.column - first + 0.5) * SUBPIXELS
+            down = (self.y(self.axis.on(values)) + 0.5) * SUBPIXELS
             strokes(fine, self.colours, across, down, thick)
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
@@ -174,9 +174,9 @@ class Plot:
         heights = np.nan_to_num(self.y(self.axis.on(values[:count]))).tolist()
         for k in range(count - 1, -1, -1):
             if 0.0 <= heights[k] <= area.height:
-                put_marker(surface, k, (x + 0.5, area.top + heights[k] + 0.5), 3.4 * unit, self.colours[k])
+                draw_marker(surface, k, (x + 0.5, area.top + heights[k] + 0.5), 3.4 * unit, self.colours[k])
         for k, y in enumerate(spread(heights, 13.0 * unit, 2.0 * unit, area.height - 4.0 * unit)):
-            put_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, self.colours[k])
+            draw_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, self.colours[k])
             place = (area.right + 14 * unit, area.top + y)
             write(surface, self.names[k], place, 12 * unit, FOREGROUND, align=(0, 0.5))
 

@@ -10,7 +10,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import fixed, scientific
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.draw.supersampling import put_marker
+from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.plots.live_plots import Plot
@@ -161,5 +161,5 @@ class Board:
         write(surface, head, (box.left + 8 * unit, box.top + 4 * unit), 12 * unit, FOREGROUND, bold=True)
         for row, (k, line) in enumerate(zip(chosen, lines, strict=True)):
             y = box.top + (20 + 16 * row) * unit
-            put_marker(surface, k, (box.left + 14 * unit, y + 8 * unit), 3.4 * unit, plot.colours[k])
+            draw_marker(surface, k, (box.left + 14 * unit, y + 8 * unit), 3.4 * unit, plot.colours[k])
             write(surface, line, (box.left + 24 * unit, y), 12 * unit, FOREGROUND)

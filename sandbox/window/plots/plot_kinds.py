@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Axis, decade_axis, linear_axis
-from softcradle.sandbox.draw.number_format import index
+from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, STEEL, Colour, bead_colours, mix
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.draw.supersampling import FINE
+from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history import History
 from softcradle.sandbox.session.live_lane import LiveLane
@@ -94,18 +94,18 @@ class KymographPlot(Plot):
 
     def ink(self, first: int, last: int) -> pygame.Surface:
         """Bands with markers in columns `first` to `last`."""
-        size = (last - first) * FINE, self.area.height * FINE
+        size = (last - first) * SUBPIXELS, self.area.height * SUBPIXELS
         fine = pygame.transform.scale(self.sheet.ground.subsurface((0, 0, 1, self.area.height)), size)
         for time, values in self.curves(first, last):
-            across = (time / self.span.column - first + 0.5) * FINE
-            across[[0, -1]] += -FINE, FINE  # stretches join
-            low, high = ((self.y(values + side * self.half) + 0.5) * FINE for side in (-1.0, 1.0))
+            across = (time / self.span.column - first + 0.5) * SUBPIXELS
+            across[[0, -1]] += -SUBPIXELS, SUBPIXELS  # stretches join
+            low, high = ((self.y(values + side * self.half) + 0.5) * SUBPIXELS for side in (-1.0, 1.0))
             for k in range(min(values.shape[1], len(self.colours))):
                 edge = np.concatenate((across, across[::-1])), np.concatenate((low[:, k], high[::-1, k]))
                 if len(across) > 1:
                     pygame.draw.polygon(fine, mix(self.colours[k], BACKGROUND, PALE), np.column_stack(edge).tolist())
-            down = (self.y(values) + 0.5) * FINE
-            strokes(fine, [FOREGROUND] * values.shape[1], across, down, THICK * self.unit * FINE)
+            down = (self.y(values) + 0.5) * SUBPIXELS
+            strokes(fine, [FOREGROUND] * values.shape[1], across, down, THICK * self.unit * SUBPIXELS)
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
 
@@ -150,7 +150,7 @@ class Setting:
     def names(self, lane: int) -> tuple[list[str], list[str]]:
         """Indices of the beads and of the contacts of a lane."""
         beads = self.lanes[lane].chain.contacts + 1
-        return [index(i) for i in range(beads)], [index(i, i + 1) for i in range(beads - 1)]
+        return [subscript(i) for i in range(beads)], [subscript(i, i + 1) for i in range(beads - 1)]
 
 
 def make_plot(kind: str, lane: int, rect: pygame.Rect, unit: float, setting: Setting) -> Plot:

@@ -10,9 +10,9 @@ from functools import partial
 import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
-from softcradle.sandbox.draw.number_format import index
+from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import FOREGROUND, MUTED, bead_colours
-from softcradle.sandbox.draw.supersampling import put_marker
+from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import Input, SetContact, SetKind, SetMass
@@ -230,8 +230,8 @@ class Inspector:
         if self.pick.kind == "bead":
             title, colour = f"Bead {shape}{label}", colours[shape]
         else:
-            title, colour = f"Contact {index(shape, shape + 1)}{label}", colours[shape + 1]
-        put_marker(surface, shape, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
+            title, colour = f"Contact {subscript(shape, shape + 1)}{label}", colours[shape + 1]
+        draw_marker(surface, shape, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
         title = shortened(title, 16 * unit, rect.width - 22 * unit, bold=True)
         write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, FOREGROUND, bold=True)
         for control in self.controls.values():

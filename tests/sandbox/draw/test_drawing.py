@@ -15,16 +15,16 @@ from softcradle.sandbox.draw.number_format import (
     decades,
     factor,
     fixed,
-    index,
     power_of_ten,
     round_down,
     round_step,
     scientific,
+    subscript,
     ticks,
 )
 from softcradle.sandbox.draw.palette import BACKGROUND, OKABE_ITO, STEEL, bead_colours
 from softcradle.sandbox.draw.shared_scales import followed, left_edges
-from softcradle.sandbox.draw.surface_cache import forget, kept
+from softcradle.sandbox.draw.surface_cache import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.draw.text import font, shortened, width, wrapped
 from softcradle.sandbox.film.codecs import pixels_of
 from softcradle.sandbox.film.scene_film import simulated, strongest_row
@@ -357,8 +357,8 @@ def test_steps_are_round(span, most):
         (factor(1e29), "\N{MULTIPLICATION SIGN}10²⁹"),
         (fixed(-0.001, 2), "0.00"),
         (fixed(-1.5, 1), "\N{MINUS SIGN}1.5"),
-        (index(1, 2), "₁₂"),
-        (index(9, 10), "₉₋₁₀"),
+        (subscript(1, 2), "₁₂"),
+        (subscript(9, 10), "₉₋₁₀"),
         (power_of_ten(-12), "10⁻¹²"),
         (decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
@@ -378,7 +378,7 @@ def test_text_fits_its_room():
 def test_drawings_are_kept_up_to_their_memory_and_the_oldest_goes_first():
     drawn = []
 
-    @kept(megabytes=1.0)
+    @cached_surfaces(megabytes=1.0)
     def square(side):
         drawn.append(side)
         return pygame.Surface((side, side), 0, 32)
@@ -395,7 +395,7 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_goes_first():
     square(2000)  # more than all of it is kept until the next
     assert square(2000) is square(2000)
     assert drawn == [*sides, 400, 255, 2000]
-    forget()
+    clear_cached_surfaces()
     for side in sides * 2:  # room for three again: what was forgotten does not count
         square(side)
     assert drawn == [*sides, 400, 255, 2000, *sides]
