@@ -33,12 +33,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-try:  # the fallback goes when the baseline has been recorded
-    from softcradle.physics import METHODS, Chain, Contact, State, Trajectory, advance, simulate
-    from softcradle.scenes import load, names
-except ModuleNotFoundError:
-    from physics import METHODS, Chain, Contact, State, Trajectory, advance, simulate
-    from scenes import load, names
+from softcradle.physics import METHODS, Chain, Contact, State, Trajectory, advance, simulate
+from softcradle.scenes import load, names
 
 Array = NDArray[np.float64]
 Table = dict[str, Any]
@@ -160,7 +156,7 @@ def _played(run: Run) -> Table:
             push = run.pushes[str(frame)]
             state.push = None if push is None else numbers(push)
         advance(chain, state, run.duration / FRAMES, run.method, run.step, TOLERANCE)
-        warned = warned or bool(state.trouble)
+        warned = warned or bool(state.warnings)
     return {
         "final_velocity": hexed(state.velocity(chain)),
         "steps": state.switches,

@@ -153,7 +153,8 @@ def _finish_frame(chain: Chain, state: State, end: float) -> None:
 
 
 def _gave_up(method: str, time: float, most_steps: int) -> CodedWarning:
-    sentence = f"{method} gave up at t = {time:.6g} s, before {most_steps} steps reached the end; {FALLBACK_METHOD} moved on from there"
+    what = f"{method} gave up at t = {time:.6g} s: {most_steps} steps did not reach the end"
+    sentence = f"{what}; {FALLBACK_METHOD} moved on from there"
     return CodedWarning(WarningCode.GAVE_UP, sentence, {"time": time, "steps": most_steps})
 
 

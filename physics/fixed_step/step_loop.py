@@ -168,7 +168,8 @@ def march(
         counter[STEP] += take_steps(most, length, kind, drifts, kicks, chain, dissipation, motion, log, beads, work)
         rests = rests and at_rest(motion)
         time = min(end, start + counter[STEP] * h)
-        closed = log_switches(time - length, time, motion, log)  # a run of steps ends with the first switch
+        before = start + (counter[STEP] - 1) * h  # the switch is in the last step: with it a run of steps ends
+        closed = log_switches(before, time, motion, log)
         if not whole_step:
             return DONE, end
 

@@ -2,8 +2,8 @@
 
 While every bead slides one way or sticks, and every contact with loss is pressed in, comes out or is held, the motion is that
 of a smaller chain without dissipation (`lumped_chain`), which radau, dop853, accurate and scipy move as any other. A piece is
-run in windows; the margins of its modes are sampled in each, the first that runs out is located by bisection (margins jump), and the
-modes are resolved anew there (`stick_slip`).
+run in windows; the margins of its modes are sampled in each, the first that runs out is located by bisection, and the modes
+are resolved anew there (`stick_slip`).
 """
 
 from __future__ import annotations

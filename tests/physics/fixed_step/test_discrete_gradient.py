@@ -13,7 +13,7 @@ from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_solve import SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.resolvent import resolvent
 from softcradle.physics.scales import contact_scales
-from test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
+from tests.physics.test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
 
 from softcradle import scenes
 from tests.helpers.relations import EPSILON, kinetic_energy
