@@ -32,7 +32,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
 from softcradle.physics import METHODS, Chain, Contact, State, Trajectory, advance, simulate
 from softcradle.scenes import load, names
 

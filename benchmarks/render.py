@@ -33,7 +33,7 @@ def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]
     tracks = simulated(scene, RATE * scene.view.slow)
     picture = Picture(scene, tracks, size)
     shots = script(scene, len(tracks[0].time), RATE)
-    ready = [_painted(picture, shot, picture.ground.copy()) for shot in shots[:: max(1, len(shots) // 240)]]
+    ready = [_painted(picture, shot, picture.background.copy()) for shot in shots[:: max(1, len(shots) // 240)]]
     results = [_round(picture, shots, ready, size) for _ in range(rounds)]
     drawing, encoding, both = (median(result[k] for result in results) for k in range(3))
     with tempfile.TemporaryDirectory() as folder:
@@ -55,7 +55,7 @@ def _round(
     picture: Picture, shots: list[Shot], ready: list[Surface], size: tuple[int, int]
 ) -> tuple[float, float, float]:
     shots = shots[:: max(1, len(shots) // 240)]
-    canvas = picture.ground.copy()
+    canvas = picture.background.copy()
     began = perf_counter()
     for shot in shots:
         _painted(picture, shot, canvas)
@@ -74,7 +74,7 @@ def _round(
 
 
 def _painted(picture: Picture, shot: Shot, surface: Surface) -> Surface:
-    picture.paint(surface, shot.row, told=shot.told)
+    picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
     return surface
 
 

@@ -1,7 +1,7 @@
-"""Drawing: a scene, its history and a time in, pixels out. Nothing here knows of windows, films or clocks.
+"""Drawing: a scene, the motions of its lanes and a row of them in, pixels out; it knows of no window, film or clock.
 
-tracks = [motion_of(trajectory) for trajectory in trajectories]     # one a lane
-draw(surface, scene, tracks, row)                                  # row of the history: the state that is drawn
+motions = [motion_of(trajectory) for trajectory in trajectories]  # one for each lane
+draw(surface, scene, motions, row)
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["Picture", "Scales", "draw", "longest_lead", "motion_of", "scales_of"
 
 
 def draw(
-    surface: pygame.Surface, scene: Scene, tracks: Sequence[Motion], row: int, scales: Scales | None = None
+    surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], row: int, scales: Scales | None = None
 ) -> None:
-    """Draw one moment of `scene` on `surface`; a :class:`Picture` draws many of them faster."""
-    Picture(scene, tracks, surface.get_size(), scales=scales).paint(surface, row)
+    """Draw row `row` of the motions of `scene` on `surface`; for many rows, a :class:`Picture` is faster."""
+    Picture(scene, motions, surface.get_size(), scales=scales).paint(surface, row)

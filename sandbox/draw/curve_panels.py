@@ -1,8 +1,7 @@
-"""Panels with live curves: axes and curves are drawn once, the curves uncovered up to the cursor."""
+"""Panels of curves against time: axes and curves are drawn once, and in each frame the curves up to the cursor appear."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,15 +13,27 @@ from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line, draw_mar
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array
 
-LEFT, RIGHT, TOP, BOTTOM = 46.0, 44.0, 24.0, 22.0  # design pixels around the axes
-THICK = 2.2
-MOST_LABELS = 10
+# Design pixels around the axes, for ticks, names and title.
+LEFT = 46.0
+RIGHT = 44.0
+TOP = 24.0
+BOTTOM = 22.0
+LINE_WIDTH = 2.2  # of a curve [design pixels]
+MARKER_RADIUS = 3.6  # design pixels
+MOST_LABELS = 10  # more curves have neither names nor markers
 LABEL_GAP = 14.0  # design pixels between names beside the axes
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A vertical axis: its title, its ends, its ticks, and whether values are put on it as powers of ten."""
+    """A vertical axis.
+
+    Attributes:
+        title: above it.
+        low, high: its ends; exponents of ten where it is logarithmic.
+        ticks: (place, label) of each tick.
+        logarithmic: whether it shows the logarithm of values.
+    """
 
     title: str
     low: float
@@ -31,7 +42,7 @@ class Axis:
     logarithmic: bool = False
 
     def on(self, values: Array) -> Array:
-        """`values` in units of the axis; where a logarithmic axis has no place for them, its lower end."""
+        """Places of `values` on the axis. On a logarithmic axis, values too small for it are one decade below its lower end."""
         if not self.logarithmic:
             return values
         logarithms: Array = np.log10(np.maximum(values, 10.0 ** (self.low - 1.0)))
@@ -49,7 +60,15 @@ def decade_axis(title: str, low: int, high: int) -> Axis:
 
 
 class Panel:
-    """One plot: some curves against time. `inked` grows as the history does; what is drawn depends on the arguments."""
+    """One plot: curves against time. The curves are drawn by :meth:`draw_curves` and shown up to the cursor by :meth:`paint`.
+
+    Arguments:
+        rect: where it is drawn.
+        unit: pixels of a design pixel.
+        time: ends of the time axis [s].
+        axis: the vertical axis.
+        colours, names: of the curves.
+    """
 
     def __init__(
         self,
@@ -65,106 +84,99 @@ class Panel:
         left, top = rect.left + round(LEFT * unit), rect.top + round(TOP * unit)
         right, bottom = rect.right - round(RIGHT * unit), rect.bottom - round(BOTTOM * unit)
         self.area = pygame.Rect(left, top, max(8, right - left), max(8, bottom - top))
-        self.inked = pygame.Surface(self.area.size, 0, 32)
-        self.roomy = len(names) <= MOST_LABELS and len(names) * 0.75 * LABEL_GAP * unit <= self.area.height
+        self.curves = pygame.Surface(self.area.size, 0, 32)
+        self.labelled = len(names) <= MOST_LABELS and len(names) * 0.75 * LABEL_GAP * unit <= self.area.height
 
     def x(self, time: Array | float) -> Array:
         """Pixel of `time` [s], from the left end of the axes."""
-        return (
-            (np.asarray(time, dtype=np.float64) - self.time[0]) / (self.time[1] - self.time[0]) * (self.area.width - 1)
-        )
+        share = (np.asarray(time, dtype=np.float64) - self.time[0]) / (self.time[1] - self.time[0])
+        return share * (self.area.width - 1)
 
-    def y(self, value: Array) -> Array:
-        """Pixel of a value in units of the axis, from the top of the axes; those beyond it stay just outside."""
-        share = np.clip((value - self.axis.low) / (self.axis.high - self.axis.low), -0.1, 1.1)
+    def y(self, place: Array) -> Array:
+        """Pixel of a place on the axis, from the top of the axes; places beyond its ends are put just outside."""
+        share = np.clip((place - self.axis.low) / (self.axis.high - self.axis.low), -0.1, 1.1)
         return (self.area.height - 1) * (1.0 - share)
 
-    def ink(self, time: Array, values: Array, since: float = -math.inf) -> None:
-        """Draw the curves `values` (T, k) over `time` (T,) on the hidden sheet; only what is later than `since`."""
-        joint = 1 + math.ceil(THICK * self.unit)  # pixels before `since` that the next piece of a curve touches too
-        first = 0 if since < self.time[0] else min(max(0, int(self.x(since)) - 2 * joint), self.area.width - 1)
-        strip = self._curves(time, values, self.colours, first)
-        margin = joint if first else 0  # curves are not smooth where a strip cuts them
-        self.inked.blit(strip, (first + margin, 0), (margin, 0, *strip.get_size()))
+    def draw_curves(self, time: Array, values: Array) -> None:
+        """Draw the curves `values` (T, k) over `time` (T,), of which each frame then shows a part."""
+        self.curves = self._drawn(time, values, self.colours)
 
     def backdrop(self, surface: pygame.Surface, time: Array, values: Array, peaks: Array, ahead: float) -> None:
-        """Axes, titles, names beside `peaks` (k,), and the curves to come, as strong as `ahead` (0 to 1)."""
+        """Draw axes, title, names beside the values `peaks` (k,), and all curves as strong as `ahead` (0 to 1)."""
         pale = [mix(BACKGROUND, colour, ahead) for colour in self.colours]
-        surface.blit(self._curves(time, values, pale if ahead > 0.0 else (), 0), self.area)
+        surface.blit(self._drawn(time, values, pale if ahead > 0.0 else ()), self.area)
         self._annotate(surface)
-        self._names(surface, self.y(self.axis.on(peaks)))
+        self._write_names(surface, self.y(self.axis.on(peaks)))
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Uncover the curves up to `time`; `values` (k,) are those at the cursor."""
+        """Show the curves up to the cursor at `time`, and a marker at each of the `values` (k,) there."""
         place = float(self.x(time))
         if not 0.0 <= place <= self.area.width:
             return
-        done = round(place)
-        surface.blit(self.inked, self.area, (0, 0, done, self.area.height))
-        surface.fill(MUTED, (self.area.left + done, self.area.top, max(1, round(self.unit)), self.area.height))
-        if not self.roomy:
+        end = round(place)
+        surface.blit(self.curves, self.area, (0, 0, end, self.area.height))
+        surface.fill(MUTED, (self.area.left + end, self.area.top, max(1, round(self.unit)), self.area.height))
+        if not self.labelled:
             return
         heights = self.y(self.axis.on(values))
         for k in range(len(values) - 1, -1, -1):
             if 0.0 <= heights[k] <= self.area.height:
                 centre = (self.area.left + place + 0.5, self.area.top + float(heights[k]) + 0.5)
-                draw_marker(surface, k, centre, 3.6 * self.unit, self.colours[k])
+                draw_marker(surface, k, centre, MARKER_RADIUS * self.unit, self.colours[k])
 
-    def _curves(self, time: Array, values: Array, colours: Sequence[Colour], first: int) -> pygame.Surface:
-        """Grid and curves from pixel column `first` on; from any column the same pixels as from column 0."""
-        start = max(0, int(np.searchsorted(self.x(time), first - 2 * THICK * self.unit)) - 1)
-        wide, high = self.area.width - first, self.area.height
+    def _drawn(self, time: Array, values: Array, colours: Sequence[Colour]) -> pygame.Surface:
+        """Grid and curves; the first curve is drawn last and lies above the others."""
+        wide, high = self.area.size
         fine = pygame.Surface((wide * SUBPIXELS, high * SUBPIXELS), 0, 32)
         fine.fill(BACKGROUND)
-        self._grid(fine, first)
-        across = (self.x(time[start:]) - first + 0.5) * SUBPIXELS
+        self._grid(fine)
+        across = (self.x(time) + 0.5) * SUBPIXELS
         for k in range(len(colours) - 1, -1, -1):
-            down = (self.y(self.axis.on(values[start:, k])) + 0.5) * SUBPIXELS
-            draw_line(fine, colours[k], _thinned(across, down), THICK * self.unit * SUBPIXELS)
+            down = (self.y(self.axis.on(values[:, k])) + 0.5) * SUBPIXELS
+            draw_line(fine, colours[k], _thinned(across, down), LINE_WIDTH * self.unit * SUBPIXELS)
         return pygame.transform.smoothscale(fine, (wide, high))
 
-    def _grid(self, fine: pygame.Surface, first: int) -> None:
-        for value, _ in self.axis.ticks:
-            y = round(float(self.y(np.array(value))))
-            tint = FAINT if value == 0.0 and not self.axis.logarithmic else GRID
+    def _grid(self, fine: pygame.Surface) -> None:
+        for place, _ in self.axis.ticks:
+            y = round(float(self.y(np.array(place))))
+            tint = FAINT if place == 0.0 and not self.axis.logarithmic else GRID
             fine.fill(tint, (0, y * SUBPIXELS, fine.get_width(), SUBPIXELS))
-        for value, _ in self._time_ticks():
-            fine.fill(GRID, ((round(float(self.x(value))) - first) * SUBPIXELS, 0, SUBPIXELS, fine.get_height()))
+        for time, _ in self._time_ticks():
+            fine.fill(GRID, (round(float(self.x(time))) * SUBPIXELS, 0, SUBPIXELS, fine.get_height()))
 
     def _time_ticks(self) -> list[tuple[float, str]]:
         size, _ = time_unit(self.time[1] - self.time[0])
         return [(v * size, text) for v, text in ticks(self.time[0] / size, self.time[1] / size, 6)]
 
     def _annotate(self, surface: pygame.Surface) -> None:
+        """Write the title and the ticks of both axes."""
         unit, area = self.unit, self.area
         write(surface, self.axis.title, (area.left, area.top - 5 * unit), 13.5 * unit, FOREGROUND, align=(0, 1))
-        for value, text in self.axis.ticks:
-            y = area.top + float(self.y(np.array(value)))
+        for place, text in self.axis.ticks:
+            y = area.top + float(self.y(np.array(place)))
             write(surface, text, (area.left - 6 * unit, y), 12 * unit, MUTED, align=(1, 0.5))
-        for value, text in self._time_ticks():
-            place = (area.left + float(self.x(value)), area.bottom + 3 * unit)
-            write(surface, text, place, 12 * unit, MUTED, align=(0.5, 0))
+        for time, text in self._time_ticks():
+            x, y = area.left + float(self.x(time)), area.bottom + 3 * unit
+            write(surface, text, (x, y), 12 * unit, MUTED, align=(0.5, 0))
         name = f"t ({time_unit(self.time[1] - self.time[0])[1]})"
         write(surface, name, (self.rect.right, area.bottom + 3 * unit), 12 * unit, MUTED, align=(1, 0))
 
-    def _names(self, surface: pygame.Surface, heights: Array) -> None:
-        """A marker and a name beside the axes at each of `heights`, spread so that none hides another."""
-        if not self.roomy:
+    def _write_names(self, surface: pygame.Surface, heights: Array) -> None:
+        """A marker and a name beside the axes for each of `heights`, moved apart so that they do not overlap."""
+        if not self.labelled:
             return
         unit, area = self.unit, self.area
         for k, y in enumerate(spread(heights.tolist(), LABEL_GAP * unit, 0.0, area.height - 5.0 * unit)):
             x, middle = area.right + 9 * unit, area.top + y
-            draw_marker(surface, k, (x, middle), 3.6 * unit, self.colours[k])
+            draw_marker(surface, k, (x, middle), MARKER_RADIUS * unit, self.colours[k])
             write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, FOREGROUND, align=(0, 0.5))
 
 
 def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """`places` moved apart to at least `gap` by the least squares of moves, in the same order, inside [low, high]."""
+    """`places` moved apart to at least `gap`, in the same order and inside [low, high], by the smallest sum of squared moves."""
     order = sorted(range(len(places)), key=lambda k: places[k])
     gap = min(gap, (high - low) / max(1, len(places) - 1))
-    groups: list[
-        tuple[float, int]
-    ] = []  # (mean of place - rank * gap, how many): each group stands shoulder to shoulder
+    groups: list[tuple[float, int]] = []  # of places that are `gap` apart: the mean of place - rank * gap, and how many
     for rank, k in enumerate(order):
         mean, count = places[k] - rank * gap, 1
         while groups and groups[-1][0] >= mean:
@@ -179,7 +191,7 @@ def spread(places: Sequence[float], gap: float, low: float, high: float) -> list
 
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:
-    """Points of a curve, without those on the same (fine) pixel as the one before."""
+    """Points of a curve, without those on the same fine pixel as the point before."""
     keep = np.ones(len(across), dtype=bool)
     keep[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
     return list(zip(across[keep].tolist(), down[keep].tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""Trajectories as drawing needs them: the Motion of one lane, with free flight before its start."""
+"""Drawable trajectories: the Motion in a Trajectory, with free flight before its start."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
 
 
 def longest_lead(chain: Chain, velocity: Array) -> float:
-    """Time [s] before the start during which all beads flew freely: inf, or until two that now part were in touch.
+    """Longest time [s] before the start for which free flight can be shown: until two beads that now part would touch, or inf.
 
-    0 on a bed that rubs: what moved there was faster before.
+    0 on a bed with friction, where beads were faster before the start.
     """
     if chain.friction:
         return 0.0

@@ -1,4 +1,4 @@
-"""Who has the energy and the momentum: two slim bars whose full length must not change, and how well it does not."""
+"""The bars of energy and momentum: each bead's part, a total that must not change, and the errors of both as badges."""
 
 from __future__ import annotations
 
@@ -10,58 +10,58 @@ from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.motion import Array, Motion
 
-HOLDS = 1e-3  # relative error up to which the badge is green: what one pixel of the bars could show
-TITLES = (
-    ("energy: motion of each bead, stored in contacts", "energy, stored in contacts", "energy"),
-    ("momentum of each bead; marks: zero and total", "momentum; marks: zero, total", "momentum"),
-)
+SMALL_ERROR = 1e-3  # relative error up to which a badge is green: less than a pixel of the bars
+# Titles of the energy bar, of which the longest that fits is written, and those of the momentum bar.
+ENERGY_TITLES = ("energy: motion of each bead, stored in contacts", "energy, stored in contacts", "energy")
+MOMENTUM_TITLES = ("momentum of each bead; marks: zero and total", "momentum; marks: zero, total", "momentum")
 
 
 class EnergyBars:
-    """Energy bar, momentum bar and, unless they are shown elsewhere, error badges of one lane."""
+    """Energy bar, momentum bar and, unless they are shown elsewhere, error badges of one lane.
+
+    Arguments:
+        rect: where they are drawn.
+        unit: pixels of a design pixel.
+        colours: of the beads.
+        scales: the scales of all lanes.
+        badges: whether the errors are shown.
+    """
 
     def __init__(
         self, rect: pygame.Rect, unit: float, colours: tuple[Colour, ...], scales: Scales, badges: bool = True
     ) -> None:
-        self.unit, self.colours, self.scales, self.badged = unit, colours, scales, badges
-        third = (rect.width - 2 * 22 * unit) / 3 if badges else (rect.width - 22 * unit) / 2
-        self.bars = [
-            pygame.Rect(
-                round(rect.left + k * (third + 22 * unit)),
-                round(rect.bottom - 15 * unit),
-                round(third),
-                round(11 * unit),
-            )
-            for k in range(2)
-        ]
-        self.badges = pygame.Rect(round(rect.right - third), rect.top, round(third), rect.height)
+        self.unit, self.colours, self.scales, self.has_badges = unit, colours, scales, badges
+        gap = 22 * unit
+        wide = (rect.width - 2 * gap) / 3 if badges else (rect.width - gap) / 2
+        top, height = round(rect.bottom - 15 * unit), round(11 * unit)
+        self.bars = [pygame.Rect(round(rect.left + k * (wide + gap)), top, round(wide), height) for k in range(2)]
+        self.badges = pygame.Rect(round(rect.right - wide), rect.top, round(wide), rect.height)
         low, high = scales.momentum
-        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width
+        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width  # pixel of momentum 0
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Names and empty bars."""
+        """Draw titles and empty bars."""
         unit = self.unit
-        for rect, titles in zip(self.bars, TITLES, strict=True):
+        for rect, titles in zip(self.bars, (ENERGY_TITLES, MOMENTUM_TITLES), strict=True):
             surface.fill(GRID, rect)
             fitting = [title for title in titles if width(title, 12.5 * unit) < rect.width - 14 * unit] or [""]
             end = write(surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, MUTED, align=(0, 1)).right
             if fitting[0].endswith("contacts"):
                 fill_rectangle(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
 
-    def paint(self, surface: pygame.Surface, track: Motion, row: int) -> None:
-        """Draw the shares and errors at row `row` of `track`."""
-        absorbed = float(track.absorbed[row]) if track.absorbed.size else 0.0
-        self._energy(surface, track.kinetic[row], float(track.stored[row]), absorbed)
-        self._momentum(surface, track.momentum[row])
-        if not self.badged:
+    def paint(self, surface: pygame.Surface, motion: Motion, row: int) -> None:
+        """Draw energy, momentum and errors at row `row` of `motion`."""
+        absorbed = float(motion.absorbed[row]) if motion.absorbed.size else 0.0
+        self._energy(surface, motion.kinetic[row], float(motion.stored[row]), absorbed)
+        self._momentum(surface, motion.momentum[row])
+        if not self.has_badges:
             return
-        errors = (("energy error", track.energy_error[row]), ("momentum error", track.momentum_error[row]))
-        takers = track.chain.walls or track.chain.friction  # of momentum
-        for k, (name, error) in enumerate(errors[:1] if takers else errors):
-            self._badge(surface, k, name, float(error))
+        self._badge(surface, 0, "energy error", float(motion.energy_error[row]))
+        if not (motion.chain.walls or motion.chain.friction):  # walls and the bed take momentum
+            self._badge(surface, 1, "momentum error", float(motion.momentum_error[row]))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:
-        """What moves, what contacts hold, and behind it, muted, what gears and bed have absorbed."""
+        """From left to right: kinetic energies of the beads, energy stored in contacts, energy absorbed by gears and bed."""
         rect, x = self.bars[0], float(self.bars[0].left)
         for value, colour in zip((*kinetic.tolist(), stored, absorbed), (*self.colours, STEEL, MUTED), strict=True):
             wide = value / self.scales.energy * rect.width
@@ -69,7 +69,7 @@ class EnergyBars:
             x += wide
 
     def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
-        """EnergyBars to the right lie right of the zero mark, those to the left lie left of it."""
+        """Momenta to the right are drawn to the right of zero, those to the left to the left of it."""
         rect, (low, high) = self.bars[1], self.scales.momentum
         ends = [self.zero, self.zero]
         for value, colour in zip(momentum.tolist(), self.colours, strict=True):
@@ -83,19 +83,10 @@ class EnergyBars:
             fill_rectangle(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
-        unit, good = self.unit, error <= HOLDS
+        unit, good, size = self.unit, error <= SMALL_ERROR, 12.5 * self.unit
         y = self.badges.top + (6 + 17 * line) * unit
         text = f"{name}  {scientific(error) if error >= 1e-17 else '0'}"
-        place = write(
-            surface,
-            text,
-            (self.badges.right, y),
-            12.5 * unit,
-            FOREGROUND if good else WARNING,
-            bold=not good,
-            align=(1, 0),
-        )
-        mark = "✓" if good else "!"
-        write(
-            surface, mark, (place.left - 6 * unit, y), 12.5 * unit, GOOD if good else WARNING, bold=True, align=(1, 0)
-        )
+        colour = FOREGROUND if good else WARNING
+        place = write(surface, text, (self.badges.right, y), size, colour, bold=not good, align=(1, 0))
+        mark, colour = ("✓", GOOD) if good else ("!", WARNING)
+        write(surface, mark, (place.left - 6 * unit, y), size, colour, bold=True, align=(1, 0))

@@ -1,22 +1,22 @@
-"""Numbers as people read them: round ticks, powers of ten with raised exponents, times in s, ms or µs."""
+"""Numbers as text: round ticks, powers of ten with superscripts, units of time."""
 
 from __future__ import annotations
 
 import math
 
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_LOWERED = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SUBSCRIPTS = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
 
 
 def power_of_ten(exponent: int) -> str:
     """10 raised to `exponent`, as text."""
-    return "10" + str(exponent).translate(_RAISED)
+    return "10" + str(exponent).translate(_SUPERSCRIPTS)
 
 
 def subscript(*numbers: int) -> str:
-    """A subscript: 12 for the contact of beads 1 and 2; with a minus between where 1 and 12 might be meant."""
-    return ("-" if max(numbers) > 9 else "").join(map(str, numbers)).translate(_LOWERED)
+    """A subscript: 12 for the contact of beads 1 and 2, with a minus between them if either has two digits."""
+    return ("-" if max(numbers) > 9 else "").join(map(str, numbers)).translate(_SUBSCRIPTS)
 
 
 def fixed(value: float, decimals: int) -> str:
@@ -28,7 +28,7 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def scientific(value: float, digits: int = 1) -> str:
-    """`value` with `digits` decimals times a power of ten; plain where it lies between 0.01 and 1000."""
+    """`value` with `digits` decimals times a power of ten; without the power between 0.01 and 1000."""
     if value == 0.0 or not math.isfinite(value):
         return "0" if value == 0.0 else "?"
     if 0.01 <= abs(value) < 1000.0:
@@ -38,7 +38,7 @@ def scientific(value: float, digits: int = 1) -> str:
 
 
 def factor(value: float) -> str:
-    """A magnification, times sign first: 0.5, 20, 5·10⁶."""
+    """A magnification with a times sign before it, as in "x 0.5", "x 20", "x 5·10⁶"."""
     if 0.01 <= value < 1.0:
         return f"{TIMES}{value:.2g}"
     if 1.0 <= value < 100000.0:

@@ -1,4 +1,4 @@
-"""Colours: Okabe and Ito's, which colour-blind people tell apart too; for long chains a ramp that grows lighter."""
+"""The colours: Okabe and Ito's, which colour-blind people can distinguish too, and a ramp for long chains."""
 
 from __future__ import annotations
 
@@ -21,19 +21,20 @@ OKABE_ITO: tuple[Colour, ...] = (
     (204, 97, 30),  # vermillion
     (204, 121, 167),  # reddish purple
     (86, 180, 233),  # sky blue
-    (96, 96, 96),  # grey in place of yellow, which white paper swallows
+    (96, 96, 96),  # grey in place of yellow, which is hard to see on white
 )
+# From dark to light, so that neighbours in a long chain differ in lightness.
 RAMP: tuple[Colour, ...] = ((72, 26, 108), (62, 74, 137), (38, 130, 142), (53, 183, 121), (190, 200, 50))
 
 
 def mix(colour: Colour, other: Colour, share: float) -> Colour:
     """`colour` with `share` (0 to 1) of `other` in it."""
-    keep, (red, green, blue), (a, b, c) = 1.0 - share, colour, other  # written out: bars are mixed at every edge
-    return round(red * keep + a * share), round(green * keep + b * share), round(blue * keep + c * share)
+    rest, (red, green, blue), (a, b, c) = 1.0 - share, colour, other  # no loop: every edge of a rectangle is mixed
+    return round(red * rest + a * share), round(green * rest + b * share), round(blue * rest + c * share)
 
 
 def bead_colours(count: int) -> tuple[Colour, ...]:
-    """One colour a bead; a contact takes that of the bead on its right, which it pushes on."""
+    """The colours of `count` beads. A contact has the colour of the bead on its right, which it pushes."""
     if count <= len(OKABE_ITO):
         return OKABE_ITO[:count]
     return tuple(_ramp(i / (count - 1)) for i in range(count))

@@ -1,4 +1,4 @@
-"""The scales of a picture: one clock, one set of axes and one camera for all lanes, so that lanes can be compared."""
+"""The scales of a picture: one time axis, one set of axes and one camera for all lanes, so that lanes can be compared."""
 
 from __future__ import annotations
 
@@ -11,24 +11,26 @@ from softcradle.sandbox.draw.number_format import round_down
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import Scene
 
-MOST_DECADES = 32
-STAGE_OVERLAP = 0.22  # of a bead's length: as large as an overlap may be drawn on the stage
+MOST_DECADES = 32  # of the overlap axis; deep inside rigid-like clusters overlaps are smaller still
+DRAWN_OVERLAP = 0.22  # of a bead's length: size at which the greatest overlap is drawn
+MOST_MAGNIFIED = 1e6  # overlaps that would need a factor as large as this are drawn to scale
+FORCE_MARGIN = 1.12  # upper end of the force axis over the greatest force
 Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Scales:
-    """What stands for what.
+    """The scales of all lanes of a picture.
 
     Attributes:
-        time: first and last time on the time axis [s].
-        window: left and right end of the stage [m].
-        velocity: of the velocity axis [m/s].
+        time: ends of the time axis [s].
+        window: left and right end of the lanes [m].
+        velocity: ends of the velocity axis [m/s].
         force: upper end of the force axis [N].
-        decades: exponents at the ends of the overlap axis.
-        magnify: factor by which the stage draws overlaps larger than they are.
-        deepest: per lane (n,) greatest overlap of each contact [m]; the loupes magnify by it.
-        energy: of the energy bar [J].
+        decades: exponents of ten at the ends of the overlap axis.
+        magnify: factor by which lanes draw overlaps larger than they are.
+        deepest: for each lane (n,) the greatest overlap of each contact [m]; insets are magnified by it.
+        energy: length of the energy bar [J].
         momentum: ends of the momentum bar [N s].
     """
 
@@ -43,21 +45,21 @@ class Scales:
     momentum: Span
 
 
-def scales_of(scene: Scene, tracks: Sequence[Motion]) -> Scales:
-    """Scales that hold all of the `tracks`, one a lane of `scene`."""
-    deepest = tuple(tuple(np.maximum(track.overlap.max(axis=0), 0.0).tolist()) for track in tracks)
+def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
+    """Scales into which all `motions` fit, one for each lane of `scene`."""
+    deepest = tuple(tuple(np.maximum(motion.overlap.max(axis=0), 0.0).tolist()) for motion in motions)
     magnify = scene.view.magnify or _magnify(max(map(max, deepest)), scene.view.length)
-    speeds = np.concatenate([track.velocity.ravel() for track in tracks])
-    momenta = [track.momentum for track in tracks]
+    speeds = np.concatenate([motion.velocity.ravel() for motion in motions])
+    momenta = [motion.momentum for motion in motions]
     return Scales(
-        time=(min(float(t.time[0]) for t in tracks), max(float(t.time[-1]) for t in tracks)),
-        window=_window(scene, tracks, magnify),
+        time=(min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)),
+        window=_window(scene, motions, magnify),
         velocity=_padded(min(0.0, float(speeds.min())), max(0.0, float(speeds.max()))),
-        force=1.12 * max(float(t.force.max()) for t in tracks) or 1.0,
+        force=FORCE_MARGIN * max(float(m.force.max()) for m in motions) or 1.0,
         decades=_decades(deepest),
         magnify=magnify,
         deepest=deepest,
-        energy=max(float((t.kinetic.sum(axis=1) + t.stored).max()) for t in tracks) or 1.0,
+        energy=max(float((m.kinetic.sum(axis=1) + m.stored).max()) for m in motions) or 1.0,
         momentum=(
             min(float(np.minimum(p, 0.0).sum(axis=1).min()) for p in momenta),
             max(float(np.maximum(p, 0.0).sum(axis=1).max()) for p in momenta) or 1.0,
@@ -66,7 +68,7 @@ def scales_of(scene: Scene, tracks: Sequence[Motion]) -> Scales:
 
 
 def left_edges(position: Array, overlap: Array, length: float, magnify: float) -> Array:
-    """(..., n+1) where each bead's left edge is drawn [m]; overlaps `magnify` times too large, the mean unmoved."""
+    """(..., n+1) where the left edge of each bead is drawn [m], overlaps `magnify` times too large; their mean is not moved."""
     shift = np.zeros_like(position)
     if magnify != 1.0:
         np.cumsum((1.0 - magnify) * np.maximum(overlap, 0.0), axis=-1, out=shift[..., 1:])
@@ -74,21 +76,14 @@ def left_edges(position: Array, overlap: Array, length: float, magnify: float) -
     return position + shift + length * np.arange(position.shape[-1])
 
 
-def followed(centre: float, track: Motion, row: int, length: float, share: float) -> float:
-    """Where the camera looks next [m]: from `centre` a `share` (0 to 1) of the way to the middle of the beads."""
-    position = track.position[row]
-    middle = 0.5 * (float(position.min()) + float(position.max()) + length * len(position))
-    return centre + share * (middle - centre)
-
-
 def _magnify(deepest: float, length: float) -> float:
-    wanted = STAGE_OVERLAP * length / deepest if deepest > 0.0 else 1.0
-    return round_down(wanted) if 1.0 < wanted < 1e6 else 1.0
+    wanted = DRAWN_OVERLAP * length / deepest if deepest > 0.0 else 1.0
+    return round_down(wanted) if 1.0 < wanted < MOST_MAGNIFIED else 1.0
 
 
-def _window(scene: Scene, tracks: Sequence[Motion], magnify: float) -> Span:
+def _window(scene: Scene, motions: Sequence[Motion], magnify: float) -> Span:
     length = scene.view.length
-    edges = [left_edges(track.position, track.overlap, length, magnify) for track in tracks]
+    edges = [left_edges(motion.position, motion.overlap, length, magnify) for motion in motions]
     low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length
     return low - 0.25 * length, high + 0.25 * length
 
@@ -101,7 +96,7 @@ def _padded(low: float, high: float) -> Span:
 
 
 def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
-    """From a decade below the shallowest contact that closes to that of the deepest overlap."""
+    """From a decade below the smallest of the contacts' greatest overlaps to the decade of the greatest."""
     depths = [depth for lane in deepest for depth in lane if depth > 0.0]
     if not depths:
         return -3, 0

@@ -1,4 +1,4 @@
-"""Smooth shapes: drawn at four times the size and averaged down; sprites are kept for four positions within a pixel."""
+"""Antialiased shapes: drawn at four times the size and averaged down. A sprite has an image for each quarter of a pixel."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import pygame
 from softcradle.sandbox.draw.palette import BACKGROUND, Colour, mix
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 
-SUBPIXELS = 4  # supersampling, and positions within a pixel
+SUBPIXELS = 4  # factor of supersampling, and the number of positions within a pixel
 Point = tuple[float, float]
 Sprites = tuple[pygame.Surface, ...]
 
 
 def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
-    """A shape at each quarter of a pixel: `paint(fine surface, shift in fine pixels)` draws it four times as large.
+    """A shape at each quarter of a pixel; `paint(fine surface, shift in fine pixels)` draws it four times as large.
 
-    `rim` is the colour of the outline: the transparent surroundings have it too, or the edge would darken.
+    `rim` is the colour of the outline. The transparent surroundings have it too, or the edge would be darker.
     """
     images = []
     for shift in range(SUBPIXELS):
@@ -29,13 +29,13 @@ def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Sur
 
 
 def blit_sprite(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
-    """Blit the sprite whose top left corner is at (x, y), `x` to a quarter of a pixel."""
+    """Blit the sprite with its top left corner at (x, y), `x` to a quarter of a pixel."""
     quarters = round(x * SUBPIXELS)
     surface.blit(images[quarters % SUBPIXELS], (quarters // SUBPIXELS, round(y)))
 
 
 def fill_rectangle(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
-    """Filled rectangle (left, top, width, height) with edges to a fraction of a pixel, over whatever is there."""
+    """Fill the rectangle (left, top, width, height) [pixels]; pixels that it covers in part are mixed with what they show."""
     x, y, width, height = area
     if width <= 0.0 or height <= 0.0:
         return
@@ -60,7 +60,7 @@ def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
 
 
 def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickness: float) -> None:
-    """Line through `points` with round joints, all in pixels of the (fine) surface."""
+    """Line through `points` with round joints, all in pixels of the fine surface."""
     width = max(1, round(thickness))
     if len(points) > 1:
         pygame.draw.lines(fine, colour, False, points, width)
@@ -69,18 +69,22 @@ def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thi
             pygame.draw.circle(fine, colour, point, width / 2)
 
 
-MARKERS = 5
+# Corners, angle of the first one [degrees] and size in radii of the markers with corners: square, triangle on its base,
+# diamond, triangle on its tip. Marker 0 is a disc. The sizes make all of them look equally large.
+CORNERED_MARKERS = {1: (4, 45, 1.2), 2: (3, -90, 1.3), 3: (4, 0, 1.25), 4: (3, 90, 1.3)}
+MARKERS = 1 + len(CORNERED_MARKERS)
+MARKER_RIM = 1.2  # pixels of background around a marker, which sets it off from the curves
 
 
 @cached_surfaces(2)
-def marker(shape: int, radius: float, colour: Colour) -> Sprites:
-    """Disc, square, triangle, diamond or triangle on its head: `shape` counts through them."""
+def marker_sprite(shape: int, radius: float, colour: Colour) -> Sprites:
+    """The marker number `shape`, counted round and round."""
     side = math.ceil(2 * radius + 4)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
         centre = (side / 2 * SUBPIXELS + shift, side / 2 * SUBPIXELS)
-        for tint, size in ((BACKGROUND, radius + 1.2), (colour, radius)):
-            _shape(fine, tint, shape % MARKERS, centre, size * SUBPIXELS)
+        for tint, size in ((BACKGROUND, radius + MARKER_RIM), (colour, radius)):
+            _marker(fine, tint, shape % MARKERS, centre, size * SUBPIXELS)
 
     return make_sprites((side, side), BACKGROUND, paint)
 
@@ -88,21 +92,21 @@ def marker(shape: int, radius: float, colour: Colour) -> Sprites:
 def draw_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:
     """Draw a marker about `centre`."""
     half = math.ceil(2 * radius + 4) / 2
-    blit_sprite(surface, marker(shape, radius, colour), centre[0] - half, centre[1] - half)
+    blit_sprite(surface, marker_sprite(shape, radius, colour), centre[0] - half, centre[1] - half)
 
 
-def _shape(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, radius: float) -> None:
+def _marker(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, radius: float) -> None:
     if shape == 0:
         pygame.draw.circle(surface, colour, centre, radius)
         return
-    corners, first, size = {1: (4, 45, 1.2), 2: (3, -90, 1.3), 3: (4, 0, 1.25), 4: (3, 90, 1.3)}[shape]
+    corners, first, size = CORNERED_MARKERS[shape]
     angles = [math.radians(first + 360 * k / corners) for k in range(corners)]
     corner = [(centre[0] + size * radius * math.cos(a), centre[1] + size * radius * math.sin(a)) for a in angles]
     pygame.draw.polygon(surface, colour, corner)
 
 
 def draw_arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
-    """Level arrow from `start`, `length` pixels to the right (left where negative)."""
+    """Horizontal arrow from `start`, `length` pixels to the right (left where negative)."""
     x, y = start
     if abs(length) < 2.5 * unit:
         return

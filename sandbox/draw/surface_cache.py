@@ -1,4 +1,4 @@
-"""`cached_surfaces`: a cache of drawings that is bounded by the memory they take; zooming makes new sizes all the time."""
+"""A cache of drawn surfaces, bounded by the memory of their pixels: zooming makes surfaces of new sizes all the time."""
 
 from __future__ import annotations
 
@@ -11,48 +11,50 @@ import pygame
 
 Drawn = TypeVar("Drawn", pygame.Surface, "tuple[pygame.Surface, ...]")
 
-_forgetting: list[Callable[[], None]] = []
-OBJECT = 200  # bytes of a surface beside its pixels, about
+SURFACE_BYTES = 200  # of a surface beside its pixels, about
+
+_clear_functions: list[Callable[[], None]] = []
 
 
 def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Drawn]]:
-    """Decorate a function of hashable arguments: what it drew last stays, up to `megabytes` of pixels."""
+    """Decorate a function of hashable arguments: the drawings used last are kept, up to `megabytes` of pixels."""
 
     def decorate(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
-        found: OrderedDict[tuple[Any, ...], Drawn] = OrderedDict()
+        cache: OrderedDict[tuple[Any, ...], Drawn] = OrderedDict()
         used = 0
 
-        def forget_these() -> None:
+        def clear() -> None:
             nonlocal used
-            found.clear()
+            cache.clear()
             used = 0
 
-        _forgetting.append(forget_these)
+        _clear_functions.append(clear)
 
         @wraps(draw)
-        def drawn(*arguments: Any) -> Drawn:
+        def cached(*arguments: Any) -> Drawn:
             nonlocal used
-            if arguments in found:
-                found.move_to_end(arguments)
-                return found[arguments]
-            picture = found[arguments] = draw(*arguments)
-            used += _memory(picture)
-            while used > megabytes * 2**20 and len(found) > 1:
-                used -= _memory(found.popitem(last=False)[1])
-            return picture
+            if arguments in cache:
+                cache.move_to_end(arguments)
+                return cache[arguments]
+            drawing = cache[arguments] = draw(*arguments)
+            used += _memory(drawing)
+            while used > megabytes * 2**20 and len(cache) > 1:
+                used -= _memory(cache.popitem(last=False)[1])
+            return drawing
 
-        return drawn
+        return cached
 
     return decorate
 
 
 def clear_cached_surfaces() -> None:
-    """Let go of every drawing that is kept: those of a page that was left are hardly those of the next."""
-    for forget_these in _forgetting:
-        forget_these()
+    """Empty all caches. A page that is left does so, because the next one seldom needs the same drawings."""
+    for clear in _clear_functions:
+        clear()
 
 
-def _memory(picture: pygame.Surface | tuple[pygame.Surface, ...]) -> int:
-    if isinstance(picture, tuple):
-        return sum(_memory(one) for one in picture)
-    return picture.get_pitch() * picture.get_height() + OBJECT
+def _memory(drawing: pygame.Surface | tuple[pygame.Surface, ...]) -> int:
+    """Bytes of a surface, or of several."""
+    if isinstance(drawing, tuple):
+        return sum(_memory(surface) for surface in drawing)
+    return drawing.get_pitch() * drawing.get_height() + SURFACE_BYTES

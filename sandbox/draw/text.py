@@ -1,4 +1,4 @@
-"""Text on surfaces: two weights of one font, rendered once and kept."""
+"""Text on surfaces: two weights of one font; what was rendered is cached."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
 
 @cached_surfaces(6)
 def rendered(text: str, size: int, colour: Colour = FOREGROUND, bold: bool = False) -> pygame.Surface:
-    """`text` on a transparent surface of its own; not to be drawn on."""
+    """`text` on a transparent surface. The surface is cached and must not be drawn on."""
     return font(size, bold).render(text, True, colour)
 
 
@@ -36,7 +36,7 @@ def write(
     bold: bool = False,
     align: tuple[float, float] = (0.0, 0.0),
 ) -> pygame.Rect:
-    """Write one line; `align` is the point of the text that lies at `place`: (0, 0) top left, (0.5, 1) foot, middle."""
+    """Write one line; `align` is the point of the text that lies at `place`: (0, 0) top left, (0.5, 1) bottom centre."""
     image = rendered(text, round(size), colour, bold)
     width, height = image.get_size()
     return surface.blit(image, (round(place[0] - align[0] * width), round(place[1] - align[1] * height)))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.bead_sprites import BODY
+from softcradle.sandbox.draw.bead_sprites import CYLINDER_LENGTH
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing, is_gear
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
@@ -46,7 +46,8 @@ class Camera:
         self.marker = max(LEAST_MARKER, MARKER * self.stage.bead)  # pixels
         chain = self.stage.chain
         middle = [
-            0.5 * (BODY if is_gear(chain.contact[min(i, chain.contacts - 1)]) else 1.0) for i in range(len(chain.mass))
+            0.5 * (CYLINDER_LENGTH if is_gear(chain.contact[min(i, chain.contacts - 1)]) else 1.0)
+            for i in range(len(chain.mass))
         ]
         self.middle = scene.view.length * (np.array(middle) + np.arange(len(middle)))
         self.marked = np.isfinite(chain.mass)  # a wall has no marker

@@ -106,7 +106,7 @@ def render_scene(
         bar.begin(len(shots))
         for shot in shots:
             surface = film.blank()
-            picture.paint(surface, shot.row, told=shot.told)
+            picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
             film.add(surface)
             bar.advance()
     duration, clock = 0.0 if still else len(shots) / rate, float(tracks[0].time[0])
@@ -118,7 +118,7 @@ class Shot:
     """One frame: the row of the tracks, and how opaque the scene's text is."""
 
     row: int
-    told: float = 0.0
+    text_opacity: float = 0.0
 
 
 def script(scene: Scene, rows: int, rate: float) -> list[Shot]:

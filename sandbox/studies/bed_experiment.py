@@ -1,32 +1,39 @@
 """The paper's experiment (App. C): one on three and two on two on a bed of straws, and what friction explains of it.
 
-Measured: masses, spring, precompression, and "relative deficits in the momentum and energy upon collision" of 5-10 % and
-10-20 %. Not given: the launch speed, and over which time the deficits were taken. Here they are taken from the first touch to
-the last opening. The speed is bounded by the text alone: a target cluster that leaves as one asks for less than the critical
-speed (1.01 m/s at one on three), and a kymograph with bars of 100 ms and 12 cm shows slopes well below that of its bars'
-diagonal, 1.2 m/s; its marker still moves when a bed that costs 5-10 % a collision has acted for some 100 ms. So 0.25 to 1 m/s,
-0.5 m/s where one number is needed.
+The paper states masses, spring, precompression, and "relative deficits in the momentum and energy upon collision" of
+5-10 % and 10-20 %. It does not state the launch speed, nor over which time the deficits were taken. Here they are taken
+from the first touch to the last opening.
+
+The text bounds the speed. A target cluster that leaves as one body needs less than the critical speed (1.01 m/s at one
+on three). A kymograph with bars of 100 ms and 12 cm shows slopes well below that of its bars' diagonal, 1.2 m/s. Its
+marker still moves some 100 ms later, on a bed that costs 5-10 % a collision. So the speed is 0.25 to 1 m/s, and 0.5 m/s
+where one number is needed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 from softcradle.physics import Chain, draft_gear, simulate
 
-MASS = (0.3945, 0.3980, 0.3967, 0.3938)  # kg
-STIFFNESS, PRECOMPRESSION = 770.0, 0.0177  # N/m, m
-STRIKERS = {"one on three": 1, "two on two": 2}
-SPEEDS = (0.25, 0.5, 0.75, 1.0)  # m/s
-MOMENTUM, ENERGY = (0.05, 0.10), (0.10, 0.20)  # the deficits stated
-HALVINGS = 40
+MASS = (0.3945, 0.3980, 0.3967, 0.3938)  # [kg]
+STIFFNESS = 770.0  # [N/m]
+PRECOMPRESSION = 0.0177  # [m]
+STRIKERS = {"one on three": 1, "two on two": 2}  # by experiment
+SPEEDS = (0.25, 0.5, 0.75, 1.0)  # [m/s] launch speeds that the text allows
+MOMENTUM_DEFICIT = (0.05, 0.10)  # as stated
+ENERGY_DEFICIT = (0.10, 0.20)  # as stated
+LARGEST_FRICTION = 1.0  # upper end of the search for the coefficient
+LARGEST_LOSS = 0.95  # upper end of the search for the loss
+BISECTIONS = 40  # to round-off of what is shown
 
 
 @dataclass(frozen=True)
 class Deficits:
-    """Parts of momentum and energy that a collision has lost, and its time from first touch to last opening [s]."""
+    """Parts of momentum and energy that a collision has lost, and its time [s] from first touch to last opening."""
 
     momentum: float
     energy: float
@@ -35,7 +42,7 @@ class Deficits:
 
 @dataclass(frozen=True)
 class Fit:
-    """A bed (and a loss of the gears) that gives the wanted deficits at a launch speed, and what it gives for the rest."""
+    """Friction of the bed and loss of the gears, fitted at a launch speed [m/s], and the deficits that they give."""
 
     experiment: str
     speed: float
@@ -46,53 +53,53 @@ class Fit:
 
 @cache
 def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0) -> Deficits:
-    """Deficits of the collision of `strikers` at `speed` [m/s] with the rest, just touching, on a bed that rubs."""
-    gear = draft_gear(STIFFNESS, PRECOMPRESSION, loss)
-    chain = Chain(MASS, gear, friction=friction)
+    """Deficits when `strikers` at `speed` [m/s] collide with the rest, which just touch, on a bed with friction."""
+    chain = Chain(MASS, draft_gear(STIFFNESS, PRECOMPRESSION, loss), friction=friction)
     velocity = [speed] * strikers + [0.0] * (len(MASS) - strikers)
     whole = simulate(chain, velocity, method="conserving", samples=2)
     end = max(opened for intervals in whole.contact_intervals for _, opened in intervals if np.isfinite(opened))
     found = simulate(chain, velocity, end, method="conserving", samples=2)
-    left = found.momentum[-1] / found.momentum[0], found.kinetic_energy[-1] / found.kinetic_energy[0]
-    return Deficits(1.0 - float(left[0]), 1.0 - float(left[1]), end)
+    momentum, energy = (values[-1] / values[0] for values in (found.momentum, found.kinetic_energy))
+    return Deficits(1.0 - float(momentum), 1.0 - float(energy), end)
 
 
-def friction_for(momentum: float, strikers: int, speed: float, loss: float = 0.0) -> float:
-    """Coefficient of the bed at which the collision loses the part `momentum`: bisection, the deficit grows with it."""
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if deficits(strikers, speed, middle, loss).momentum < momentum else (low, middle)
-    return 0.5 * (low + high)
+def friction_for(momentum: float, strikers: int, speed: float) -> float:
+    """Coefficient of friction at which the collision loses the part `momentum`, with gears without loss."""
+    return _bisect(lambda friction: deficits(strikers, speed, friction).momentum, momentum, LARGEST_FRICTION)
 
 
 def loss_for(energy: float, strikers: int, speed: float, friction: float) -> float:
     """Loss of the gears at which the collision loses the part `energy` on that bed."""
-    low, high = 0.0, 0.95
-    for _ in range(HALVINGS):
+    return _bisect(lambda loss: deficits(strikers, speed, friction, loss).energy, energy, LARGEST_LOSS)
+
+
+def _bisect(deficit: Callable[[float], float], wanted: float, high: float) -> float:
+    """The argument between 0 and `high` at which `deficit`, which grows with it, has the value `wanted`."""
+    low = 0.0
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if deficits(strikers, speed, friction, middle).energy < energy else (low, middle)
+        low, high = (middle, high) if deficit(middle) < wanted else (low, middle)
     return 0.5 * (low + high)
 
 
 def friction_range(strikers: int, speed: float) -> tuple[float, float]:
-    """Coefficients whose momentum deficit is within the stated one, for elastic gears."""
-    low, high = (friction_for(share, strikers, speed) for share in MOMENTUM)
+    """Coefficients whose momentum deficit is within the stated one, with gears without loss."""
+    low, high = (friction_for(part, strikers, speed) for part in MOMENTUM_DEFICIT)
     return low, high
 
 
-def alone(speed: float) -> list[Fit]:
-    """Friction alone: one coefficient for both experiments, in the middle of what their momenta allow; elastic gears."""
+def fit_friction(speed: float) -> list[Fit]:
+    """Friction alone: one coefficient for both experiments, in the middle of what their momentum deficits allow."""
     ranges = [friction_range(strikers, speed) for strikers in STRIKERS.values()]
     low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
     friction = 0.5 * (low + high)
     return [Fit(name, speed, friction, 0.0, deficits(k, speed, friction)) for name, k in STRIKERS.items()]
 
 
-def with_loss(speed: float) -> list[Fit]:
-    """The same bed with one loss of all gears, such that one on three loses the middle of the stated energy."""
-    fits = alone(speed)
-    loss = loss_for(sum(ENERGY) / 2.0, STRIKERS[fits[0].experiment], speed, fits[0].friction)
+def fit_friction_and_loss(speed: float) -> list[Fit]:
+    """The same bed with one loss of all gears, at which one on three loses the middle of the stated energy deficit."""
+    fits = fit_friction(speed)
+    loss = loss_for(sum(ENERGY_DEFICIT) / 2.0, STRIKERS[fits[0].experiment], speed, fits[0].friction)
     return [
         replace(fit, loss=loss, deficits=deficits(STRIKERS[fit.experiment], speed, fit.friction, loss)) for fit in fits
     ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 import pytest
-from softcradle.sandbox.studies import claims, figures
 from softcradle.sandbox.studies.precision import peers
 
 from tests.helpers.paths import ROOT, source_files
@@ -13,8 +12,6 @@ from tests.helpers.paths import ROOT, source_files
 FILES = {
     "softcradle/__init__.py": "public names load on first use",
     "physics/__init__.py": "public names load on first use",
-    "sandbox/studies/claims/__init__.py": "the list of claims loads none of them",
-    "sandbox/studies/figures/__init__.py": "the list of figures does not load matplotlib",
     "sandbox/studies/precision/peers/__init__.py": "a peer that is not installed is left out",
 }
 FILES_TO_GO = {"physics/simulation.py", "sandbox/cli/main.py"}
@@ -29,8 +26,6 @@ def test_imports_by_string_are_where_they_should_be():
 @pytest.mark.parametrize(
     ("package", "names"),
     [
-        (claims, lambda: claims.MODULES),
-        pytest.param(figures, lambda: [figure.module for figure in figures.FIGURES], marks=WRONG_NAMES),
         pytest.param(peers, lambda: [peer.module for peer in peers.PEERS], marks=WRONG_NAMES),
     ],
 )

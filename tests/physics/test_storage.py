@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, Contact, Trajectory, draft_gear, hertz, one_on, power_law, simulate
-from softcradle.physics.status import CodedWarning, Status, WarningCode
 from softcradle.physics.atomic_files import output_file, output_folder
+from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 
 @pytest.fixture(scope="module")

@@ -107,7 +107,7 @@ def _measured(recipe: Recipe, quantity: str, with_peers: bool, report: Callable[
 
 
 def _write(measured: Sequence[Measured], picture: Path, numbers: Path | None = None) -> None:
-    from softcradle.sandbox.studies.figures.figure_style import styled
+    from softcradle.sandbox.studies.plot_style import styled
     from softcradle.sandbox.studies.precision.precision_chart import draw
     from softcradle.sandbox.studies.precision.precision_table import write_csv
 

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.claims import Claim
+    from softcradle.sandbox.studies.claims.claim import Claim
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,9 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Measure all claims and print them."""
-    from softcradle.sandbox.studies.claims import claims
+    from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
-    found = claims()
+    found = measure_claims()
     if args.json:
         _print_json(found)
     else:
@@ -38,7 +38,7 @@ def _print_json(found: list[Claim]) -> None:
 def _print_table(found: list[Claim]) -> None:
     from rich.text import Text
     from softcradle.sandbox.console import console, table
-    from softcradle.sandbox.studies.claims import Verdict
+    from softcradle.sandbox.studies.claims.claim import Verdict
 
     colours = {Verdict.HOLDS: "green", Verdict.LIMIT: "yellow", Verdict.FAILS: "red"}
     made = table("claim", "place", "what we measure", "how", "verdict")

@@ -25,9 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction and print the fits."""
-    from softcradle.sandbox.studies.bed_experiment import SPEEDS, alone, with_loss
+    from softcradle.sandbox.studies.bed_experiment import SPEEDS, fit_friction, fit_friction_and_loss
 
-    fits = [fit for speed in SPEEDS for fit in (*alone(speed), *with_loss(speed))]
+    fits = [fit for speed in SPEEDS for fit in (*fit_friction(speed), *fit_friction_and_loss(speed))]
     if args.json:
         _print_json(fits)
     else:
@@ -46,7 +46,7 @@ def _print_json(fits: list[Fit]) -> None:
 
 def _print_table(fits: list[Fit]) -> None:
     from softcradle.sandbox.console import console, table
-    from softcradle.sandbox.studies.bed_experiment import ENERGY, MOMENTUM
+    from softcradle.sandbox.studies.bed_experiment import ENERGY_DEFICIT, MOMENTUM_DEFICIT
 
     made = table(
         "experiment", "speed", "friction", "loss", "momentum deficit", "energy deficit", "contact", numbers=True
@@ -58,8 +58,8 @@ def _print_table(fits: list[Fit]) -> None:
             f"{fit.speed:.2f} m/s",
             f"{fit.friction:.4f}",
             f"{fit.loss:.3f}",
-            _marked(lost.momentum, MOMENTUM),
-            _marked(lost.energy, ENERGY),
+            _marked(lost.momentum, MOMENTUM_DEFICIT),
+            _marked(lost.energy, ENERGY_DEFICIT),
             f"{1e3 * lost.time:.1f} ms",
         )
     output = console()

@@ -6,7 +6,6 @@ import argparse
 
 from softcradle.sandbox.console import console, table
 from softcradle.sandbox.output_files import make_folder
-from softcradle.sandbox.studies.figures import FIGURES, named
 from softcradle.sandbox.user_error import UserError
 
 
@@ -21,8 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Draw the figures, or list them."""
+    from softcradle.sandbox.studies.figures.figure_list import FIGURES, figures_named, write_figure
+
     try:
-        figures = named(args.names)
+        figures = figures_named(args.names)
     except KeyError as error:
         known = ", ".join(figure.name for figure in FIGURES)
         raise UserError(f"there is no figure {error.args[0]!r}; there are {known}") from None
@@ -33,8 +34,6 @@ def main(args: argparse.Namespace) -> int:
         console().print(listed)
         return 0
     folder = make_folder(args.output)
-    from softcradle.sandbox.studies.figures.figure_files import write
-
     for figure in figures:
-        print("written:", ", ".join(str(path) for path in write(figure, folder)), flush=True)
+        print("written:", ", ".join(str(path) for path in write_figure(figure, folder)), flush=True)
     return 0

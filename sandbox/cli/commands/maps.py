@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.figures.solved_cases import Table
-    from softcradle.sandbox.studies.maps.rigidity_scan import Map
+    from softcradle.sandbox.studies.data_table import Table
+    from softcradle.sandbox.studies.maps.rigidity_scan import RigidityMap
 
 NAMES = ("power-law", "draft-gear")
 COLUMNS = 200  # abscissae of a map, where none are given
@@ -39,10 +39,10 @@ def main(args: argparse.Namespace) -> int:
             raise UserError(f"there is no map {name!r}; there are {', '.join(NAMES)}")
     columns, rows = _points(args.points)
     from softcradle.sandbox.output_files import make_folder
-    from softcradle.sandbox.studies.maps.rigidity_scan import maps
+    from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
 
     folder = make_folder(args.output)
-    for wanted in maps(columns, rows):
+    for wanted in rigidity_maps(columns, rows):
         if not args.names or wanted.name in args.names:
             paths = _write(wanted, _computed(wanted), folder)
             print("written:", ", ".join(str(path) for path in paths), flush=True)
@@ -57,20 +57,20 @@ def _points(text: str) -> tuple[int, int]:
     return int(columns), int(rows)
 
 
-def _computed(wanted: Map) -> Table:
+def _computed(wanted: RigidityMap) -> Table:
     from rich.console import Console
     from rich.progress import Progress
-    from softcradle.sandbox.studies.maps.rigidity_scan import compute
+    from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
 
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(f"{wanted.title}: collisions", total=2 * len(wanted.values) * len(wanted.sizes))
-        return compute(wanted, lambda done: progress.advance(task, done))
+        return compute_map(wanted, lambda done: progress.advance(task, done))
 
 
-def _write(wanted: Map, table: Table, folder: Path) -> list[Path]:
-    from softcradle.sandbox.studies.figures.figure_files import write_all
-    from softcradle.sandbox.studies.figures.figure_style import styled
-    from softcradle.sandbox.studies.maps.map_drawing import draw
+def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:
+    from softcradle.sandbox.studies.maps.map_figure import draw_map
+    from softcradle.sandbox.studies.picture_files import write_picture
+    from softcradle.sandbox.studies.plot_style import styled
 
     with styled():
-        return write_all(draw(wanted, table), table, folder / f"map-{wanted.name}")
+        return write_picture(draw_map(wanted, table), table, folder / f"map-{wanted.name}")

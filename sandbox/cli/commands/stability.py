@@ -11,7 +11,7 @@ from softcradle.sandbox.console import console, table
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.stability.failure_scans import Scan, Spot
+    from softcradle.sandbox.studies.stability.failure_scans import Scan, ScanRun
 
 SUFFIXES = (".png", ".pdf", ".svg")
 
@@ -28,22 +28,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the scans, draw the maps and print the verdicts."""
+    """Run the scans, draw the maps and print the summary."""
     from softcradle.sandbox.output_files import output_file
-    from softcradle.sandbox.studies.figures.figure_style import styled
-    from softcradle.sandbox.studies.stability.stability_chart import draw
-    from softcradle.sandbox.studies.stability.verdicts import write_csv
+    from softcradle.sandbox.studies.plot_style import styled
+    from softcradle.sandbox.studies.stability.failure_scans import write_csv
+    from softcradle.sandbox.studies.stability.stability_figure import draw_scans
 
     path = Path(args.output)
     if path.suffix not in SUFFIXES:
         raise UserError(f"cannot write {args.output}: stability writes {', '.join(SUFFIXES)}")
     scans = _scans(args.scans)
     with output_file(path) as picture, output_file(path.with_suffix(".csv")) as numbers:
-        spots = _spots(scans)
+        runs = _runs(scans)
         with styled():
-            draw(spots, scans).savefig(picture, dpi=140)
-        write_csv(spots, numbers)
-    _print(spots)
+            draw_scans(runs, scans).savefig(picture, dpi=140)
+        write_csv(runs, numbers)
+    _print(runs)
     print(f"written: {path}, {path.with_suffix('.csv')}")
     return 0
 
@@ -59,55 +59,56 @@ def _scans(wanted: Sequence[str]) -> list[Scan]:
     return [known[name] for name in wanted] if wanted else list(SCANS)
 
 
-def _spots(scans: Sequence[Scan]) -> list[Spot]:
+def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
     from rich.console import Console
     from rich.progress import Progress
-    from softcradle.sandbox.studies.stability.failure_scans import finenesses, methods, spots
+    from softcradle.sandbox.studies.stability.failure_scans import finenesses, scan_runs, scanned_methods
 
     found = []
     with Progress(console=Console(stderr=True), transient=True) as progress:
-        runs = sum(len(scan.values) * len(finenesses(method)) for scan in scans for method in methods())
-        task = progress.add_task("runs", total=runs)
+        total = sum(len(scan.values) * len(finenesses(method)) for scan in scans for method in scanned_methods())
+        task = progress.add_task("runs", total=total)
         for scan in scans:
-            for method in methods():
+            for method in scanned_methods():
                 progress.update(task, description=f"{scan.name}, {method.name}")
-                for spot in spots(scan, method):
-                    found.append(spot)
+                for run in scan_runs(scan, method):
+                    found.append(run)
                     progress.advance(task)
     return found
 
 
-def _print(spots: Sequence[Spot]) -> None:
+def _print(runs: Sequence[ScanRun]) -> None:
     from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
     from softcradle.physics.methods import find_method
-    from softcradle.sandbox.studies.stability.failure_scans import KEPT
-    from softcradle.sandbox.studies.stability.verdicts import verdicts
+    from softcradle.sandbox.studies.stability.failure_scans import ADAPTIVE_ERROR_FACTOR
+    from softcradle.sandbox.studies.stability.failure_summary import summarise_failures
 
     made = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
-    for found in verdicts(spots):
-        first = "-" if found.first is None else f"{found.first.fineness:.2g} at {found.scan} = {found.first.value:.2g}"
+    for found in summarise_failures(runs):
+        finest = (
+            "-" if found.finest is None else f"{found.finest.fineness:.2g} at {found.scan} = {found.finest.value:.2g}"
+        )
         how = ", ".join(f"{kind} {count}" for kind, count in found.kinds) or "-"
         failed = f"{found.failed} of {found.runs}"
-        unsafe = "-" if find_method(found.method).adaptive else str(found.unsafe)
-        made.add_row(found.scan, found.method, failed, how, first, unsafe, str(found.silent))
+        unsafe = "-" if find_method(found.method).adaptive else str(found.below_limit)
+        made.add_row(found.scan, found.method, failed, how, finest, unsafe, str(found.silent))
     output = console()
     output.print(made)
     output.print(
-        f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or {KEPT:g} times the tolerance; "
-        "chatter: contacts switch more "
-        "often than they should; error: they do not; blow-up: the energy has at least doubled. "
-        "Letters in the maps: c, e, b; red where no warning spoke of it."
+        f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or "
+        f"{ADAPTIVE_ERROR_FACTOR:g} times the tolerance; chatter: contacts switch more often than they should; error: "
+        "they do not; blow-up: the energy has at least doubled. Letters in the maps: c, e, b; red where no warning spoke of it."
     )
     output.print(_caution())
 
 
 def _caution() -> str:
     """A sentence on what pymunk's own rigid contacts do to the energy of a cradle."""
-    from softcradle.sandbox.studies.stability.rigid_cradle import SECONDS, STEPS, blow, energy_kept
+    from softcradle.sandbox.studies.stability.rigid_cradle import DURATION, STEPS, remaining_energy, strike
 
-    kept = ", ".join(f"{energy_kept(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
-    final = " ".join(f"{speed:.2f}" for speed in blow(STEPS[0]) + 0.0)
+    kept = ", ".join(f"{remaining_energy(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
+    final = " ".join(f"{speed:.2f}" for speed in strike(STEPS[0]) + 0.0)
     return (
-        f"caution: pymunk's own rigid contacts, a cradle of five after {SECONDS:g} s, keep of their energy {kept}; one on "
-        f"four ends with {final} at any step: the blow leaves with the last ball, not with the cluster."
+        f"caution: pymunk's own rigid contacts, a cradle of five after {DURATION:g} s, keep of their energy {kept}; one on "
+        f"four ends with {final} at any step: the last ball leaves alone, not the cluster."
     )

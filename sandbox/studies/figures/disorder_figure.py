@@ -1,6 +1,6 @@
-"""Not shown in the paper: random chains. Soft clusters stay whole as long as every contact is strong enough.
+"""Not shown in the paper: random chains. Soft clusters stay rigid-like as long as every contact is strong enough.
 
-How strong is said by `softcradle.physics.analysis.measures.loads`; the pulse of the usual cradle breaks up in any case.
+`softcradle.physics.analysis.measures.loads` says how strong; the pulse of the usual cradle breaks up in any case.
 """
 
 from __future__ import annotations
@@ -10,17 +10,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics import Chain, Contact
 from softcradle.physics.analysis.measures import loads
-from softcradle.sandbox.studies.figures import figure_style as style
-from softcradle.sandbox.studies.figures.solved_cases import Array, Table, long_table, pick, solved, start
+from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
+from softcradle.sandbox.studies.figures.solved_cases import full_motion, start_velocity
+from softcradle.sandbox.studies.plot_style import BLUE, GREY, ORANGE, PAGE_WIDTH, RED, new_figure, panel_title
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-TARGETS, CHAINS, SEED = 6, 40, 20100324
-SOFT, CRADLE = 0.0, 1.0  # in the column "kind"
-SOFT_EXPONENTS, CRADLE_EXPONENT = (1.0 / 50.0, 1.0 / 30.0), 1.5
-STEP = 2e-4  # deep inside, contacts of any exponents rattle on for long: the conserving method passes over that
-WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH
+TARGETS = 6
+CHAINS = 40  # random chains of each kind, besides the homogeneous one
+SEED = 20100324
+WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH, evenly in their logarithm
+SOFT = 0.0  # value of the column "kind" for soft chains
+CRADLE = 1.0  # value of the column "kind" for the usual cradle
+SOFT_EXPONENTS = (1.0 / 50.0, 1.0 / 30.0)  # range of the exponents in a soft chain
+CRADLE_EXPONENT = 1.5  # Hertz
+
+# Step of the conserving method [s]. Contacts deep inside a random soft chain chatter for long: adaptive methods resolve
+# every closing, which changes nothing that is shown.
+STEP = 2e-4
 
 
 def chains(kind: float) -> list[Chain]:
@@ -44,50 +53,58 @@ def outcomes() -> Table:
     rows = []
     for kind in (SOFT, CRADLE):
         for k, chain in enumerate(chains(kind)):
-            velocity = solved(chain, start(chain), samples=2, step=STEP).final_velocity
-            whole = 2.0 * chain.mass[0] / sum(chain.mass)
+            velocity = full_motion(chain, start_velocity(chain), samples=2, step=STEP).final_velocity
+            rigid_velocity = 2.0 * chain.mass[0] / sum(chain.mass)
             load = loads(chain)[1:].max()
-            rows.append((kind, k, load, np.arange(TARGETS + 1), np.array(chain.mass), velocity, velocity / whole))
+            rows.append(
+                (kind, k, load, np.arange(TARGETS + 1), np.array(chain.mass), velocity, velocity / rigid_velocity)
+            )
     return long_table(("kind", "chain", "load", "bead", "mass", "v", "v over rigid"), rows)
 
 
 def spread(table: Table, kind: float, chain: int) -> float:
     """Root mean square of the targets' velocities about their mean, by mass, as a part of that mean."""
-    some = pick(table, kind=kind, chain=chain)
-    mass, velocity = some["mass"][1:], some["v"][1:]
+    beads = rows_where(table, kind=kind, chain=chain)
+    mass, velocity = beads["mass"][1:], beads["v"][1:]
     mean = np.average(velocity, weights=mass)
     return float(np.sqrt(np.average((velocity - mean) ** 2, weights=mass)) / mean)
 
 
 def loads_and_spreads(table: Table, kind: float) -> tuple[Array, Array]:
     """Per chain the greatest load of an inner contact, and the spread of the targets."""
-    count = range(CHAINS + 1)
-    load = np.array([pick(table, kind=kind, chain=k)["load"][0] for k in count])
-    return load, np.array([spread(table, kind, k) for k in count])
+    numbers = range(CHAINS + 1)
+    load = np.array([rows_where(table, kind=kind, chain=k)["load"][0] for k in numbers])
+    return load, np.array([spread(table, kind, k) for k in numbers])
 
 
-def draw(table: Table) -> Figure:
-    """Velocities of all targets in both kinds of chain, and between them what decides on the soft ones."""
-    figure, axes = style.page(style.PAGE, 2.6, 1, 3)
-    titles = (r"(a)  $\alpha_{i,i+1}$ from 1/50 to 1/30", r"(c)  $\alpha=3/2$, usual cradle")
-    for kind, where, title in zip((SOFT, CRADLE), axes[::2], titles, strict=True):
-        for k in range(CHAINS, -1, -1):
-            some = pick(table, kind=kind, chain=k)
-            colour = style.RED if k == 0 else style.ORANGE if kind == SOFT and some["load"][0] >= 1.0 else style.BLUE
-            where.plot(
-                some["bead"][1:], some["v over rigid"][1:], color=colour, marker="o", markersize=2.0,
-                linewidth=1.6 if k == 0 else 0.5, alpha=1.0 if k == 0 else 0.6, zorder=3 if k == 0 else 2,
-            )  # fmt: skip
-        where.axhline(1.0, color=style.GREY, linewidth=0.6, linestyle="--")
-        where.set(xlabel="bead $i$", ylabel="$v_i$ / velocity of a rigid target", xticks=range(1, TARGETS + 1))
-        style.title(where, title)
-    for colour, text in ((style.RED, "all alike"), (style.BLUE, "loads < 1"), (style.ORANGE, "a load > 1")):
-        axes[0].plot([], [], color=colour, label=text)
-    axes[0].legend(loc="lower right")
+def draw_outcomes(table: Table) -> Figure:
+    """Velocities of all targets in both kinds of chain; between them the spread of the soft ones against their load."""
+    figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.6, 1, 3)
+    _draw_velocities(left, table, SOFT)
+    _draw_velocities(right, table, CRADLE)
+    for colour, text in ((RED, "all alike"), (BLUE, "loads < 1"), (ORANGE, "a load > 1")):
+        left.plot([], [], color=colour, label=text)
+    left.legend(loc="lower right")
     load, spreads = loads_and_spreads(table, SOFT)
-    for rows, colour in ((load < 1.0, style.BLUE), (load >= 1.0, style.ORANGE), (slice(1), style.RED)):
-        axes[1].semilogy(load[rows], spreads[rows], "o", color=colour, markersize=3.5)
-    axes[1].axvline(1.0, color=style.GREY, linewidth=0.7, linestyle=":")
-    axes[1].set(xlabel="greatest load of an inner contact", ylabel="spread of the targets")
-    style.title(axes[1], "(b)  the chains of (a)")
+    for rows, colour in ((load < 1.0, BLUE), (load >= 1.0, ORANGE), (slice(1), RED)):
+        middle.semilogy(load[rows], spreads[rows], "o", color=colour, markersize=3.5)
+    middle.axvline(1.0, color=GREY, linewidth=0.7, linestyle=":")
+    middle.set(xlabel="greatest load of an inner contact", ylabel="spread of the targets")
+    panel_title(left, r"(a)  $\alpha_{i,i+1}$ from 1/50 to 1/30")
+    panel_title(middle, "(b)  the chains of (a)")
+    panel_title(right, r"(c)  $\alpha=3/2$, usual cradle")
     return figure
+
+
+def _draw_velocities(axes: Axes, table: Table, kind: float) -> None:
+    """One curve a chain: the homogeneous one in red on top, soft chains with an overloaded contact in orange."""
+    for k in range(CHAINS, -1, -1):
+        beads = rows_where(table, kind=kind, chain=k)
+        overloaded = kind == SOFT and beads["load"][0] >= 1.0
+        axes.plot(
+            beads["bead"][1:], beads["v over rigid"][1:], marker="o", markersize=2.0,
+            color=RED if k == 0 else ORANGE if overloaded else BLUE,
+            linewidth=1.6 if k == 0 else 0.5, alpha=1.0 if k == 0 else 0.6, zorder=3 if k == 0 else 2,
+        )  # fmt: skip
+    axes.axhline(1.0, color=GREY, linewidth=0.6, linestyle="--")
+    axes.set(xlabel="bead $i$", ylabel="$v_i$ / velocity of a rigid target", xticks=range(1, TARGETS + 1))

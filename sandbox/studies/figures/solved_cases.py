@@ -1,4 +1,4 @@
-"""The cases of the figures and claims: one method for all, each solved once."""
+"""The motions behind the figures and claims: one method for all, each computed once."""
 
 from __future__ import annotations
 
@@ -7,93 +7,94 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, one_on, power_law, simulate
 from softcradle.physics.analysis.mode_coupling import ModeCoupling, mode_coupling
 
 Array = NDArray[np.float64]
-Table = dict[str, Array]  # column name: values; what a figure draws and what its csv file holds
+Samples = int | tuple[float, ...]  # number of samples, or their times [s]
 
 METHOD = "accurate"
-FIXED_STEP = "conserving"  # where a step is given: a motion that goes on and on, whose energy must not leak
+FIXED_STEP_METHOD = "conserving"  # where a step is given: in a motion without an end the energy must not drift
 TOLERANCE = 1e-8
 SAMPLES = 1001
 
-N, ALPHA, SOFTER = 4, 1.0 / 10.0, 1.0 / 14.0  # the paper's case: one on four, Figs. 1b, 1c, 2; and that of Fig. 1d
+# The paper's cases.
+N = 4  # targets in Figs. 1 and 2
+ALPHA = 1.0 / 10.0  # exponent in Figs. 1b, 1c and 2
+SOFTER_ALPHA = 1.0 / 14.0  # exponent in Fig. 1d
 
 
-def soft(n: int, alpha: float) -> Chain:
+def soft_chain(n: int, alpha: float) -> Chain:
     """The homogeneous chain: one on `n`, unit masses and strengths, one exponent."""
     return one_on(n, power_law(1.0, alpha))
 
 
-def start(chain: Chain, strikers: int = 1) -> tuple[float, ...]:
+def start_velocity(chain: Chain, strikers: int = 1) -> tuple[float, ...]:
     """Unit velocity for the strikers, rest for all others."""
     return (1.0,) * strikers + (0.0,) * (chain.contacts + 1 - strikers)
 
 
 @lru_cache(maxsize=512)
-def solved(
+def full_motion(
     chain: Chain,
     velocity: tuple[float, ...],
     duration: float | None = None,
-    samples: int | tuple[float, ...] = SAMPLES,
+    samples: Samples = SAMPLES,
     tolerance: float = TOLERANCE,
     step: float | None = None,
 ) -> Trajectory:
-    """The full motion, Eq. (3); with a `step` by the conserving method.
+    """The motion by the full equations, Eq. (3); with a `step` by the conserving method.
 
-    Where the last beads rattle, final velocities are known to four or five digits at any tolerance: as many as are shown.
+    Where the last beads chatter, final velocities are known to four or five digits at any tolerance: as many as are shown.
     """
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the motion is so sensitive", RuntimeWarning)
-        return simulate(chain, velocity, duration, _method(step), step, _times(samples), tolerance)
+        return simulate(chain, velocity, duration, _method(step), step, _sample_argument(samples), tolerance)
 
 
 @lru_cache(maxsize=512)
-def coupled(
+def model_motion(
     chain: Chain,
     velocity: tuple[float, ...],
     duration: float | None = None,
-    samples: int | tuple[float, ...] = SAMPLES,
+    samples: Samples = SAMPLES,
     tolerance: float = TOLERANCE,
     step: float | None = None,
 ) -> ModeCoupling:
-    """The mode-coupling model, Eqs. (7), (A2), (A3)."""
-    return mode_coupling(chain, velocity, duration, _method(step), step, _times(samples), tolerance)
+    """The motion by the mode-coupling model, Eqs. (7), (A2), (A3)."""
+    return mode_coupling(chain, velocity, duration, _method(step), step, _sample_argument(samples), tolerance)
 
 
 def _method(step: float | None) -> str:
-    return METHOD if step is None else FIXED_STEP
+    return METHOD if step is None else FIXED_STEP_METHOD
 
 
-def _times(samples: int | tuple[float, ...]) -> int | Array:
+def _sample_argument(samples: Samples) -> int | Array:
     return samples if isinstance(samples, int) else np.array(samples)
 
 
-def contact_time(chain: Chain, velocity: tuple[float, ...], contact: int = 0) -> float:
-    """Time [s] at which `contact` opens for the first time."""
-    return solved(chain, velocity, samples=2).contact_intervals[contact][0][1]
+def full_one_on(
+    n: int, alpha: float, duration: float | None = None, samples: Samples = SAMPLES, tolerance: float = TOLERANCE
+) -> Trajectory:
+    """The motion of one on `n`, homogeneous, by the full equations."""
+    chain = soft_chain(n, alpha)
+    return full_motion(chain, start_velocity(chain), duration, samples, tolerance)
 
 
-def moments(*parts: Sequence[float] | Array) -> tuple[float, ...]:
-    """Sample times, sorted and without doubles."""
+def model_one_on(
+    n: int, alpha: float, duration: float | None = None, samples: Samples = SAMPLES, tolerance: float = TOLERANCE
+) -> ModeCoupling:
+    """The motion of one on `n`, homogeneous, by the mode-coupling model."""
+    chain = soft_chain(n, alpha)
+    return model_motion(chain, start_velocity(chain), duration, samples, tolerance)
+
+
+def opening_time(n: int, alpha: float, contact: int = 0) -> float:
+    """Time [s] at which `contact` of one on `n` opens for the first time."""
+    return full_one_on(n, alpha, samples=2).contact_intervals[contact][0][1]
+
+
+def merged_times(*parts: Sequence[float] | Array) -> tuple[float, ...]:
+    """Sample times of all `parts`, sorted, each once."""
     return tuple(np.unique(np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])).tolist())
-
-
-def long_table(columns: Sequence[str], rows: Sequence[Sequence[ArrayLike]]) -> Table:
-    """A table from blocks: each of `rows` is one block, a value or an array a column, broadcast together."""
-    blocks = [
-        np.column_stack(np.broadcast_arrays(*[np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in row]))
-        for row in rows
-    ]
-    stacked = np.concatenate(blocks)
-    return {name: stacked[:, k] for k, name in enumerate(columns)}
-
-
-def pick(table: Table, **values: float) -> Table:
-    """The rows of `table` in which the named columns have these values."""
-    rows = np.ones(len(next(iter(table.values()))), dtype=bool)
-    for name, value in values.items():
-        rows &= np.isclose(table[name], value, rtol=1e-12, atol=0.0)
-    return {name: column[rows] for name, column in table.items()}

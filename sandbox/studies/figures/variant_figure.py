@@ -1,110 +1,120 @@
-"""Appendix A, i to iii: striker and target exchanged, cluster on cluster, a Hooke interface."""
+"""Appendix A, (i) to (iii): striker and target exchanged, cluster on cluster, a Hooke interface."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from softcradle.physics import Chain, cluster_on_cluster, hooke, one_on, power_law
-from softcradle.sandbox.studies.figures import figure_style as style
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER, N, Table, coupled, soft, solved, start
+from softcradle.sandbox.studies.data_table import Table
+from softcradle.sandbox.studies.figures.solved_cases import (
+    ALPHA,
+    SOFTER_ALPHA,
+    N,
+    full_motion,
+    model_motion,
+    soft_chain,
+    start_velocity,
+)
+from softcradle.sandbox.studies.plot_style import (
+    COLOUR_CYCLE,
+    MODEL_LINE,
+    PAGE_WIDTH,
+    bead_colour,
+    new_figure,
+    panel_title,
+    zero_line,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-INTERFACE = one_on(N, (hooke(1.0), *(power_law(1.0, ALPHA),) * (N - 1)))
-STRIKERS, TARGETS = 3, 5
-CLUSTERS = cluster_on_cluster(STRIKERS, TARGETS, power_law(1.0, SOFTER))
-
-
-def forces(chain: Chain, strikers: int, until: float) -> Table:
-    """t, the forces of the full equations and of the model, and the velocities."""
-    full = solved(chain, start(chain, strikers), until)
-    model = coupled(chain, start(chain, strikers), until).trajectory
-    names = [f"f{i}{i + 1}" for i in range(chain.contacts)]
-    table = {"t": full.time}
-    for i, name in enumerate(names):
-        table |= {f"{name} full": full.force[:, i], f"{name} model": model.force[:, i]}
-    return table | {f"v{i}": full.velocity[:, i] for i in range(chain.contacts + 1)}
+INTERFACE_CHAIN = one_on(N, (hooke(1.0), *(power_law(1.0, ALPHA),) * (N - 1)))
+STRIKERS = 3  # of cluster on cluster
+TARGETS = 5
+CLUSTERS_CHAIN = cluster_on_cluster(STRIKERS, TARGETS, power_law(1.0, SOFTER_ALPHA))
 
 
 def interface() -> Table:
     """One on four with a linear spring between striker and target."""
-    return forces(INTERFACE, 1, 3.2)
+    return _forces_and_velocities(INTERFACE_CHAIN, 1, 3.2)
 
 
 def clusters() -> Table:
     """Three on five: two evanescent modes."""
-    return forces(CLUSTERS, STRIKERS, 4.6)
+    return _forces_and_velocities(CLUSTERS_CHAIN, STRIKERS, 4.6)
+
+
+def _forces_and_velocities(chain: Chain, strikers: int, until: float) -> Table:
+    """t, the forces of the full equations and of the model, and the velocities."""
+    full = full_motion(chain, start_velocity(chain, strikers), until)
+    model = model_motion(chain, start_velocity(chain, strikers), until).trajectory
+    table = {"t": full.time}
+    for i in range(chain.contacts):
+        table |= {f"f{i}{i + 1} full": full.force[:, i], f"f{i}{i + 1} model": model.force[:, i]}
+    return table | {f"v{i}": full.velocity[:, i] for i in range(chain.contacts + 1)}
 
 
 def exchange() -> Table:
-    """One on four, and four on one seen by an observer who moves along with the strikers, from right to left."""
-    one, four = soft(N, ALPHA), cluster_on_cluster(N, 1, power_law(1.0, ALPHA))
-    there, back = solved(one, start(one), 3.0), solved(four, start(four, N), 3.0)
-    table = {"t": there.time}
-    table |= {f"v{i}": there.velocity[:, i] for i in range(N + 1)}
-    table |= {f"v{i} exchanged": back.velocity[:, i] for i in range(N + 1)}
-    return table | {f"v{i} seen": 1.0 - back.velocity[:, N - i] for i in range(N + 1)}
-
-
-def _draw_forces(axes: Axes, table: Table, contacts: int, struck: int) -> None:
-    for i in range(contacts):
-        colour = style.ORDER[(i - struck) % len(style.ORDER)]
-        axes.plot(
-            table["t"], table[f"f{i}{i + 1} model"], color=colour, linestyle=(0, (4, 2)), linewidth=2.0, alpha=0.5
-        )
-        axes.plot(table["t"], table[f"f{i}{i + 1} full"], color=colour, linewidth=0.8, label=f"$f_{{{i},{i + 1}}}$")
-    axes.set(xlabel="$t$", ylabel="force", xlim=(0.0, table["t"][-1]), ylim=(0.0, None))
-
-
-def _draw_velocities(axes: Axes, table: Table, beads: int, strikers: int) -> None:
-    style.zero(axes)
-    for i in range(beads):
-        axes.plot(
-            table["t"],
-            table[f"v{i}"],
-            color=style.BLUE if i < strikers else style.ORANGE if i == strikers else "black",
-            linewidth=0.9,
-        )
-    axes.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, table["t"][-1]))
+    """One on four, and four on one as seen by an observer who moves with the strikers, from right to left."""
+    one_on_four, four_on_one = soft_chain(N, ALPHA), cluster_on_cluster(N, 1, power_law(1.0, ALPHA))
+    usual = full_motion(one_on_four, start_velocity(one_on_four), 3.0)
+    exchanged = full_motion(four_on_one, start_velocity(four_on_one, N), 3.0)
+    table = {"t": usual.time}
+    table |= {f"v{i}": usual.velocity[:, i] for i in range(N + 1)}
+    table |= {f"v{i} exchanged": exchanged.velocity[:, i] for i in range(N + 1)}
+    return table | {f"v{i} seen": 1.0 - exchanged.velocity[:, N - i] for i in range(N + 1)}
 
 
 def draw_interface(table: Table) -> Figure:
     """Forces and velocities with the Hooke interface."""
-    figure, (axes, right) = style.page(style.PAGE, 2.6, 1, 2)
-    _draw_forces(axes, table, N, 0)
-    axes.legend(loc="upper right")
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2)
+    _draw_forces(left, table, N, 0)
+    left.legend(loc="upper right")
     _draw_velocities(right, table, N + 1, 1)
-    style.title(axes, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$")
-    style.title(right, "(b)")
+    panel_title(left, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$")
+    panel_title(right, "(b)")
     return figure
 
 
 def draw_clusters(table: Table) -> Figure:
     """Forces and velocities of three on five."""
-    figure, (axes, right) = style.page(style.PAGE, 2.8, 1, 2)
-    _draw_forces(axes, table, STRIKERS + TARGETS - 1, STRIKERS - 1)
-    axes.set_ylim(0.0, 1.3)
-    axes.legend(loc="upper right", ncols=4, columnspacing=1.0)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.8, 1, 2)
+    _draw_forces(left, table, STRIKERS + TARGETS - 1, STRIKERS - 1)
+    left.set_ylim(0.0, 1.3)
+    left.legend(loc="upper right", ncols=4, columnspacing=1.0)
     _draw_velocities(right, table, STRIKERS + TARGETS, STRIKERS)
-    style.title(axes, r"(a)  3 on 5, $\alpha=1/14$")
-    style.title(right, "(b)")
+    panel_title(left, r"(a)  3 on 5, $\alpha=1/14$")
+    panel_title(right, "(b)")
     return figure
 
 
 def draw_exchange(table: Table) -> Figure:
     """Left: four on one as it is. Right: seen from the strikers and mirrored, on top of one on four."""
-    figure, (axes, right) = style.page(style.PAGE, 2.6, 1, 2, sharey=True)
-    style.zero(axes)
-    style.zero(right)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, sharey=True)
+    zero_line(left)
+    zero_line(right)
     for i in range(N + 1):
-        colour = style.BLUE if i == 0 else style.ORANGE if i == 1 else "black"
-        axes.plot(table["t"], table[f"v{N - i} exchanged"], color=colour)
-        right.plot(table["t"], table[f"v{i} seen"], color=colour, linestyle=(0, (4, 2)), linewidth=2.2, alpha=0.5)
-        right.plot(table["t"], table[f"v{i}"], color=colour, linewidth=0.8)
-    axes.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, 3.0))
+        left.plot(table["t"], table[f"v{N - i} exchanged"], color=bead_colour(i))
+        right.plot(table["t"], table[f"v{i} seen"], color=bead_colour(i), **MODEL_LINE)
+        right.plot(table["t"], table[f"v{i}"], color=bead_colour(i), linewidth=0.8)
+    left.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, 3.0))
     right.set(xlabel="$t$", xlim=(0.0, 3.0))
-    style.title(axes, "(a)  four on one")
-    style.title(right, "(b)  its mirror image, seen by the strikers, and one on four")
+    panel_title(left, "(a)  four on one")
+    panel_title(right, "(b)  its mirror image, seen by the strikers, and one on four")
     return figure
+
+
+def _draw_forces(axes: Axes, table: Table, contacts: int, struck: int) -> None:
+    for i in range(contacts):
+        colour = COLOUR_CYCLE[(i - struck) % len(COLOUR_CYCLE)]
+        axes.plot(table["t"], table[f"f{i}{i + 1} model"], color=colour, **MODEL_LINE)
+        axes.plot(table["t"], table[f"f{i}{i + 1} full"], color=colour, linewidth=0.8, label=f"$f_{{{i},{i + 1}}}$")
+    axes.set(xlabel="$t$", ylabel="force", xlim=(0.0, table["t"][-1]), ylim=(0.0, None))
+
+
+def _draw_velocities(axes: Axes, table: Table, beads: int, strikers: int) -> None:
+    zero_line(axes)
+    for i in range(beads):
+        axes.plot(table["t"], table[f"v{i}"], color=bead_colour(i, strikers), linewidth=0.9)
+    axes.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, table["t"][-1]))

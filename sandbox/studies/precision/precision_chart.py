@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.studies.figures import figure_style as style
+from softcradle.sandbox.studies.plot_style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
 from softcradle.sandbox.studies.precision.curve_labels import apart
 from softcradle.sandbox.studies.precision.precision_table import Measured, ratio_sentence, rows
 from softcradle.sandbox.studies.precision.work_precision import SHOWN, Point, Series, by_name, fitted_order, frontier
@@ -29,18 +29,18 @@ ERRORS = {
 # Ours are filled and drawn through, peers hollow and broken: told apart without colour.
 MARKERS = "osD^vPX*p<>hd8H"
 OURS = (
-    style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.RED, style.SKY, "#000000", "#8c6d31", style.GREY, "#6a0dad",
+    BLUE, ORANGE, GREEN, PURPLE, RED, SKY, "#000000", "#8c6d31", GREY, "#6a0dad",
 )  # fmt: skip
 PEERS = ("#3b3b3b", "#7a5195", "#ef5675", "#b8860b", "#2f7f7f", "#7f7f7f", "#a05195", "#5a7d2a", "#444499", "#aa5500")
 BROKEN = ("--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 
 
 def draw(measured: Sequence[Measured]) -> Figure:
-    """The picture; call it inside `softcradle.sandbox.studies.figures.figure_style.styled`."""
+    """The picture; call it inside `softcradle.sandbox.studies.plot_style.styled`."""
     import matplotlib as mpl
 
     with mpl.rc_context({"figure.constrained_layout.use": False}):  # labels stand outside the panels
-        figure, panels = style.page(WIDTH, HEIGHT * len(measured), len(measured), 2, squeeze=False)
+        figure, panels = new_figure(WIDTH, HEIGHT * len(measured), len(measured), 2, squeeze=False)
     top, foot = 0.35 / (HEIGHT * len(measured)), 0.65 / (HEIGHT * len(measured))
     figure.subplots_adjust(left=0.055, right=0.865, bottom=foot, top=1.0 - top, wspace=0.44, hspace=0.31)
     styles = _styles(measured)
@@ -50,7 +50,7 @@ def draw(measured: Sequence[Measured]) -> Figure:
             axes.set_xlabel(name)
         row[0].set_ylabel(ERRORS[found.quantity])
         row[0].set_title(found.case.label, loc="left", fontsize=11, pad=5)
-        row[1].set_title(f"truth: {found.case.origin}", loc="left", fontsize=7.5, pad=5, color=style.GREY)
+        row[1].set_title(f"truth: {found.case.origin}", loc="left", fontsize=7.5, pad=5, color=GREY)
         if found.quantity == "velocities":
             _note(row[0], ratio_sentence(rows(found)))
     return figure
@@ -96,7 +96,7 @@ def _panel(axes: Axes, found: Measured, cost: str, styles: dict[str, dict[str, A
             )
         )
     if found.case.doubt > LOWEST:
-        axes.axhspan(LOWEST, found.case.doubt, color=style.GREY, alpha=0.18, linewidth=0)
+        axes.axhspan(LOWEST, found.case.doubt, color=GREY, alpha=0.18, linewidth=0)
         axes.text(
             0.01,
             found.case.doubt,

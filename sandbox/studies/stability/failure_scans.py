@@ -1,11 +1,13 @@
-"""The scans: one on n beads over exponent, number and preload, by every step or tolerance; what each run shows of failure."""
+"""The scans: one on n beads over exponent, number and preload, by every step or tolerance, and how each run fails."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
+from enum import StrEnum
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,28 +15,39 @@ from softcradle.physics import METHODS, Chain, Contact, Trajectory, one_on, powe
 from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
 from softcradle.physics.methods import Method
 from softcradle.physics.simulation import solve
+from softcradle.sandbox.studies.csv_files import write_rows
 
 Array = NDArray[np.float64]
 
-QUANTITIES = ("energy error", "velocity spread", "contact switches")
-ALPHA, BEADS = 1 / 10, 4  # of the scans that vary something else
-EXTRA = 2.0  # every run goes on for so many contact times of rigid clusters: chatter may never end
-FINE = 1e-10  # tolerance of the motion that all are held against
+ALPHA = 1 / 10  # exponent of the scan over the number of targets
+TARGETS = 4  # of the scans over exponent and preload
 STEPS = tuple(float(step) for step in np.geomspace(3e-4, 0.3, 13))  # [s]
 TOLERANCES = tuple(float(10.0**-k) for k in np.linspace(8.0, 1.0, 8))
-LEFT_OUT = ("pymunk", "scipy")  # the digits of euler, and the reference: thousands of runs of them take hours
-KEPT = 3.0  # times its tolerance: what an adaptive method may be off by
-TOO_MANY = 2  # contacts that close more often than they should by more than this chatter
+REFERENCE_TOLERANCE = 1e-10  # of the motion that all runs are compared with
+DURATION_FACTOR = 2.0  # a run lasts so many times as long as the reference motion: chatter may never end
+LONGEST_REFERENCE = 100.0  # [s] cap of that motion's duration, for chains whose last contact opens very late
+SAMPLES = 101
+SKIPPED_METHODS = ("pymunk", "scipy")  # the digits of euler, and the slow reference: thousands of its runs take hours
+ADAPTIVE_ERROR_FACTOR = 3.0  # the error that an adaptive method is allowed, over its tolerance
+HARMLESS_SWITCHES = 2  # a run whose contacts switch more often than they should, by more than this, chatters
+
+
+class Failure(StrEnum):
+    """How a run fails."""
+
+    BLOW_UP = "blow-up"
+    CHATTER = "chatter"
+    ERROR = "error"
 
 
 @dataclass(frozen=True)
 class Scan:
-    """One thing that is varied.
+    """What is varied beside the step or tolerance.
 
     Attributes:
         name, label: for files, and for the axis.
-        values: what it takes, ascending.
-        chain: the chain at a value.
+        values: ascending.
+        chain: makes the chain for a value.
     """
 
     name: str
@@ -43,36 +56,36 @@ class Scan:
     chain: Callable[[float], Chain]
 
 
-def _preloaded(ratio: float) -> Chain:
-    """A draft gear whose preload is `ratio` of the force at the greatest overlap of a bead alone; the stiffness is 1."""
-    return one_on(BEADS, Contact(ratio, 1.0, 1.0))
+def _preloaded_chain(ratio: float) -> Chain:
+    """Draft gears whose preload is `ratio` of the force at the greatest overlap of a bead alone; the stiffness is 1."""
+    return one_on(TARGETS, Contact(ratio, 1.0, 1.0))
 
 
 SCANS: tuple[Scan, ...] = (
     Scan(
         "alpha", "exponent alpha, one on 4", tuple(float(a) for a in np.geomspace(0.01, 2.0, 12)),
-        lambda alpha: one_on(BEADS, power_law(1.0, alpha)),
+        lambda alpha: one_on(TARGETS, power_law(1.0, alpha)),
     ),
     Scan("n", "targets n, alpha = 1/10", (1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 20.0),
          lambda n: one_on(int(n), power_law(1.0, ALPHA))),
     Scan("preload", "preload / (stiffness x 1 m), one on 4", (0.0, *(float(f) for f in np.geomspace(0.01, 10.0, 10))),
-         _preloaded),
+         _preloaded_chain),
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Spot:
-    """One run.
+class ScanRun:
+    """One run of a scan.
 
     Attributes:
         scan, value, method, fineness: what was run; the fineness is a step [s] or a tolerance.
         energy: largest distance of the energy from that at the start, relative to it, over the samples.
         final_energy: the same at the end.
-        spread: root mean square distance of the target velocities from what they should be, by the closing speed.
+        spread: root mean square error of the target velocities, over the closing speed.
         switches: how often contacts closed or opened beyond what they should, over all.
-        warned: whether the trajectory said that something is wrong.
+        warned: whether the trajectory carries a warning.
         limit: `stable_step` of the chain [s].
-        allowed: what `spread` may be: TRUSTED_ERROR, or some times the tolerance where that is more.
+        allowed: the largest `spread` that is no failure.
     """
 
     scan: str
@@ -88,65 +101,76 @@ class Spot:
     allowed: float
 
     @property
-    def failure(self) -> str:
-        """How the run has failed: "blow-up", "chatter", "error"; "" where the velocities are as they should be."""
-        if not self.spread <= self.allowed:
-            if not self.final_energy <= 1.0:
-                return "blow-up"
-            return "chatter" if self.switches > TOO_MANY else "error"
-        return ""
+    def failure(self) -> Failure | None:
+        """How the run fails; None where the velocities are as they should be."""
+        if self.spread <= self.allowed:
+            return None
+        if not self.final_energy <= 1.0:
+            return Failure.BLOW_UP
+        return Failure.CHATTER if self.switches > HARMLESS_SWITCHES else Failure.ERROR
 
 
-def methods() -> list[Method]:
-    """Those that are mapped."""
-    return [method for method in METHODS if method.name not in LEFT_OUT]
+def scanned_methods() -> list[Method]:
+    """The methods that are scanned."""
+    return [method for method in METHODS if method.name not in SKIPPED_METHODS]
 
 
 def finenesses(method: Method) -> tuple[float, ...]:
-    """Steps [s], or tolerances."""
+    """The steps [s] or tolerances at which a method is run."""
     return TOLERANCES if method.adaptive else STEPS
 
 
-def spots(scan: Scan, method: Method, steps: Sequence[float] | None = None) -> Iterator[Spot]:
-    """Every run of a scan by a method."""
+def scan_runs(scan: Scan, method: Method, steps: Sequence[float] | None = None) -> Iterator[ScanRun]:
+    """Every run of a scan by a method; `steps` replaces its finenesses."""
     for value in scan.values:
         for fineness in finenesses(method) if steps is None else steps:
-            yield spot(scan, value, method, fineness)
+            yield scan_run(scan, value, method, fineness)
 
 
-def spot(scan: Scan, value: float, method: Method, fineness: float) -> Spot:
-    """One run, held against the true motion."""
+def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanRun:
+    """One run, compared with the reference motion."""
     chain = scan.chain(value)
-    velocity, true = _truth(chain)
-    wish = {"tolerance": fineness} if method.adaptive else {"step": fineness}
-    found = quietly(chain, velocity, float(true.time[-1]), method.name, **wish)
+    velocity, reference = _reference(chain)
+    chosen = {"tolerance": fineness} if method.adaptive else {"step": fineness}
+    found = solve(chain, velocity, float(reference.time[-1]), method.name, samples=SAMPLES, **chosen)
     energy = found.kinetic_energy + found.contact_energy
-    off = np.abs(energy / energy[0] - 1.0)
-    apart = np.sqrt(np.mean((found.final_velocity - true.final_velocity)[1:] ** 2))
-    return Spot(
-        scan.name, value, method.name, fineness, _finite(off.max()), _finite(off[-1]), _finite(apart),
-        max(_switches(found) - _switches(true), 0), bool(found.warnings), stable_step(chain, velocity, TRUSTED_ERROR),
-        max(TRUSTED_ERROR, KEPT * fineness) if method.adaptive else TRUSTED_ERROR,
-    )  # fmt: skip
+    change = np.abs(energy / energy[0] - 1.0)
+    error = np.sqrt(np.mean((found.final_velocity - reference.final_velocity)[1:] ** 2))
+    return ScanRun(
+        scan=scan.name,
+        value=value,
+        method=method.name,
+        fineness=fineness,
+        energy=_nan_as_inf(change.max()),
+        final_energy=_nan_as_inf(change[-1]),
+        spread=_nan_as_inf(error),
+        switches=max(_switches(found) - _switches(reference), 0),
+        warned=bool(found.warnings),
+        limit=stable_step(chain, velocity, TRUSTED_ERROR),
+        allowed=max(TRUSTED_ERROR, ADAPTIVE_ERROR_FACTOR * fineness) if method.adaptive else TRUSTED_ERROR,
+    )
 
 
 @lru_cache(maxsize=64)
-def _truth(chain: Chain) -> tuple[Array, Trajectory]:
-    """Start velocities and the true motion, some time beyond its end."""
+def _reference(chain: Chain) -> tuple[Array, Trajectory]:
+    """Start velocities and the accurate motion, some time beyond its end."""
     velocity = np.eye(1, chain.contacts + 1)[0]
-    ended = quietly(chain, velocity, None, "accurate", tolerance=1e-6)
-    return velocity, quietly(chain, velocity, EXTRA * min(float(ended.time[-1]), 100.0), "accurate", tolerance=FINE)
+    end = float(solve(chain, velocity, tolerance=1e-6, samples=SAMPLES).time[-1])
+    duration = DURATION_FACTOR * min(end, LONGEST_REFERENCE)
+    return velocity, solve(chain, velocity, duration, samples=SAMPLES, tolerance=REFERENCE_TOLERANCE)
 
 
-def quietly(chain: Chain, velocity: Array, duration: float | None, method: str, **fineness: float) -> Trajectory:
-    """A run whose warnings are heard in the trajectory alone."""
-    return solve(chain, velocity, duration, method, fineness.get("step"), 101, fineness.get("tolerance", FINE))
-
-
-def _switches(found: Trajectory) -> int:
+def _switches(trajectory: Trajectory) -> int:
     """How often contacts have closed or opened."""
-    return sum(2 * len(some) - sum(math.isinf(opened) for _, opened in some) for some in found.contact_intervals)
+    ends = [opened for intervals in trajectory.contact_intervals for _, opened in intervals]
+    return 2 * len(ends) - sum(math.isinf(opened) for opened in ends)
 
 
-def _finite(value: float) -> float:
+def _nan_as_inf(value: float) -> float:
     return float(value) if np.isfinite(value) else math.inf
+
+
+def write_csv(runs: Sequence[ScanRun], path: Path) -> None:
+    """A row a run, its failure last."""
+    header = (*(field.name for field in fields(ScanRun)), "failure")
+    write_rows(path, header, ((*astuple(run), run.failure or "") for run in runs))

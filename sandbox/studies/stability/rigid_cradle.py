@@ -1,7 +1,7 @@
-"""The cautionary row: a cradle of pymunk's own rigid contacts, elasticity 1, neither keeps its energy nor is soft.
+"""A cradle of pymunk's own rigid contacts, elasticity 1: it neither keeps its energy nor behaves like soft beads.
 
-Measured with pymunk 7.3: the energy depends on the step, and is lost rather than gained; and however small the step, the
-blow of one ball leaves with the last one alone, which is no limit of any soft contact that touches.
+Measured with pymunk 7.3: the energy depends on the step, and is lost rather than gained. However small the step, a
+strike by one ball makes the last ball alone leave, which is the limit of no soft contacts that touch.
 """
 
 from __future__ import annotations
@@ -14,23 +14,26 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-BALLS, RADIUS, LENGTH = 5, 20.0, 150.0  # pixels, pymunk's usual unit
-GRAVITY, ANGLE = 981.0, math.radians(60.0)  # pixels/s^2; from which the first ball is let go
-SECONDS = 20.0
+BALLS = 5
+RADIUS = 20.0  # [pixels], pymunk's usual unit
+LENGTH = 150.0  # [pixels] of the pendulums
+GRAVITY = 981.0  # [pixels/s^2]
+ANGLE = math.radians(60.0)  # of the first pendulum at the start
+DURATION = 20.0  # [s]
 STEPS = (1 / 60, 1 / 600, 1 / 6000)  # [s]
 
 
-def energy_kept(step: float, seconds: float = SECONDS) -> float:
-    """Energy of the cradle after `seconds`, as part of that at the start, above the balls at rest."""
-    space, balls = _hanging()
+def remaining_energy(step: float, duration: float = DURATION) -> float:
+    """Energy of the cradle after `duration` [s], as part of that at the start, above the balls at rest."""
+    space, balls = _pendulums()
     before = _energy(balls)
-    for _ in range(round(seconds / step)):
+    for _ in range(round(duration / step)):
         space.step(step)
     return _energy(balls) / before
 
 
-def blow(step: float) -> Array:
-    """(5,) final velocities of four free balls just touching, after a fifth has struck them at unit speed."""
+def strike(step: float) -> Array:
+    """(5,) final velocities of a free ball at unit speed and of the four, just touching, that it strikes."""
     space = pymunk.Space()
     balls = [_ball(space, (2.0 * RADIUS * k, 0.0)) for k in range(BALLS)]
     balls[0].position = (-1.0, 0.0)
@@ -40,7 +43,7 @@ def blow(step: float) -> Array:
     return np.array([ball.velocity.x for ball in balls])
 
 
-def _hanging() -> tuple[pymunk.Space, list[pymunk.Body]]:
+def _pendulums() -> tuple[pymunk.Space, list[pymunk.Body]]:
     space = pymunk.Space()
     space.gravity = (0.0, -GRAVITY)
     balls = []

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 import pygame
-from softcradle.sandbox.draw import bead_sprites as shapes
+from softcradle.sandbox.draw.bead_sprites import bead_sprite
 from softcradle.sandbox.draw.palette import LANE_BACKGROUND, MUTED, bead_colours
 from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, RADIUS, anchors, start_places
@@ -49,7 +49,7 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[tu
         tip = end[0] + share * (centre[0] - end[0]), end[1] + share * (centre[1] - end[1])
         pygame.draw.aaline(surface, MUTED, end, tip, 2)
         side = math.ceil(size)
-        blit_sprite(surface, shapes.bead(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
+        blit_sprite(surface, bead_sprite(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
 
 
 def thumbnail(size: tuple[int, int]) -> pygame.Surface:

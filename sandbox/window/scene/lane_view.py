@@ -75,9 +75,7 @@ class StageView:
     ) -> None:
         self.number, self.unit, self.view, self.scales = number, unit, scene.view, scales
         self.stage = LaneDrawing(rects[0], unit, scene, number, scales)
-        self.loupes = (
-            MagnifiedInsets(rects[1], unit, self.stage, scales.deepest[number], scales) if rects[1].height else None
-        )
+        self.loupes = MagnifiedInsets(rects[1], unit, self.stage, scales.deepest[number]) if rects[1].height else None
         self.shares = EnergyBars(rects[2], unit, self.stage.colours, scales, badges=False) if rects[2].height else None
         lane = scene.lanes[number]
         self.locked = lane.locked
@@ -138,7 +136,7 @@ class StageView:
             x, foot = round(float(self.contacts[pick.index])), round(self.stage.ground + 3 * self.unit)
             half = round(6 * self.unit)
             pygame.draw.polygon(surface, FOREGROUND, [(x, foot), (x - half, foot + half), (x + half, foot + half)])
-            top = self.stage.foot_of_bars + 3 * self.unit
+            top = self.stage.bar_base + 3 * self.unit
             pygame.draw.line(surface, FOREGROUND, (x, round(top)), (x, foot), 1)
         surface.set_clip(None)
 

@@ -13,11 +13,11 @@ from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_solve import SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.resolvent import resolvent
 from softcradle.physics.scales import contact_scales
-from tests.physics.test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
 
 from softcradle import scenes
 from tests.helpers.relations import EPSILON, kinetic_energy
 from tests.physics.adaptive.test_adaptive_methods import GEAR, critical_speed
+from tests.physics.test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
 
 STEPS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # [s], whatever the scene's own times
 MOST_STEPS = 20_000  # of the shortest step: enough for the whole of most collisions

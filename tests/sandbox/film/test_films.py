@@ -42,7 +42,7 @@ def frames():
     picture, surface = Picture(SCENE, tracks, SIZE), pygame.Surface(SIZE, 0, 32)
     drawn = []
     for shot in script(SCENE, len(tracks[0].time), FPS):
-        picture.paint(surface, shot.row, told=shot.told)
+        picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
         drawn.append(pixels_of(surface)[..., 2::-1].copy())
     return np.array(drawn)
 
@@ -154,10 +154,10 @@ def test_slow_motion_stretches_the_motion_only(tmp_path):
 
 def test_the_script_waits_for_the_reader_and_at_the_end():
     shots = script(SCENE, 20, 10.0)
-    told = [shot.told for shot in shots]
+    opacity = [shot.text_opacity for shot in shots]
     assert shots[0] == Shot(0, 1.0)
-    assert told == sorted(told, reverse=True)
-    assert [shot.row for shot in shots if shot.told == 0.0] == [*range(20), *[19] * 12]
+    assert opacity == sorted(opacity, reverse=True)
+    assert [shot.row for shot in shots if shot.text_opacity == 0.0] == [*range(20), *[19] * 12]
 
 
 def test_no_window_is_needed(tmp_path):

@@ -1,4 +1,4 @@
-"""The paper's experiment on its bed, the locked pistons, and the train: what the scenes and the fit show."""
+"""The paper's experiment on its bed, the locked pistons, and the train: the fit and the scenes."""
 
 from __future__ import annotations
 
@@ -6,39 +6,45 @@ import numpy as np
 import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies import bed_experiment as experiment
-from softcradle.sandbox.studies.figures import train_figure as train
-from softcradle.sandbox.studies.figures.figure_style import styled
+from softcradle.sandbox.studies.bed_experiment import (
+    ENERGY_DEFICIT,
+    MASS,
+    MOMENTUM_DEFICIT,
+    fit_friction,
+    fit_friction_and_loss,
+)
+from softcradle.sandbox.studies.figures import train_figure
+from softcradle.sandbox.studies.plot_style import styled
 
 from softcradle import scenes
 
-GEAR_TRAVEL = 0.083  # m
+GEAR_TRAVEL = 0.083  # [m] of one draft gear; a coupling has two
 
 
 @pytest.mark.parametrize("speed", [0.25, 1.0])
 def test_one_coefficient_gives_both_momenta_but_not_the_energies(speed):
-    for fit in experiment.alone(speed):
-        assert experiment.MOMENTUM[0] <= fit.deficits.momentum <= experiment.MOMENTUM[1]
-        assert fit.deficits.energy < experiment.ENERGY[0]
-    bed = experiment.alone(speed)[0].friction
-    for fit in experiment.with_loss(speed):
-        assert fit.friction == bed
-        assert experiment.MOMENTUM[0] <= fit.deficits.momentum <= experiment.MOMENTUM[1]
-        assert experiment.ENERGY[0] <= fit.deficits.energy <= experiment.ENERGY[1]
+    for fit in fit_friction(speed):
+        assert MOMENTUM_DEFICIT[0] <= fit.deficits.momentum <= MOMENTUM_DEFICIT[1]
+        assert fit.deficits.energy < ENERGY_DEFICIT[0]
+    friction = fit_friction(speed)[0].friction
+    for fit in fit_friction_and_loss(speed):
+        assert fit.friction == friction
+        assert MOMENTUM_DEFICIT[0] <= fit.deficits.momentum <= MOMENTUM_DEFICIT[1]
+        assert ENERGY_DEFICIT[0] <= fit.deficits.energy <= ENERGY_DEFICIT[1]
 
 
-def test_the_scenes_hold_the_fit_and_come_to_rest():
-    fit = experiment.with_loss(0.5)[0]
+def test_scenes_have_the_fitted_friction_and_loss_and_come_to_rest():
+    fit = fit_friction_and_loss(0.5)[0]
     for name, strikers in (("experiment-one-on-three", 1), ("experiment-two-on-two", 2)):
         lane = scenes.load(name).lanes[0]
         chain = lane.chain()
-        assert chain.mass == experiment.MASS
+        assert chain.mass == MASS
         assert chain.friction == pytest.approx(fit.friction, rel=2e-2)
         assert chain.loss[0] == pytest.approx(fit.loss, rel=2e-2)
         found = simulate(chain, lane.velocity, 1.5)
         assert (found.velocity[-1] == 0.0).all()
         targets = found.position[-1, strikers:]
-        assert np.ptp(targets) < 1e-6  # they have come to rest together
+        assert np.ptp(targets) < 1e-6  # they came to rest together
         assert found.absorbed_by_bed[-1] + found.absorbed_by_contacts[-1] == pytest.approx(found.ledger[0], rel=1e-9)
 
 
@@ -52,7 +58,7 @@ def test_locked_pistons_make_the_usual_cradle():
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-cut"])
-def test_gears_of_the_train_are_as_railways_have_them(name):
+def test_draft_gears_of_the_train_have_the_data_of_railways(name):
     lane = scenes.load(name).lanes[0]
     coupling = lane.chain().contact[0]
     assert 2.0e6 <= float(coupling.force(2 * GEAR_TRAVEL)) <= 2.3e6
@@ -64,18 +70,18 @@ def test_gears_of_the_train_are_as_railways_have_them(name):
     assert np.ptp(found.ledger) < 1e-10 * found.ledger[0]
     struck = int(np.argmax(np.diff(lane.velocity) != 0.0))
     peaks = found.force.max(axis=0)
-    assert (np.diff(peaks[struck:]) < 0.0).all()  # gears wear the blow down along the train
+    assert (np.diff(peaks[struck:]) < 0.0).all()  # the peak force falls from gear to gear along the train
     assert (np.diff([intervals[0][0] for intervals in found.contact_intervals[struck:]]) > 0.0).all()
 
 
-def test_the_figure_of_the_train():
-    table = train.history()
+def test_figure_of_the_train():
+    table = train_figure.history()
     assert table["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
     assert (table["one on ten: absorbed by gears"] >= -1e-9).all()
     with styled():
-        assert len(train.draw(table).axes) == 2
+        assert len(train_figure.draw_history(table).axes) == 2
 
 
-def test_the_command(capsys):
+def test_command_prints_json(capsys):
     assert main(["experiment", "--json"]) == 0
     assert '"friction"' in capsys.readouterr().out

@@ -8,7 +8,8 @@ import math
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.claims import MODULES, Claim, Verdict, claims, judged
+from softcradle.sandbox.studies.claims.claim import Claim, Verdict, verdict_of
+from softcradle.sandbox.studies.claims.claim_list import MEASUREMENTS, measure_claims
 
 HOLDS, LIMIT, FAILS = Verdict
 VERDICTS = {
@@ -45,7 +46,7 @@ VERDICTS = {
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, Claim]:
-    return {claim.name: claim for claim in claims()}
+    return {claim.name: claim for claim in measure_claims()}
 
 
 def test_every_claim_is_measured_once(found):
@@ -65,7 +66,7 @@ def test_verdict(found, name):
 
 
 def test_a_verdict_follows_from_what_holds():
-    assert (judged(True), judged(False, True), judged(False)) == (HOLDS, LIMIT, FAILS)
+    assert (verdict_of(True), verdict_of(False, True), verdict_of(False)) == (HOLDS, LIMIT, FAILS)
 
 
 def test_mode_coupling_stays_within_a_thousandth_up_to_the_last_part(found):
@@ -133,23 +134,19 @@ def test_clusters_are_robust_while_contacts_are_strong_enough(found):
 
 
 def test_command_prints_a_table_and_json(found, monkeypatch, capsys):
-    monkeypatch.setattr("softcradle.sandbox.studies.claims.claims", lambda: list(found.values()))
+    monkeypatch.setattr("softcradle.sandbox.studies.claims.claim_list.measure_claims", lambda: list(found.values()))
     assert main(["claims"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert all(verdict in shown for verdict in Verdict)
     assert f"{Verdict.FAILS}: 2" in shown
     assert main(["claims", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)["claims"]
-    assert [claim["name"] for claim in told] == list(found)
-    assert told[0]["verdict"] in list(Verdict)
+    printed = json.loads(capsys.readouterr().out)["claims"]
+    assert [claim["name"] for claim in printed] == list(found)
+    assert printed[0]["verdict"] in list(Verdict)
 
 
-def test_modules_hold_all_claims(found):
-    from importlib import import_module
-
-    assert sum(len(import_module(f"softcradle.sandbox.studies.claims.{module}").CLAIMS) for module in MODULES) == len(
-        found
-    )
+def test_every_measurement_has_a_name_of_its_own(found):
+    assert len(MEASUREMENTS) == len(found)
 
 
 def test_the_reference_too_has_the_inner_contact_open_first():

@@ -1,34 +1,38 @@
-"""The figures: every sentence of a caption that says what is seen, and the files that are written."""
+"""The figures: what their captions say is seen in their tables, and the files are whole."""
 
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.figures import FIGURES, named
-from softcradle.sandbox.studies.figures import coupling_figure as coupling
-from softcradle.sandbox.studies.figures import disorder_figure as disorder
-from softcradle.sandbox.studies.figures import driven_figure as driven
-from softcradle.sandbox.studies.figures import hypothesis_figure as hypothesis
-from softcradle.sandbox.studies.figures import rigidity_figure as rigidity
-from softcradle.sandbox.studies.figures import scaling_figure as scalings
-from softcradle.sandbox.studies.figures import variant_figure as variants
-from softcradle.sandbox.studies.figures import wave_figure as waves
-from softcradle.sandbox.studies.figures.figure_files import SUFFIXES, write, write_csv
-from softcradle.sandbox.studies.figures.solved_cases import contact_time, pick, soft, solved, start
+from softcradle.sandbox.studies.data_table import rows_where, write_table
+from softcradle.sandbox.studies.figures import (
+    coupling_figure,
+    disorder_figure,
+    driven_figure,
+    hypothesis_figure,
+    rigidity_figure,
+    scaling_figure,
+    variant_figure,
+    wave_figure,
+)
+from softcradle.sandbox.studies.figures.figure_list import FIGURES, figures_named, write_figure
+from softcradle.sandbox.studies.figures.solved_cases import full_one_on, opening_time
+from softcradle.sandbox.studies.picture_files import SUFFIXES
 
 from tests.helpers.truth import ELASTIC
 
-MIDDLE = np.linspace(0.01, 0.99, 197)  # the middle 98 % of the contact
+FRACTIONS = np.linspace(0.01, 0.99, 197)  # the middle 98 % of the contact
 NAMES = [figure.name for figure in FIGURES]
 
 
 @pytest.fixture(scope="module")
 def tables():
-    return {figure.name: figure.compute() for figure in FIGURES}
+    return {figure.name: figure.table() for figure in FIGURES}
 
 
 def columns(table, name, count, kind=""):
@@ -53,7 +57,7 @@ def test_velocities_of_fig_1(tables, name):
     velocity = columns(tables[name], "v", 5)
     assert velocity[0, 0] == 1.0
     assert velocity[-1, 0] < 0.0 < velocity[-1, 1] < velocity[-1, 2] <= velocity[-1, 3] <= velocity[-1, 4]
-    ahead = velocity[1:, 1] > velocity[1:, 2]  # v1 goes ahead of the others, then falls behind once and for all
+    ahead = velocity[1:, 1] > velocity[1:, 2]  # v1 is faster than the others at first, then slower for good
     assert ahead[0]
     assert np.count_nonzero(np.diff(ahead)) == 1
 
@@ -111,77 +115,80 @@ def test_2d_rises_as_powers(tables):
 def test_b_is_the_quadruple_precision_answer():
     case = next(case for case in ELASTIC if case.name == "one on 5, alpha 1/10")
     times = case.time[(case.time > 0.02) & (case.time < 1.8)]
-    chain = soft(5, 0.1)
-    found = solved(chain, start(chain), None, tuple(times.tolist()))
+    found = full_one_on(5, 0.1, None, tuple(times.tolist()))
     rows = np.isin(case.time, times)
     np.testing.assert_allclose(found.overlap[:, 1:], case.overlap[rows][:, 1:], rtol=1e-6)
 
 
-@pytest.mark.parametrize("alpha", hypothesis.ALPHAS)
-@pytest.mark.parametrize("n", hypothesis.SIZES)
+@pytest.mark.parametrize("alpha", hypothesis_figure.ALPHAS)
+@pytest.mark.parametrize("n", hypothesis_figure.SIZES)
 def test_b_agrees_at_two_tolerances(n, alpha):
-    rough, fine = (hypothesis.discrepancy(n, alpha, MIDDLE, tolerance)[1] for tolerance in (1e-8, 1e-10))
+    rough, fine = (hypothesis_figure.discrepancy(n, alpha, FRACTIONS, tolerance)[1] for tolerance in (1e-8, 1e-10))
     np.testing.assert_array_equal(np.isnan(rough), np.isnan(fine))
     loaded = np.isfinite(fine)
     np.testing.assert_allclose(1.0 + rough[loaded], 1.0 + fine[loaded], rtol=1e-5)
 
 
 def test_b_changes_sign_upwards_and_grows_at_both_ends(tables):
-    for n in hypothesis.SIZES:
-        for alpha in hypothesis.ALPHAS:
+    for n in hypothesis_figure.SIZES:
+        for alpha in hypothesis_figure.ALPHAS:
             if (n, alpha) in ((3, 1 / 10), (3, 1 / 14)):
                 continue  # see the next test
-            curve = pick(tables["B"], n=n, alpha=alpha, i=2)["discrepancy"]
+            curve = rows_where(tables["B"], n=n, alpha=alpha, i=2)["discrepancy"]
             assert (np.diff(curve) > 0.0).all()
             assert curve[0] < -np.abs(curve[160:320]).max()
             assert curve[-1] > 0.0
 
 
-def test_b_small_clusters_have_true_turns(tables):
+def test_b_sign_change_of_small_clusters_is_real(tables):
     """The sign change near the end at (1/10, 3) is no artefact: the inner contact opens before the striker leaves."""
-    curve = pick(tables["B"], n=3, alpha=1 / 10, i=2)
+    curve = rows_where(tables["B"], n=3, alpha=1 / 10, i=2)
     late = curve["fraction of contact"] > 0.97
     assert np.nanmin(curve["discrepancy"][late]) < 0.0
     assert np.isnan(curve["discrepancy"][-1])
-    chain = soft(3, 1 / 10)
-    assert contact_time(chain, start(chain), 1) < contact_time(chain, start(chain), 0)
+    assert opening_time(3, 1 / 10, contact=1) < opening_time(3, 1 / 10, contact=0)
 
 
 def test_spread_vanishes_with_alpha(tables):
-    for n in rigidity.SPREAD_SIZES:
-        some = pick(tables["spread"], n=n)
-        assert some["spread"][-1] > 0.5
-        assert some["spread"][0] < 0.05
-        assert (some["v striker"][0], some["v last"][0]) == pytest.approx(rigidity.rigid(n), abs=0.01)
+    for n in rigidity_figure.SPREAD_SIZES:
+        points = rows_where(tables["spread"], n=n)
+        assert points["spread"][-1] > 0.5
+        assert points["spread"][0] < 0.05
+        assert (points["v striker"][0], points["v last"][0]) == pytest.approx(
+            rigidity_figure.rigid_outcome(n), abs=0.01
+        )
 
 
 def test_rigid_like_behaviour_ends(tables):
     table = tables["softness"]
-    cradle = pick(table, n=4, alpha=max(rigidity.EXPONENTS))["v"]
+    cradle = rows_where(table, n=4, alpha=max(rigidity_figure.LOSS_ALPHAS))["v"]
     assert cradle[-1] > 0.99
     assert np.abs(cradle[:-1]).max() < 0.1
-    last = [pick(table, n=n, alpha=0.1)["v over rigid"][-1] for n in rigidity.LONG_SIZES]
+    last = [rows_where(table, n=n, alpha=0.1)["v over rigid"][-1] for n in rigidity_figure.LONG_SIZES]
     assert (np.diff(last) > 0.0).all()
     assert last[-1] > 2.0
 
 
 def test_limits_of_small_alpha(tables):
-    for n in scalings.SIZES:
-        some = pick(tables["scalings"], n=n)
-        assert (np.diff(some["max psi"]) < 0.0).all()
-        assert some["contact time"][-1] == pytest.approx(scalings.limit_of_contact(n), rel=0.02)
-        for column, law in (("max psi", scalings.limit_of_psi), ("response time", scalings.limit_of_response)):
-            at_last = some[column][-1] / law(n, 1 / 200)
+    for n in scaling_figure.SIZES:
+        points = rows_where(tables["scalings"], n=n)
+        assert (np.diff(points["max psi"]) < 0.0).all()
+        assert points["contact time"][-1] == pytest.approx(scaling_figure.contact_time_limit(n), rel=0.02)
+        for column, law in (
+            ("max psi", scaling_figure.psi_limit),
+            ("response time", scaling_figure.response_time_limit),
+        ):
+            at_last = points[column][-1] / law(n, 1 / 200)
             assert 0.1 < at_last < 10.0  # over dozens of decades
 
 
-def test_driven_cluster_swings_about_the_uniform_acceleration(tables):
+def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     table = tables["driven"]
-    np.testing.assert_allclose(table["V"], driven.FORCE / driven.SHOWN_SIZE * table["t"], atol=1e-9)
+    np.testing.assert_allclose(table["V"], driven_figure.FORCE / driven_figure.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
-    tops = (np.diff(np.sign(np.diff(psi))) < 0).sum()
-    assert tops == driven.PERIODS
+    maxima = (np.diff(np.sign(np.diff(psi))) < 0).sum()
+    assert maxima == driven_figure.PERIODS
     first, others = table["v1 - V"], np.column_stack([table[f"v{i} - V"] for i in (2, 3, 4)])
     assert np.corrcoef(first, others.mean(axis=1))[0, 1] < -0.99
     assert np.ptp(others, axis=1).max() < 0.1 * np.ptp(first)
@@ -191,25 +198,27 @@ def test_period_and_amplitude_of_the_driven_mode(tables):
     table = tables["driven-scan"]
     np.testing.assert_allclose(table["period full"], table["period model"], rtol=0.06)
     np.testing.assert_allclose(table["amplitude full"], table["amplitude model"], rtol=0.03)
-    two = pick(table, n=2)
+    two = rows_where(table, n=2)
     np.testing.assert_allclose(two["period full"], two["period model"], rtol=1e-4)
 
 
 def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
     table = tables["disorder"]
-    load, spreads = disorder.loads_and_spreads(table, disorder.SOFT)
+    load, spreads = disorder_figure.loads_and_spreads(table, disorder_figure.SOFT)
     assert spreads[load < 0.84].max() < 0.01  # contacts that are strong enough: rigid-like
     assert spreads[load > 1.0].min() > 0.1  # and that are not
-    assert disorder.loads_and_spreads(table, disorder.CRADLE)[1].min() > 0.5
-    whole = pick(table, kind=disorder.CRADLE, chain=0)["v"]
-    last = [pick(table, kind=disorder.CRADLE, chain=k)["v"][-1] for k in range(1, disorder.CHAINS + 1)]
-    assert whole[-1] > 0.98
+    assert disorder_figure.loads_and_spreads(table, disorder_figure.CRADLE)[1].min() > 0.5
+    homogeneous = rows_where(table, kind=disorder_figure.CRADLE, chain=0)["v"]
+    last = [
+        rows_where(table, kind=disorder_figure.CRADLE, chain=k)["v"][-1] for k in range(1, disorder_figure.CHAINS + 1)
+    ]
+    assert homogeneous[-1] > 0.98
     assert np.std(last) > 0.1
 
 
 def test_both_modes_of_cluster_on_cluster(tables):
     table = tables["clusters"]
-    count = variants.STRIKERS + variants.TARGETS - 1
+    count = variant_figure.STRIKERS + variant_figure.TARGETS - 1
     inside = (table["t"] > 0.1) & (table["t"] < 3.7)
     np.testing.assert_allclose(forces(table, "model", count)[inside], forces(table, "full", count)[inside], rtol=0.01)
 
@@ -219,7 +228,7 @@ def test_exchange_is_a_mirror_image(tables):
     np.testing.assert_allclose(columns(table, "v", 5, " seen"), columns(table, "v", 5), atol=1e-7)
 
 
-def test_hooke_interface_parts_last_and_leaves_a_rigid_cluster(tables):
+def test_hooke_interface_opens_last_and_leaves_a_rigid_cluster(tables):
     table = tables["interface"]
     assert columns(table, "v", 5)[-1] == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=0.01)
     both = (table["t"] > 0.2) & (table["t"] < 2.2)
@@ -227,14 +236,13 @@ def test_hooke_interface_parts_last_and_leaves_a_rigid_cluster(tables):
     assert table["t"][table["f12 full"] > 0.0][-1] < table["t"][table["f01 full"] > 0.0][-1]
 
 
-def test_roads_to_the_rigid_body(tables):
-    """Evanescent without waves, springs with fast ones, prestress with slow ones; linear springs stay compressed."""
+def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slow_waves(tables):
     table = tables["roads"]
-    turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in waves.UNTIL}
+    turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in wave_figure.STRUCK_CLUSTERS}
     assert turns["soft"] <= 2
     assert turns["springs"] > 10
     assert turns["prestressed"] > 4
-    for kind, prestress in (("springs", waves.SPRING_PRESTRESS), ("prestressed", waves.SOFT_PRESTRESS)):
+    for kind, prestress in (("springs", wave_figure.SPRING_PRESTRESS), ("prestressed", wave_figure.SOFT_PRESTRESS)):
         assert all((table[f"f{i}{i + 1} {kind}"] > -prestress).all() for i in (1, 2, 3))  # no contact ever opens
     late = table["t springs"] > 2.0
     assert np.column_stack([table[f"v{i} springs"][late].mean() for i in range(1, 5)]) == pytest.approx(0.4, abs=0.02)
@@ -242,31 +250,30 @@ def test_roads_to_the_rigid_body(tables):
 
 def test_pulse_has_the_speed_of_the_solitary_wave(tables):
     table = tables["pulse"]
-    velocity = columns(table, "v", waves.PULSE_BEADS + 1)
-    tops = table["t"][np.argmax(velocity, axis=0)]
-    assert 10.0 / (tops[22] - tops[12]) == pytest.approx(0.840509, rel=5e-3)
+    velocity = columns(table, "v", wave_figure.PULSE_TARGETS + 1)
+    arrival = table["t"][np.argmax(velocity, axis=0)]
+    assert 10.0 / (arrival[22] - arrival[12]) == pytest.approx(0.840509, rel=5e-3)
     assert velocity[:, 15:25].max(axis=0) == pytest.approx(0.681631, rel=2e-3)
     assert velocity[-1, -1] > 0.95
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_files_are_whole(tables, name, tmp_path, monkeypatch):
-    (figure,) = named([name])
-    monkeypatch.setattr(type(figure), "compute", lambda self: tables[self.name])
-    paths = write(figure, tmp_path)
+def test_files_are_whole(tables, name, tmp_path):
+    (figure,) = figures_named([name])
+    paths = write_figure(replace(figure, table=lambda: tables[name]), tmp_path)
     assert [path.suffix for path in paths] == list(SUFFIXES)
     with Image.open(paths[0]) as image:
         assert min(image.size) > 700
-        ink = np.asarray(image.convert("L")) < 128
-        assert 0.002 < ink.mean() < 0.3
-        assert not ink[[0, -1]].any()  # nothing is cut off above or below
-        assert not ink[:, [0, -1]].any()
+        dark = np.asarray(image.convert("L")) < 128
+        assert 0.002 < dark.mean() < 0.3
+        assert not dark[[0, -1]].any()  # nothing is cut off at the edges
+        assert not dark[:, [0, -1]].any()
     assert paths[1].read_bytes().startswith(b"%PDF")
 
 
 def test_csv_reads_back_equal(tmp_path):
-    table = coupling.modes()
-    write_csv(table, tmp_path / "modes.csv")
+    table = coupling_figure.modes()
+    write_table(table, tmp_path / "modes.csv")
     with open(tmp_path / "modes.csv", newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     assert header == list(table)

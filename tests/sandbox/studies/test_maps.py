@@ -1,4 +1,4 @@
-"""Maps of rigid-like behaviour: their points are collisions that can be had alone, and the critical speed parts them."""
+"""Maps of rigid-like behaviour: a point is what `simulate` gives, and gears are rigid below the critical speed."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.maps.rigidity_scan import compute, maps
+from softcradle.sandbox.studies.maps.rigidity_scan import compute_map, rigidity_maps
 
 
 @pytest.fixture(scope="module")
 def tables():
-    power, gear = maps(7, 3)
-    return {"power": (power, compute(power)), "gear": (gear, compute(gear))}
+    power, gear = rigidity_maps(7, 3)
+    return {"power": (power, compute_map(power)), "gear": (gear, compute_map(gear))}
 
 
 def grid(tables, name, column):
-    wanted, table = tables[name]
-    return table[column].reshape(len(wanted.sizes), len(wanted.values))
+    scanned, table = tables[name]
+    return table[column].reshape(len(scanned.sizes), len(scanned.values))
 
 
-def test_a_point_is_the_collision_had_alone(tables):
+def test_a_point_is_what_simulate_gives(tables):
     _, table = tables["power"]
     for row in (0, 9, 20):
         n, alpha = int(table["n"][row]), float(table["alpha"][row])
@@ -47,9 +47,9 @@ def test_softer_and_smaller_clusters_are_more_rigid(tables):
 
 
 @pytest.mark.parametrize("column", ["rigidity at detachment", "rigidity at the end"])
-def test_the_critical_speed_parts_the_gears(tables, column):
-    wanted, _ = tables["gear"]
-    found, below = grid(tables, "gear", column), wanted.values < 1.0
+def test_gears_are_rigid_below_the_critical_speed_alone(tables, column):
+    scanned, _ = tables["gear"]
+    found, below = grid(tables, "gear", column), scanned.values < 1.0
     assert below.any()
     assert (found[:, below] < 1e-9).all()
     assert (found[:, ~below] > 1e-3).all()

@@ -1,0 +1,36 @@
+"""A table of numbers by columns: what a figure draws, and what its .csv file holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.sandbox.studies.csv_files import write_rows
+
+Array = NDArray[np.float64]
+Table = dict[str, Array]  # name of a column: its values (T,)
+
+
+def long_table(columns: Sequence[str], blocks: Sequence[Sequence[ArrayLike]]) -> Table:
+    """A table from blocks of rows: each block holds a value or an array for every column, broadcast together."""
+    arrays = [
+        np.column_stack(np.broadcast_arrays(*[np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in block]))
+        for block in blocks
+    ]
+    stacked = np.concatenate(arrays)
+    return {name: stacked[:, k] for k, name in enumerate(columns)}
+
+
+def rows_where(table: Table, **values: float) -> Table:
+    """The rows of `table` in which the named columns have these values."""
+    rows = np.ones(len(next(iter(table.values()))), dtype=bool)
+    for name, value in values.items():
+        rows &= np.isclose(table[name], value, rtol=1e-12, atol=0.0)
+    return {name: column[rows] for name, column in table.items()}
+
+
+def write_table(table: Table, path: Path) -> None:
+    """Write `table` to `path`: a header of column names, then a row a sample; numbers read back equal."""
+    write_rows(path, tuple(table), zip(*(column.tolist() for column in table.values()), strict=True))

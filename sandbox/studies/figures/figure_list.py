@@ -1,0 +1,135 @@
+"""The list of all figures, in the order of the paper: name, place, caption, and the functions that compute and draw."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.studies.data_table import Table
+from softcradle.sandbox.studies.figures import (
+    collision_figure,
+    coupling_figure,
+    disorder_figure,
+    driven_figure,
+    hypothesis_figure,
+    rigidity_figure,
+    scaling_figure,
+    train_figure,
+    variant_figure,
+    wave_figure,
+)
+from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER_ALPHA
+from softcradle.sandbox.studies.picture_files import write_picture
+from softcradle.sandbox.studies.plot_style import styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class FigureEntry:
+    """An entry of the list.
+
+    Attributes:
+        name: what `softcradle figures` takes, and the name of the files.
+        place: in the paper.
+        caption: what is to be seen.
+        table: computes the numbers, a column a quantity.
+        draw: draws those numbers; call it inside `plot_style.styled`.
+    """
+
+    name: str
+    place: str
+    caption: str
+    table: Callable[[], Table]
+    draw: Callable[[Table], Figure]
+
+
+FIGURES: tuple[FigureEntry, ...] = (
+    FigureEntry(
+        "1b", "Fig. 1b", "positions in a one-on-four collision",
+        collision_figure.positions, collision_figure.draw_positions,
+    ),
+    FigureEntry(
+        "1c", "Fig. 1c", "its velocities, alpha = 1/10",
+        partial(collision_figure.velocities, ALPHA), partial(collision_figure.draw_velocities, alpha=ALPHA),
+    ),
+    FigureEntry(
+        "1d", "Fig. 1d", "the same, alpha = 1/14",
+        partial(collision_figure.velocities, SOFTER_ALPHA), partial(collision_figure.draw_velocities, alpha=SOFTER_ALPHA),
+    ),
+    FigureEntry(
+        "2a", "Fig. 2a", "the two modes of the mode-coupling model", coupling_figure.modes, coupling_figure.draw_modes
+    ),
+    FigureEntry(
+        "2b", "Fig. 2b", "forces, mode coupling against full", coupling_figure.forces, coupling_figure.draw_forces
+    ),
+    FigureEntry(
+        "2c", "Fig. 2c", "their relative discrepancies",
+        coupling_figure.discrepancies, coupling_figure.draw_discrepancies,
+    ),
+    FigureEntry("2d", "Fig. 2d", "the initial rise of the forces", coupling_figure.rise, coupling_figure.draw_rise),
+    FigureEntry(
+        "B", "App. B", "test of the evanescent hypothesis, nine cases",
+        hypothesis_figure.panels, hypothesis_figure.draw_panels,
+    ),
+    FigureEntry(
+        "spread", "Fig. 3 of ref. [1]", "velocity spread of the targets",
+        rigidity_figure.spreads, rigidity_figure.draw_spreads,
+    ),
+    FigureEntry(
+        "softness", "Sec. IV", "where rigid-like behaviour ends", rigidity_figure.losses, rigidity_figure.draw_losses
+    ),
+    FigureEntry(
+        "scalings", "Sec. IV", "what vanishes as alpha does, and what stays",
+        scaling_figure.scalings, scaling_figure.draw_scalings,
+    ),
+    FigureEntry(
+        "driven", "Sec. V, not shown", "a steady force on a cluster at rest",
+        driven_figure.history, driven_figure.draw_history,
+    ),
+    FigureEntry(
+        "driven-scan", "Sec. V, not shown", "its period and amplitude", driven_figure.scan, driven_figure.draw_scan
+    ),
+    FigureEntry(
+        "disorder", "Sec. V, not shown", "random chains, soft and usual",
+        disorder_figure.outcomes, disorder_figure.draw_outcomes,
+    ),
+    FigureEntry(
+        "clusters", "App. A (ii)", "three on five: two evanescent modes",
+        variant_figure.clusters, variant_figure.draw_clusters,
+    ),
+    FigureEntry(
+        "exchange", "App. A (i)", "striker and target exchanged", variant_figure.exchange, variant_figure.draw_exchange
+    ),
+    FigureEntry(
+        "interface", "App. A (iii), not shown", "Hooke interface",
+        variant_figure.interface, variant_figure.draw_interface,
+    ),
+    FigureEntry(
+        "roads", "Secs. I, V", "evanescent mode, stiff springs, prestress", wave_figure.roads, wave_figure.draw_roads
+    ),
+    FigureEntry(
+        "train", "App. C, draft gears", "in-train forces of a shunting blow",
+        train_figure.history, train_figure.draw_history,
+    ),
+    FigureEntry(
+        "pulse", "Sec. V", "the solitary pulse of the usual cradle", wave_figure.pulse, wave_figure.draw_pulse
+    ),
+)  # fmt: skip
+
+
+def figures_named(names: Sequence[str]) -> list[FigureEntry]:
+    """The figures of those names, all for none; KeyError with the first name that is not one."""
+    known = {figure.name: figure for figure in FIGURES}
+    return [known[name] for name in names] if names else list(FIGURES)
+
+
+def write_figure(figure: FigureEntry, folder: Path) -> list[Path]:
+    """Compute `figure` and write it into `folder` as .png, .pdf and .csv; return the paths (UserError)."""
+    table = figure.table()
+    with styled():
+        return write_picture(figure.draw(table), table, folder / f"figure-{figure.name}")

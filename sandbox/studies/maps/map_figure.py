@@ -1,0 +1,97 @@
+"""The figure of a map: rigidity in decades by colour, cluster sizes as rows, contours and a line where behaviour changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from softcradle.sandbox.studies.data_table import Array, Table
+from softcradle.sandbox.studies.maps.rigidity_scan import TOLERANCE, RigidityMap
+from softcradle.sandbox.studies.plot_style import PAGE_WIDTH, inner_label, new_figure, panel_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMNS = ("rigidity at detachment", "rigidity at the end")
+TITLES = ("(a) when the striker leaves", "(b) at the end")
+SMALLEST_SHOWN = 100.0 * TOLERANCE  # smaller spreads cannot be told from 0 at the tolerance of the runs
+CONTOURS = {"alpha": (1e-1, 1.0), "speed / critical speed": (1.0,)}  # rigidities whose contours are smooth, by abscissa
+AXIS_LABELS = {"alpha": r"$\alpha$", "speed / critical speed": "speed / critical speed"}  # by abscissa
+
+
+def draw_map(scanned: RigidityMap, table: Table) -> Figure:
+    """Rigidity at detachment and at the end side by side, on one scale of colours."""
+    figure, row = new_figure(PAGE_WIDTH, 3.1, 1, 2, sharex=True, sharey=True)
+    shape = len(scanned.sizes), len(scanned.values)
+    mesh: Any = None
+    for axes, column, title in zip(row, COLUMNS, TITLES, strict=True):
+        mesh = _draw_panel(axes, scanned, table[column].reshape(shape))
+        panel_title(axes, f"{title}: {scanned.title}")
+        axes.set_xlabel(AXIS_LABELS[scanned.abscissa])
+    row[0].set_ylabel("targets $n$")
+    bar = figure.colorbar(mesh, ax=row, extend="min", pad=0.01, aspect=30)
+    bar.set_label("velocity spread of the targets / their mean")
+    return figure
+
+
+def _draw_panel(axes: Axes, scanned: RigidityMap, values: Array) -> Any:
+    from matplotlib import colormaps
+    from matplotlib.colors import LogNorm
+    from matplotlib.ticker import MaxNLocator
+
+    colours = colormaps["viridis"].with_extremes(under="white")
+    shown = np.where(np.isfinite(values) & (values > 0.0), values, SMALLEST_SHOWN / 10.0)
+    mesh = axes.pcolormesh(
+        _edges(np.log(scanned.values)), np.arange(len(scanned.sizes) + 1) + scanned.sizes[0] - 0.5, shown,
+        norm=LogNorm(SMALLEST_SHOWN, 10.0), cmap=colours, rasterized=True,
+    )  # fmt: skip
+    axes.set_xscale("log")
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    _draw_contours(axes, scanned, shown)
+    if scanned.abscissa == "alpha":
+        _draw_guide(axes, 1.0 / np.array(scanned.sizes), scanned.sizes, r"$\alpha = 1/n$", "left")
+        inner_label(axes, f"below {100.0 * SMALLEST_SHOWN:g} %", 0.02, 0.06, fontsize=8.0)
+    else:
+        _draw_guide(axes, np.ones(len(scanned.sizes)), scanned.sizes, "critical speed", "right", rotation=90)
+        inner_label(axes, "exactly\nrigid", 0.03, 0.55, fontsize=8.0)
+    axes.set_xlim(scanned.values[0], scanned.values[-1])
+    return mesh
+
+
+def _edges(logarithms: Array) -> Array:
+    """(X+1,) borders of the cells around values that are given by their (X,) evenly spaced logarithms."""
+    half = 0.5 * (logarithms[1] - logarithms[0])
+    edges: Array = np.exp(np.append(logarithms - half, logarithms[-1] + half))
+    return edges
+
+
+def _draw_contours(axes: Axes, scanned: RigidityMap, values: Array) -> None:
+    if min(values.shape) < 2:
+        return
+    lines = axes.contour(
+        scanned.values, list(scanned.sizes), np.log10(values), levels=np.log10(CONTOURS[scanned.abscissa]), colors="black",
+        linewidths=0.7, linestyles="solid",
+    )  # fmt: skip
+    axes.clabel(lines, fmt=lambda level: f"{100.0 * 10.0**level:.0f} %", fontsize=7.0, inline_spacing=2)
+
+
+def _draw_guide(
+    axes: Axes,
+    values: Array,
+    sizes: Sequence[int],
+    text: str,
+    alignment: Literal["left", "right"],
+    rotation: float = 0.0,
+) -> None:
+    """A dashed line through `values` (Y,) at all sizes, with a text beside its top."""
+    rows = np.array(sizes, dtype=np.float64)
+    ends = np.concatenate(([rows[0] - 0.5], rows, [rows[-1] + 0.5]))
+    line = np.interp(ends, rows, values)
+    for colour, width, dashes in (("black", 2.0, "-"), ("white", 1.2, (0, (4, 3)))):
+        axes.plot(line, ends, color=colour, linewidth=width, linestyle=dashes)
+    axes.annotate(
+        text, (line[-1], ends[-1]), xytext=(4 if alignment == "left" else -4, -5), textcoords="offset points",
+        ha=alignment, va="top", fontsize=8.0, rotation=rotation,
+    )  # fmt: skip

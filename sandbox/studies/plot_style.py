@@ -1,0 +1,118 @@
+"""The style of all figures and charts: column widths of a journal, a serif font that matches the formulas, the palette."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMN_WIDTH = 3.4  # [inches] width of one column of the journal
+PAGE_WIDTH = 7.0  # [inches] width of its page, for figures with several panels
+
+# Okabe and Ito's palette, which is safe for colour-blind readers. As in the paper, blue and orange are the first two
+# beads and forces, and red is psi.
+BLUE = "#0072B2"
+ORANGE = "#E69F00"
+GREEN = "#009E73"
+PURPLE = "#CC79A7"
+SKY = "#56B4E9"
+RED = "#D55E00"
+GREY = "#6b6b6b"
+BLACK = "#000000"
+COLOUR_CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY, BLACK)
+
+# The mode-coupling model is drawn dashed, thick and pale, below the thin solid line of the full equations.
+MODEL_LINE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 2.2, "alpha": 0.5}
+
+SETTINGS: dict[str, Any] = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.labelsize": 9.5,
+    "axes.titlesize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.borderaxespad": 0.4,
+    "lines.linewidth": 1.1,
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 300.0,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "softcradle",
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Everything drawn inside has these settings."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
+        yield
+
+
+def new_figure(
+    width: float = COLUMN_WIDTH, height: float = 2.5, rows: int = 1, columns: int = 1, **options: Any
+) -> tuple[Figure, Any]:
+    """A figure of that size [inches] without a window, and its axes: an array of them for several."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, **options)
+
+
+def inner_label(axes: Axes, text: str, x: float = 0.03, y: float = 0.95, **options: Any) -> None:
+    """Write `text` inside the axes, its upper left corner at a fraction of their width and height."""
+    axes.text(x, y, text, transform=axes.transAxes, va="top", **options)
+
+
+def panel_title(axes: Axes, text: str) -> None:
+    """Name a panel above its upper left corner."""
+    axes.set_title(text, loc="left", pad=4.0)
+
+
+def zero_line(axes: Axes) -> None:
+    """A thin line at 0."""
+    axes.axhline(0.0, color=GREY, linewidth=0.5, zorder=0)
+
+
+def curve_label(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
+    """Name a curve to the right of its point (x, y), instead of a legend."""
+    axes.annotate(
+        text, (x, y), xytext=(3, 0), textcoords="offset points", color=colour, ha="left", va="center", fontsize=8.5
+    )
+
+
+def label_above(
+    axes: Axes, x: float, y: float, text: str, colour: str = BLACK, lift: float = 5.0, **options: Any
+) -> None:
+    """Write `text` above the point (x, y), by `lift` [points]."""
+    axes.annotate(text, (x, y), xytext=(0, lift), textcoords="offset points", color=colour, ha="center", **options)
+
+
+def model_legend(axes: Axes) -> None:
+    """A legend that tells the mode-coupling model from the full equations."""
+    axes.plot([], [], color=GREY, label="mode coupling", **MODEL_LINE)
+    axes.plot([], [], color=GREY, linewidth=0.8, label="full")
+    axes.legend(loc="upper right", ncols=2)
+
+
+def bead_colour(bead: int, strikers: int = 1) -> str:
+    """Strikers are blue, the bead that they hit is orange, all others are black."""
+    return BLUE if bead < strikers else ORANGE if bead == strikers else BLACK
