@@ -162,7 +162,7 @@ def simulated_quietly(
         raise UserError(str(error)) from error
     tracks = [motion_of(trajectory, times[times < 0.0]) for trajectory in found]
     _require_finite(tracks)
-    return tracks, tuple(warning.sentence for trajectory in found for warning in trajectory.warnings)
+    return tracks, tuple(sentence for trajectory in found for sentence in trajectory.warnings)
 
 
 def _require_finite(tracks: Sequence[Motion]) -> None:
