@@ -91,6 +91,13 @@ class Chain:
             array.setflags(write=False)
         return Parameters(law, inverse_mass)
 
+    def stored_energy(self, overlap: ArrayLike) -> Array:
+        """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`."""
+        preload, stiffness, exponent = self.parameters.law.T
+        depth = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
+        stored: Array = preload * depth + stiffness * depth ** (1.0 + exponent) / (1.0 + exponent)
+        return stored
+
     @cached_property
     def loss(self) -> Array:
         """(n,) loss of each contact."""

@@ -3,6 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
+
+
+class Family(Enum):
+    """Methods that one runner carries out, see `softcradle.physics.dispatch`."""
+
+    FIXED_STEP = "fixed_step"
+    ADAPTIVE = "adaptive"
+    PYMUNK = "pymunk_contacts"
+    REFERENCE = "reference"
 
 
 @dataclass(frozen=True)
@@ -13,76 +23,31 @@ class Method:
         name: what `simulate(method=...)` takes.
         order: order of convergence on smooth motion.
         adaptive: True: takes a tolerance and chooses its steps; False: takes a fixed step.
-        dissipative: True: carries bed friction and contacts with loss.
         set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
-        module: where its runner is; imported on first use.
+        family: the runner that carries it out.
         summary: one line for menus.
+        dissipative: True: carries bed friction and contacts with loss.
     """
 
     name: str
     order: int
     adaptive: bool
     set_valued: bool
-    module: str
+    family: Family
     summary: str
     dissipative: bool = True
 
 
 METHODS: tuple[Method, ...] = (
-    Method(
-        "euler", 1, False, False, "softcradle.physics.fixed_step.runner", "symplectic Euler, what one pymunk step does"
-    ),
-    Method("verlet", 2, False, False, "softcradle.physics.fixed_step.runner", "leapfrog"),
-    Method(
-        "yoshida4",
-        4,
-        False,
-        False,
-        "softcradle.physics.fixed_step.runner",
-        "fourth-order composition of leapfrogs",
-        False,
-    ),
-    Method(
-        "conserving",
-        2,
-        False,
-        True,
-        "softcradle.physics.fixed_step.runner",
-        "discrete gradient: energy exact at any step",
-    ),
-    Method("radau", 5, True, True, "softcradle.physics.adaptive.runner", "implicit, adaptive, every contact law"),
-    Method(
-        "dop853",
-        8,
-        True,
-        True,
-        "softcradle.physics.adaptive.runner",
-        "explicit, adaptive, for contacts that are not soft",
-    ),
-    Method(
-        "accurate",
-        8,
-        True,
-        True,
-        "softcradle.physics.adaptive.runner",
-        "dop853 where no contact is stiff, radau where one is",
-    ),
-    Method(
-        "pymunk",
-        1,
-        False,
-        False,
-        "softcradle.physics.pymunk_contacts.runner",
-        "bodies in a pymunk Space; the digits of euler",
-    ),
-    Method(
-        "scipy",
-        8,
-        True,
-        True,
-        "softcradle.physics.reference.runner",
-        "the reference: solve_ivp between located contact switches",
-    ),
+    Method("euler", 1, False, False, Family.FIXED_STEP, "symplectic Euler, what one pymunk step does"),
+    Method("verlet", 2, False, False, Family.FIXED_STEP, "leapfrog"),
+    Method("yoshida4", 4, False, False, Family.FIXED_STEP, "fourth-order composition of leapfrogs", False),
+    Method("conserving", 2, False, True, Family.FIXED_STEP, "discrete gradient: energy exact at any step"),
+    Method("radau", 5, True, True, Family.ADAPTIVE, "implicit, adaptive, every contact law"),
+    Method("dop853", 8, True, True, Family.ADAPTIVE, "explicit, adaptive, for contacts that are not soft"),
+    Method("accurate", 8, True, True, Family.ADAPTIVE, "dop853 where no contact is stiff, radau where one is"),
+    Method("pymunk", 1, False, False, Family.PYMUNK, "bodies in a pymunk Space; the digits of euler"),
+    Method("scipy", 8, True, True, Family.REFERENCE, "the reference: solve_ivp between located contact switches"),
 )
 
 
@@ -90,7 +55,7 @@ AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted erro
 
 
 def refusal(method: Method) -> str:
-    """Why `method` does not take a chain that rubs, and what does; empty where it does."""
+    """Why `method` does not take a dissipative chain, and what does; empty where it does."""
     if method.dissipative:
         return ""
     reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""

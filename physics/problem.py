@@ -1,18 +1,21 @@
-"""What `simulate` hands to a method and what it gets back: one Problem in, one Record out, whatever the method."""
+"""What a runner gets and what it gives back: one Problem in, one Record out, whatever the method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import State
+from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 200_000  # steps and rejected steps of an adaptive method; contacts that rattle on beyond are reported
+MOST_STEPS = 200_000  # steps of an adaptive method, rejected ones included, before a run gives up
+NO_TIMES = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,7 @@ class Problem:
     """A motion to compute.
 
     Attributes:
-        chain, state: the chain and its start; a runner leaves `state` alone.
+        chain, state: the chain and its start.
         method: name of the method.
         duration: time to run [s], or None: until every contact is open and none can close again.
         step: fixed step [s]; 0 for adaptive methods.
@@ -33,10 +36,15 @@ class Problem:
     state: State
     method: str
     duration: float | None
-    step: float
-    tolerance: float
-    samples: int | Array
+    step: float = 0.0
+    tolerance: float = 0.0
+    samples: int | Array = field(default_factory=lambda: NO_TIMES)
     most_steps: int | None = None
+
+    @property
+    def end(self) -> float:
+        """When the run ends [s]; inf without a duration."""
+        return np.inf if self.duration is None else self.state.time + self.duration
 
     def sample_times(self, end: float) -> Array:
         """(T,) sample times [s] for a run that ends at `end`."""
@@ -50,14 +58,14 @@ class Record:
     """What a runner found: sample rows, contact switches in order of time, the end, the cost.
 
     Attributes:
-        time (T,), overlap (T, n), rate (T, n), anchor (T, 2), force (T, n): the samples.
+        time (T,), overlap (T, n), rate (T, n), anchor (T, 2), force (T, n): the samples; fewer than wanted where it gave up.
         switch_contact, switch_time: every change of a contact between open and closed (all start open).
         end: State at the end of the run.
         steps, evaluations: cost.
-        warnings: sentences on what may be wrong.
-        absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing rubs.
+        status: how the run ended.
+        warnings: what may be wrong.
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
-        gave_up: why the run stopped before its end, a sentence without an end; empty where it did not.
+        absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing dissipates.
     """
 
     time: Array
@@ -70,24 +78,32 @@ class Record:
     end: State
     steps: int
     evaluations: int
-    warnings: tuple[str, ...] = ()
+    status: Status = Status.DONE
+    warnings: Warnings = ()
     seconds: float = 0.0
     absorbed: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    gave_up: str = ""
 
 
-def empty_samples(count: int, contacts: int) -> tuple[Array, Array, Array, Array]:
-    """Rows for `count` samples: overlap, rate, anchor, force."""
-    return (
-        np.zeros((count, contacts)),
-        np.zeros((count, contacts)),
-        np.zeros((count, 2)),
-        np.zeros((count, contacts)),
-    )
+class Runner(Protocol):
+    """What moves chains by the methods of one family; a module with these two functions is one."""
+
+    def run(self, problem: Problem, /) -> Record:
+        """Compute the whole motion; ``problem.state`` stays as it is."""
+
+    def advance(self, problem: Problem, /) -> Status:
+        """Move ``problem.state`` on by the duration in place; it stops early with a status that says so."""
+
+
+Rows = tuple[Array, Array, Array, Array, Array]
+
+
+def empty_samples(count: int, contacts: int) -> Rows:
+    """Rows for `count` samples: overlap, rate, anchor, force, absorbed."""
+    wide, narrow = (count, contacts), (count, 2)
+    return np.zeros(wide), np.zeros(wide), np.zeros(narrow), np.zeros(wide), np.zeros(narrow)
 
 
 Pass = Callable[[Problem, float, Array, bool], Record]
-NO_TIMES = np.zeros(0)
 
 
 def run_to_end(problem: Problem, once: Pass) -> Record:
@@ -96,21 +112,11 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
     The first pass then gives the end, the switches and the cost, a second one the samples, if any lie in between.
     """
     if problem.duration is not None:
-        end = problem.state.time + problem.duration
-        return once(problem, end, problem.sample_times(end), False)
+        return once(problem, problem.end, problem.sample_times(problem.end), False)
     found = once(problem, np.inf, NO_TIMES, True)
     times = problem.sample_times(found.end.time)
     if isinstance(problem.samples, int) and problem.samples == 2:
-        first, last = problem.state, found.end
-        return replace(
-            found,
-            time=times,
-            overlap=np.array([first.overlap, last.overlap]),
-            rate=np.array([first.rate, last.rate]),
-            anchor=np.array([first.anchor, last.anchor]),
-            force=np.array([first.force, last.force]),
-            absorbed=np.array([first.absorbed, last.absorbed]),
-        )
+        return _with_ends_as_samples(found, problem.state, times)
     sampled = once(problem, max(found.end.time, float(times[-1])), times, False)
     return replace(
         found,
@@ -120,4 +126,18 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
         anchor=sampled.anchor,
         force=sampled.force,
         absorbed=sampled.absorbed,
+    )
+
+
+def _with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
+    """The record with its start and its end as the two samples."""
+    end = found.end
+    return replace(
+        found,
+        time=times,
+        overlap=np.array([start.overlap, end.overlap]),
+        rate=np.array([start.rate, end.rate]),
+        anchor=np.array([start.anchor, end.anchor]),
+        force=np.array([start.force, end.force]),
+        absorbed=np.array([start.absorbed, end.absorbed]),
     )

@@ -5,23 +5,24 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
-from importlib import import_module
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics import dispatch
 from softcradle.physics.advice.explicit_limits import coarse_warnings, explicit_warnings
 from softcradle.physics.chain import Chain
 from softcradle.physics.methods import AUTO, Method, find_method, refusal
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
 from softcradle.physics.scales import default_step
 from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
 
 Array = NDArray[np.float64]
 
-FINISHES = find_method("conserving")  # moves on where an adaptive method gives up,
-FINISHING_STEPS = 100  # in so many steps
+FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
+FALLBACK_STEPS = 100  # steps in which it does
 
 
 def simulate(
@@ -38,8 +39,8 @@ def simulate(
     Arguments:
         chain: the Chain.
         velocity: (n+1,) start velocities [m/s].
-        duration: time to run [s]; None runs until every contact is open and none can close again (on a bed that rubs:
-            not before the beads have slid to rest either), or all beads rest. A chain with a drive needs one.
+        duration: time to run [s]; None runs until every contact is open and none can close again (with bed friction: not
+            before the beads have slid to rest either), or all beads rest. A chain with a drive needs one.
         method: a name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
             on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
             pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
@@ -55,8 +56,8 @@ def simulate(
     array([-0.57,  0.17,  0.45,  0.47,  0.47])
     """
     trajectory = solve(chain, velocity, duration, method, step, samples, tolerance)
-    for sentence in trajectory.warnings:
-        warnings.warn(sentence, RuntimeWarning, stacklevel=2)
+    for warning in trajectory.warnings:
+        warnings.warn(warning.sentence, RuntimeWarning, stacklevel=2)
     return trajectory
 
 
@@ -71,21 +72,20 @@ def solve(
 ) -> Trajectory:
     """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
     if method == AUTO:
-        return _chosen(chain, velocity, duration, step, samples, tolerance)
-    _refuse_dissipative(chain, find_method(method))
-    problem = _problem(chain, velocity, duration, find_method(method), step, samples, tolerance)
-    runner = import_module(find_method(method).module)
+        return _solve_by_choice(chain, velocity, duration, step, samples, tolerance)
+    chosen = find_method(method)
+    problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
     began = perf_counter()
-    record: Record = runner.run(problem)
+    record = dispatch.run(problem)
     record.seconds = record.seconds or perf_counter() - began
-    if not find_method(method).set_valued:
+    if not chosen.set_valued:
         record.warnings += explicit_warnings(problem, record)
     elif problem.step:
         record.warnings += coarse_warnings(problem)
     return _trajectory(problem, record)
 
 
-def _chosen(
+def _solve_by_choice(
     chain: Chain,
     velocity: ArrayLike,
     duration: float | None,
@@ -93,7 +93,7 @@ def _chosen(
     samples: int | ArrayLike,
     error: float,
 ) -> Trajectory:
-    """The run by what `auto` chooses."""
+    """The run by the method and fineness that `auto` chooses."""
     from softcradle.physics.advice.choose import choose
 
     _require(step is None, "method 'auto' chooses its own steps: give a tolerance, the wanted error, instead of a step")
@@ -115,39 +115,47 @@ def advance(
     """Move `state` on by `duration` [s] in place, for live use; fixed-step kernels allocate nothing.
 
     Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along, with the chain's drive. A
-    duration that is not a whole number of steps ends in a shorter step. Where an adaptive method is not through after
-    `most_steps` (contacts that rattle), `conserving` moves on to the end; a warning and ``state.trouble`` say so.
+    duration that is not a whole number of steps ends in a shorter step. Where an adaptive method has not reached the end after
+    `most_steps` (contacts that rattle), `conserving` moves on to it; a Python warning, ``state.status`` and
+    ``state.warnings`` say so.
     """
     move(chain, state, duration, method, step, tolerance, most_steps)
-    if state.trouble:
-        warnings.warn(state.trouble, RuntimeWarning, stacklevel=2)
+    for warning in state.warnings:
+        warnings.warn(warning.sentence, RuntimeWarning, stacklevel=2)
 
 
 def move(
     chain: Chain, state: State, duration: float, method: str, step: float | None, tolerance: float, most_steps: int
 ) -> None:
-    """What :func:`advance` does, with what failed in ``state.trouble`` alone."""
+    """What :func:`advance` does, with its warnings in ``state.warnings`` alone."""
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
-    _refuse_dissipative(chain, chosen)
+    _require(not chain.dissipative or chosen.dissipative, refusal(chosen))
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
     _require(most_steps > 0, f"most_steps must be at least 1, not {most_steps!r}")
-    runner, state.trouble = import_module(chosen.module), ""
-    if not chosen.adaptive:
-        runner.advance(chain, state, duration, method, _step(chain, state.velocity(chain), chosen, step))
-        return
-    end = state.time + duration
-    said = runner.advance(chain, state, duration, method, tolerance, most_steps)
-    if said:
-        rest = end - state.time
-        if rest > 0.0:
-            import_module(FINISHES.module).advance(chain, state, rest, FINISHES.name, rest / FINISHING_STEPS)
-        state.time = end
-        state.trouble = f"{said}; {FINISHES.name} moved on from there"
+    length = _step(chain, state.velocity(chain), chosen, step)
+    fineness = tolerance if chosen.adaptive else 0.0
+    problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
+    end = problem.end
+    state.warnings = ()
+    state.status = dispatch.advance(problem)
+    if state.status.gave_up:
+        state.warnings = (_gave_up(method, state.time, most_steps),)
+        _finish_frame(chain, state, end)
 
 
-def _refuse_dissipative(chain: Chain, method: Method) -> None:
-    _require(not chain.dissipative or method.dissipative, refusal(method))
+def _finish_frame(chain: Chain, state: State, end: float) -> None:
+    """Move `state` on to `end` by the fallback method."""
+    rest = end - state.time
+    if rest > 0.0:
+        dispatch.advance(Problem(chain, state, FALLBACK_METHOD, rest, rest / FALLBACK_STEPS))
+    state.time = end
+
+
+def _gave_up(method: str, time: float, most_steps: int) -> CodedWarning:
+    what = f"{method} gave up at t = {time:.6g} s: {most_steps} steps did not reach the end"
+    sentence = f"{what}; {FALLBACK_METHOD} moved on from there"
+    return CodedWarning(WarningCode.GAVE_UP, sentence, {"time": time, "steps": most_steps})
 
 
 def _require(condition: bool | np.bool_, sentence: str) -> None:
@@ -174,6 +182,7 @@ def _problem(
     samples: int | ArrayLike,
     tolerance: float,
 ) -> Problem:
+    _require(not chain.dissipative or method.dissipative, refusal(method))
     state = State.at_start(chain, velocity)
     if duration is None:
         _require(chain.walls < 2, "a chain with two walls may never come apart: give a duration")
@@ -221,6 +230,7 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         steps=record.steps,
         evaluations=record.evaluations,
         seconds=record.seconds,
+        status=record.status,
         warnings=record.warnings,
         absorbed_by_contacts=record.absorbed[:, 0],
         absorbed_by_bed=record.absorbed[:, 1],

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
 
@@ -22,11 +23,12 @@ class State:
         rate: (n,) overlap rates w_i = v_i - v_(i+1) [m/s].
         anchor: (2,) position [m] and velocity [m/s] of bead ``chain.anchor``.
         force: (n,) contact forces [N] of the last step: what a touching contact carries is not in its overlap.
-        push: (n+1,) external force on each bead [N] for the next `advance` (a hand, a spring to the pointer), or None;
+        push: (n+1,) external force on each bead [N] for the next `advance` (a spring to the pointer), or None;
             it adds to the chain's drive.
         switches: how often contacts have closed or opened in all `advance` of a fixed-step method so far.
         absorbed: (2,) energy [J] that contacts with loss and the bed have absorbed so far.
-        trouble: what the last `advance` could not do and did instead, in a sentence; empty where it did as asked.
+        status: how the last `advance` ended; where its method gave up, `conserving` went on to the end.
+        warnings: what the last `advance` could not do; empty where it did as it should.
         work: scratch memory of the methods, theirs alone.
     """
 
@@ -38,7 +40,8 @@ class State:
     push: Array | None = None
     switches: int = 0
     absorbed: Array = field(default_factory=lambda: np.zeros(2))
-    trouble: str = ""
+    status: Status = Status.DONE
+    warnings: Warnings = ()
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
@@ -53,6 +56,12 @@ class State:
             force[i] = float(chain.contact[i].force(-gap[i]))
         return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, force)
 
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """(n,) whether each contact pushes: it overlaps, or it touches and carries a force."""
+        closed: NDArray[np.bool_] = (self.overlap > 0.0) | ((self.overlap == 0.0) & (self.force > 0.0))
+        return closed
+
     def position(self, chain: Chain) -> Array:
         """(n+1,) positions [m], bead lengths taken out: two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[0], chain.anchor)
@@ -60,6 +69,12 @@ class State:
     def velocity(self, chain: Chain) -> Array:
         """(n+1,) bead velocities [m/s]."""
         return from_anchor(self.rate, self.anchor[1], chain.anchor)
+
+    def energy(self, chain: Chain) -> float:
+        """Kinetic and contact energy [J], walls left out."""
+        mass, velocity = np.array(chain.mass), self.velocity(chain)
+        kinetic = 0.5 * float((np.where(np.isfinite(mass), mass, 0.0) * velocity**2).sum())
+        return kinetic + float(chain.stored_energy(self.overlap).sum())
 
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) external force on each bead [N], the chain's drive and the push; None where there is neither.

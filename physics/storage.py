@@ -1,6 +1,6 @@
-"""Trajectories on disk: an .npz file that holds everything and is read back equal, and a .csv table for other programs.
+"""Motions on disk: an .npz file that holds everything and is read back equal, and a .csv table for other programs.
 
-The .npz file holds one array per array of the Trajectory, `position` and `velocity` for readers without softcradle,
+The .npz file holds one array per array of a Trajectory, `position` and `velocity` for readers without softcradle,
 `contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`, a JSON text. Nothing is pickled.
 """
 
@@ -10,59 +10,79 @@ import csv
 import json
 import platform
 import zipfile
-from collections.abc import Iterator
-from dataclasses import asdict, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from os import PathLike
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.atomic_files import output_file
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.trajectory import Interval, Trajectory
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 from softcradle.physics.version import version
 
-FORMAT, READ = 2, (1, 2)  # format 1 knew neither loss nor friction
-ARRAYS = ("time", "overlap", "rate", "anchor", "force", "final_velocity")
-ABSORBED = ("absorbed_by_contacts", "absorbed_by_bed")
-APART = {"chain", "contact_intervals", *ARRAYS, *ABSORBED}  # fields of a Trajectory that are not plain JSON
-ABSORBED_COLUMNS = ("absorbed by contacts [J]", "absorbed by bed [J]")
+FORMAT = 3
+READABLE = (1, 2, 3)  # format 1 has neither loss nor friction, 2 neither status nor codes of warnings
 
+Array = NDArray[np.float64]
 Path = str | PathLike[str]
+Intervals = tuple[tuple[tuple[float, float], ...], ...]
 
 
-def save_trajectory(trajectory: Trajectory, path: Path) -> None:
-    """Write `trajectory` to the .npz file `path`, whole or not at all. OSError where that cannot be."""
-    arrays = {name: getattr(trajectory, name) for name in (*ARRAYS, *ABSORBED, "position", "velocity")}
-    arrays["contact_intervals"] = _interval_rows(trajectory)
-    arrays["metadata"] = np.array(json.dumps(_metadata(trajectory)))
+class Columns(NamedTuple):
+    """Columns of a table: ``quantity + name [unit]`` for each of the names, and their values (T,) or (T, len(names))."""
+
+    quantity: str
+    unit: str
+    names: Sequence[str]
+    values: Array
+
+
+def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array]) -> None:
+    """Write the fields of a Trajectory, and arrays for other readers, to the .npz file `path`, whole or not at all.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    arrays = {name: value for name, value in {**values, **extra}.items() if isinstance(value, np.ndarray)}
+    plain = {name: value for name, value in values.items() if name not in arrays}
+    arrays["contact_intervals"] = _interval_rows(plain.pop("contact_intervals"))
+    chain, warnings = asdict(plain.pop("chain")), [_stored_warning(warning) for warning in plain.pop("warnings")]
+    metadata = {"format": FORMAT, "versions": versions(), "chain": chain, "warnings": warnings, **plain}
+    arrays["metadata"] = np.array(json.dumps(metadata))
     with output_file(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
-def load_trajectory(path: Path) -> Trajectory:
-    """The Trajectory that :func:`save_trajectory` wrote to `path`.
+def load_motion(path: Path) -> dict[str, Any]:
+    """The fields that :func:`save_motion` wrote to `path`.
 
     Raises:
         OSError: the file cannot be read.
         ValueError: it is no trajectory of softcradle, or one of a later version.
     """
-    contents, metadata = _read(path)
-    plain: dict[str, Any] = {name: metadata[name] for name in _plain_fields() if name in metadata}
-    plain["warnings"] = tuple(plain["warnings"])
-    chain = _chain(metadata["chain"])
-    intervals = _intervals(contents["contact_intervals"], chain.contacts)
-    arrays: dict[str, Any] = {name: contents[name] for name in (*ARRAYS, *ABSORBED) if name in contents}
-    return Trajectory(chain=chain, contact_intervals=intervals, **arrays, **plain)
+    arrays, plain = _read(path)
+    for name in ("position", "velocity"):
+        arrays.pop(name, None)
+    chain = _chain(plain.pop("chain"))
+    return {
+        **arrays,
+        **{name: value for name, value in plain.items() if name not in ("format", "versions")},
+        "chain": chain,
+        "contact_intervals": _intervals(arrays["contact_intervals"], chain.contacts),
+        "status": Status(plain.get("status", Status.DONE)),
+        "warnings": _warnings(plain["warnings"]),
+    }
 
 
-def write_csv(trajectory: Trajectory, path: Path) -> None:
+def write_csv(path: Path, columns: Sequence[Columns]) -> None:
     """Write one row a sample to the .csv file `path`, whole or not at all; the header names quantity and unit."""
     with output_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(_header(trajectory.chain.contacts))
-        writer.writerows(_table(trajectory).tolist())
+        writer.writerow([f"{part.quantity}{name} [{part.unit}]" for part in columns for name in part.names])
+        writer.writerows(np.column_stack([part.values for part in columns]).tolist())
 
 
 def versions() -> dict[str, str]:
@@ -70,21 +90,26 @@ def versions() -> dict[str, str]:
     return {"softcradle": version(), "numpy": np.__version__, "python": platform.python_version()}
 
 
-def _plain_fields() -> list[str]:
-    return [field.name for field in fields(Trajectory) if field.name not in APART]
+def _stored_warning(warning: CodedWarning) -> dict[str, Any]:
+    return {"code": warning.code, "sentence": warning.sentence, "numbers": dict(warning.numbers)}
 
 
-def _metadata(trajectory: Trajectory) -> dict[str, Any]:
-    plain = {name: getattr(trajectory, name) for name in _plain_fields()}
-    return {"format": FORMAT, "versions": versions(), "chain": asdict(trajectory.chain), **plain}
+def _warnings(stored: list[Any]) -> Warnings:
+    """The warnings of a file; those of format 1 and 2 are sentences without a code."""
+    return tuple(
+        CodedWarning(WarningCode.UNKNOWN, entry)
+        if isinstance(entry, str)
+        else CodedWarning(WarningCode(entry["code"]), entry["sentence"], entry["numbers"])
+        for entry in stored
+    )
 
 
-def _interval_rows(trajectory: Trajectory) -> NDArray[np.float64]:
-    rows = [(i, *interval) for i, intervals in enumerate(trajectory.contact_intervals) for interval in intervals]
+def _interval_rows(intervals: Intervals) -> Array:
+    rows = [(i, *interval) for i, spans in enumerate(intervals) for interval in spans]
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 
-def _read(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
+def _read(path: Path) -> tuple[dict[str, Array], dict[str, Any]]:
     """Arrays and metadata of an .npz file; ValueError where it is something else."""
     try:
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
@@ -93,8 +118,8 @@ def _read(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
         found = metadata["format"]
     except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError):
         raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
-    if found not in READ:
-        raise ValueError(f"{path}: saved in format {found}, this softcradle reads format {FORMAT}")
+    if found not in READABLE:
+        raise ValueError(f"{path}: saved in format {found}, this softcradle reads formats up to {FORMAT}")
     return contents, metadata
 
 
@@ -102,28 +127,8 @@ def _chain(stored: dict[str, Any]) -> Chain:
     return Chain(**{**stored, "contact": [Contact(**numbers) for numbers in stored["contact"]]})
 
 
-def _intervals(rows: NDArray[np.float64], contacts: int) -> tuple[tuple[Interval, ...], ...]:
-    found: list[list[Interval]] = [[] for _ in range(contacts)]
+def _intervals(rows: Array, contacts: int) -> Intervals:
+    found: list[list[tuple[float, float]]] = [[] for _ in range(contacts)]
     for contact, closed, opened in rows.tolist():
         found[int(contact)].append((closed, opened))
     return tuple(map(tuple, found))
-
-
-def _header(contacts: int) -> list[str]:
-    def bead(quantity: str, unit: str) -> Iterator[str]:
-        return (f"{quantity} {i} [{unit}]" for i in range(contacts + 1))
-
-    def pair(quantity: str, unit: str) -> Iterator[str]:
-        return (f"{quantity} {i}-{i + 1} [{unit}]" for i in range(contacts))
-
-    ends = ("kinetic energy [J]", "contact energy [J]", "momentum [N s]", *ABSORBED_COLUMNS)
-    return [
-        "time [s]", *bead("position", "m"), *bead("velocity", "m/s"), *pair("overlap", "m"), *pair("force", "N"), *ends
-    ]  # fmt: skip
-
-
-def _table(trajectory: Trajectory) -> NDArray[np.float64]:
-    """(T, 4 n + 8): the columns that :func:`_header` names."""
-    t = trajectory
-    energies = t.kinetic_energy, t.contact_energy, t.momentum, t.absorbed_by_contacts, t.absorbed_by_bed
-    return np.column_stack([t.time, t.position, t.velocity, t.overlap, t.force, *energies])

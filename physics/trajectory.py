@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics import storage
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import from_anchor
+from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -33,7 +35,8 @@ class Trajectory:
         contact_intervals: per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens.
         method, step, tolerance: how it was made; step in s (0 for adaptive methods), tolerance 0 for fixed steps.
         steps, evaluations, seconds: cost: steps, evaluations of all contact forces, wall time of the solver [s].
-        warnings: sentences on what may be wrong with it; empty when nothing is.
+        status: how the run ended; where it gave up, `final_velocity` is that of the time it reached.
+        warnings: what may be wrong with it, each with a code, a sentence and its numbers; empty when nothing is.
         choice: what method "auto" chose and why; "" where the method was given.
         absorbed_by_contacts, absorbed_by_bed: (T,) energy [J] that contacts with loss and bed friction have taken since
             t = 0: kinetic + contact energy + both = that at the start + `driven`.
@@ -53,7 +56,8 @@ class Trajectory:
     steps: int = 0
     evaluations: int = 0
     seconds: float = 0.0
-    warnings: tuple[str, ...] = ()
+    status: Status = Status.DONE
+    warnings: Warnings = ()
     choice: str = ""
     absorbed_by_contacts: Array = field(default_factory=_nothing)
     absorbed_by_bed: Array = field(default_factory=_nothing)
@@ -81,9 +85,8 @@ class Trajectory:
     @cached_property
     def contact_energy(self) -> Array:
         """(T,) energy [J] taken up by the contacts; those with loss give only a part of it back."""
-        return sum(
-            (np.asarray(c.energy(d)) for c, d in zip(self.chain.contact, self.overlap.T, strict=True)), np.zeros(1)
-        )
+        energy: Array = self.chain.stored_energy(self.overlap).sum(axis=1)
+        return energy
 
     @cached_property
     def momentum(self) -> Array:
@@ -125,21 +128,35 @@ class Trajectory:
     def _mass(self) -> Array:
         return np.array(self.chain.mass)[self._bead]
 
-    def save(self, path: str) -> None:
+    def save(self, path: storage.Path) -> None:
         """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
-        from softcradle.physics.storage import save_trajectory
-
-        save_trajectory(self, path)
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        storage.save_motion(path, values, {"position": self.position, "velocity": self.velocity})
 
     @staticmethod
-    def load(path: str) -> Trajectory:
-        """Read what :meth:`save` wrote."""
-        from softcradle.physics.storage import load_trajectory
+    def load(path: storage.Path) -> Trajectory:
+        """Read what :meth:`save` wrote.
 
-        return load_trajectory(path)
+        Raises:
+            OSError: the file cannot be read.
+            ValueError: it is no trajectory of softcradle, or one of a later version.
+        """
+        return Trajectory(**storage.load_motion(path))
 
-    def to_csv(self, path: str) -> None:
+    def to_csv(self, path: storage.Path) -> None:
         """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""
-        from softcradle.physics.storage import write_csv
-
-        write_csv(self, path)
+        beads = [f" {i}" for i in range(self.chain.contacts + 1)]
+        contacts = [f" {i}-{i + 1}" for i in range(self.chain.contacts)]
+        columns = [
+            storage.Columns("time", "s", [""], self.time),
+            storage.Columns("position", "m", beads, self.position),
+            storage.Columns("velocity", "m/s", beads, self.velocity),
+            storage.Columns("overlap", "m", contacts, self.overlap),
+            storage.Columns("force", "N", contacts, self.force),
+            storage.Columns("kinetic energy", "J", [""], self.kinetic_energy),
+            storage.Columns("contact energy", "J", [""], self.contact_energy),
+            storage.Columns("momentum", "N s", [""], self.momentum),
+            storage.Columns("absorbed by contacts", "J", [""], self.absorbed_by_contacts),
+            storage.Columns("absorbed by bed", "J", [""], self.absorbed_by_bed),
+        ]
+        storage.write_csv(path, columns)

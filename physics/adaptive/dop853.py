@@ -3,14 +3,14 @@
     d_s = d0 + c_s h w0 + h² sum_k (A²)_sk a_k,   a_k = e - L f(d_k),   s = 1..12
 
 Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal system.
-Only stretches of contacts take part; between them nothing pushes that matters, and overlaps go on at their rates.
+Only ranges of active contacts take part; between them no contact pushes enough to matter, and overlaps change at their rates.
 """
 
 from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.active_ranges import stretch
+from softcradle.physics.adaptive.active_ranges import next_range
 from softcradle.physics.adaptive.dop853_tableau import (
     FIFTH,
     FIFTH_SQUARE,
@@ -24,15 +24,19 @@ from softcradle.physics.adaptive.dop853_tableau import (
 )
 from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_curve import LOADED, TOUCHING, care, signed_force, slope_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
+from softcradle.physics.numerics.law_curve import care, signed_force, slope_at
+from softcradle.physics.numerics.records import LOADED, TOUCHING
 
-KINK = 0.01  # of the impulse of a force that begins or ends in a step like (t - t_o)**a, a > 1: so much its nodes miss
+KINK = (
+    0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
+)
 
 
 @jit
-def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, acceleration, upper):
-    """Forces (n,) and overlap accelerations (n,) in a stretch, from the overlaps of one stage."""
+def accelerate(first, last, chain, mode, overlap, force, acceleration, upper):
+    """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage."""
+    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
     touching = False
     for i in range(first, last):
         force[i] = 0.0
@@ -41,7 +45,7 @@ def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, a
         elif mode[i] == LOADED:
             force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
         touching |= mode[i] == TOUCHING
-    if first > 0:  # an edge in the middle of the chain idles; what it pushed, the bead beyond would not feel
+    if first > 0:  # the edge of a range in mid-chain is inactive: the bead beyond would not feel it
         force[first] = 0.0
     if last < mode.size:
         force[last - 1] = 0.0
@@ -79,8 +83,9 @@ def accelerate(first, last, law, inverse_mass, external, mode, overlap, force, a
 
 
 @jit
-def anchor_acceleration(inverse_mass, external, anchor_bead, force):
+def anchor_acceleration(chain, force):
     """Acceleration of the anchor bead by the contact forces (n,) and from outside."""
+    inverse_mass, external, anchor_bead = chain.inverse_mass, chain.external, chain.anchor_bead
     net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
     if anchor_bead < force.size:
         net -= force[anchor_bead]
@@ -88,68 +93,63 @@ def anchor_acceleration(inverse_mass, external, anchor_bead, force):
 
 
 @jit
-def dop853_step(
-    h, idle, law, inverse_mass, external, anchor_bead, mode, overlap, rate, anchor, held_force,
-    stage_overlap, stage_rate, stage_force, acceleration, of_anchor, trial, force, upper, end_anchor,
-):  # fmt: skip
-    """One step: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`, into `stage_*`.
+def dop853_step(h, inactive, chain, motion, trial, scratch):
+    """One step into `trial`: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`.
 
-    `held_force` (n,) at the start; `idle` [m/s] is what contacts that wait may do; `acceleration` (12, n), `of_anchor` (12,),
-    `trial`, `force`, `upper` (n,) scratch; `end_anchor` (2,). Returns the error as a velocity [m/s], of order 8:
-    err5² / sqrt(err5² + 0.01 err3²).
+    `inactive` [m/s] is the velocity that a contact beside the active ranges may change by. Returns the error as a velocity
+    [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
     """
+    overlap, rate, mode, end_anchor = motion.overlap, motion.rate, motion.mode, trial.anchor
+    force, of_anchor = scratch.correction[1], scratch.anchor_acceleration
     n = overlap.size
     touching, worst = False, 0.0
     for i in range(n):
         force[i] = 0.0
-        stage_overlap[2, i], stage_rate[2, i] = overlap[i] + h * rate[i], rate[i]
+        trial.overlap[2, i], trial.rate[2, i] = overlap[i] + h * rate[i], rate[i]
         for k in range(2):
-            stage_overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
+            trial.overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
         touching |= mode[i] == TOUCHING
     for s in range(STAGES):
-        of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
+        of_anchor[s] = anchor_acceleration(chain, force)
     last = 0
     while last < n:
-        first, last = stretch(last, h, idle, law, inverse_mass, external, mode, overlap, rate, held_force)
+        first, last = next_range(last, h, inactive, chain, motion)
         if first == n:
             break
-        worst = max(worst, step_of_stretch(
-            h, first, last, law, inverse_mass, external, anchor_bead, mode, overlap, rate,
-            stage_overlap, stage_rate, acceleration, of_anchor, trial, force, upper,
-        ))  # fmt: skip
-    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
+        worst = max(worst, step_of_range(h, first, last, chain, motion, trial, scratch))
+    end_anchor[0], end_anchor[1] = motion.anchor[0] + h * motion.anchor[1], motion.anchor[1]
     for k in range(STAGES):
         end_anchor[0] += h * h * WEIGHTS_SQUARE[k] * of_anchor[k]
         end_anchor[1] += h * WEIGHTS[k] * of_anchor[k]
     for i in range(n):
-        stage_force[2, i] = force[i]
-        if force[i] == 0.0 and mode[i] == LOADED and stage_overlap[2, i] > 0.0:  # it waits
-            stage_force[2, i] = force_at(law, i, stage_overlap[2, i])
+        trial.force[2, i] = force[i]
+        if force[i] == 0.0 and mode[i] == LOADED and trial.overlap[2, i] > 0.0:  # an inactive contact
+            trial.force[2, i] = force_at(chain.law, i, trial.overlap[2, i])
     if touching:
+        stage, upper = scratch.correction[0], scratch.correction[2]
         for k in range(2):
             for i in range(n):
-                stage_force[k, i] = 0.0
-            accelerate(0, n, law, inverse_mass, external, mode, stage_overlap[k], stage_force[k], trial, upper)
+                trial.force[k, i] = 0.0
+            accelerate(0, n, chain, mode, trial.overlap[k], trial.force[k], stage, upper)
     return worst
 
 
 @jit
-def step_of_stretch(
-    h, first, last, law, inverse_mass, external, anchor_bead, mode, overlap, rate,
-    stage_overlap, stage_rate, acceleration, of_anchor, trial, force, upper,
-):  # fmt: skip
-    """The step of contacts [first, last): the forces of their end stay in `force`. Returns the error as `dop853_step`."""
-    square, moves_anchor = h * h, first <= anchor_bead <= last
+def step_of_range(h, first, last, chain, motion, trial, scratch):
+    """The step of contacts [first, last): the forces of their end stay in scratch. Returns the error as `dop853_step`."""
+    overlap, rate, mode = motion.overlap, motion.rate, motion.mode
+    stage, force, upper = scratch.correction[0], scratch.correction[1], scratch.correction[2]
+    acceleration, square, moves_anchor = scratch.acceleration, h * h, first <= chain.anchor_bead <= last
     for s in range(STAGES):
         for i in range(first, last):
-            trial[i] = overlap[i] + NODES[s] * h * rate[i]
+            stage[i] = overlap[i] + NODES[s] * h * rate[i]
         for k in range(s):
-            add_scaled(square * SQUARE[s, k], acceleration[k], first, last, trial)
-        accelerate(first, last, law, inverse_mass, external, mode, trial, force, acceleration[s], upper)
+            add_scaled(square * SQUARE[s, k], acceleration[k], first, last, stage)
+        accelerate(first, last, chain, mode, stage, force, acceleration[s], upper)
         if moves_anchor:
-            of_anchor[s] = anchor_acceleration(inverse_mass, external, anchor_bead, force)
-    end_overlap, end_rate, fifth, third = stage_overlap[2], stage_rate[2], stage_overlap[0], stage_overlap[1]
-    fifth_overlap, third_overlap = stage_rate[0], stage_rate[1]
+            scratch.anchor_acceleration[s] = anchor_acceleration(chain, force)
+    end_overlap, end_rate, fifth, third = trial.overlap[2], trial.rate[2], trial.overlap[0], trial.overlap[1]
+    fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
     for i in range(first, last):
         fifth[i], third[i], fifth_overlap[i], third_overlap[i] = 0.0, 0.0, 0.0, 0.0
     for k in range(STAGES):
@@ -162,23 +162,25 @@ def step_of_stretch(
     for i in range(first, last):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = 0.0, 0.0
-    worst = error_of_stretch(
-        h, first, last, law, inverse_mass, mode, overlap, force, end_overlap, fifth, third, fifth_overlap, third_overlap
-    )
-    accelerate(first, last, law, inverse_mass, external, mode, end_overlap, force, trial, upper)
+    worst = error_of_range(h, first, last, chain, motion, trial, force)
+    accelerate(first, last, chain, mode, end_overlap, force, stage, upper)
     for k in range(2):
         for i in range(first, last):
-            stage_overlap[k, i] = hermite(
-                OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], trial[i]
+            trial.overlap[k, i] = hermite(
+                OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], stage[i]
             )  # fmt: skip
     return worst
 
 
 @jit
-def error_of_stretch(
-    h, first, last, law, inverse_mass, mode, overlap, force, end_overlap, fifth, third, fifth_overlap, third_overlap
-):  # fmt: skip
-    """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins or ceases to push in it."""
+def error_of_range(h, first, last, chain, motion, trial, force):
+    """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins or ceases to push in it.
+
+    Errors of order 5 and 3 stand in the first two rows of the trial: of rates in its overlaps, of overlaps in its rates.
+    """
+    law, inverse_mass, overlap, mode = chain.law, chain.inverse_mass, motion.overlap, motion.mode
+    end_overlap, fifth, third = trial.overlap[2], trial.overlap[0], trial.overlap[1]
+    fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
     rough, worst = False, 0.0
     for i in range(first, last):
         if mode[i] == LOADED and law[i, 2] != 1.0:
@@ -190,7 +192,7 @@ def error_of_stretch(
                     push = force_at(law, i, overlap[i] if opens else end_overlap[i])
                     worst = max(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     slowest = math.inf
-    error, frequency = fifth, third  # from here on: of each contact, before care; squared
+    error, frequency = fifth, third  # from here on of each contact: its error, and its local frequency squared
     for i in range(first, last):
         error[i] = abs(fifth[i]) if rough else combined(fifth[i], third[i])
         frequency[i] = 0.0
@@ -221,7 +223,7 @@ def force_at(law, i, overlap):
 
 @jit
 def add_scaled(factor, source, first, last, target):
-    """``target += factor * source`` in a stretch."""
+    """``target += factor * source`` in a range."""
     if factor != 0.0:
         for i in range(first, last):
             target[i] += factor * source[i]

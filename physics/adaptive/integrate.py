@@ -8,221 +8,257 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.events import CLOSES, OPENS, YIELDS, continued, set_modes
-from softcradle.physics.adaptive.fallback_step import rescue
+from softcradle.physics.adaptive.events import CLOSES, OPENS, YIELDS, is_continued, set_modes
+from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.sampling import flown, sample_flight, sample_inside
-from softcradle.physics.adaptive.step import NEWTON_PART, REJECTED, SAMPLE, STEP, attempt, settle
-from softcradle.physics.adaptive.step_control import LAST, NEXT, begin, first_step, learn, next_step, onset_step
-from softcradle.physics.adaptive.switch_log import find_openings, note_switches
-from softcradle.physics.fixed_step.step_loop import DONE, OUT_OF_STEPS, SEPARATED
+from softcradle.physics.adaptive.step import NEWTON_PART, find_step
+from softcradle.physics.adaptive.step_control import (
+    first_step,
+    onset_step,
+    propose_step,
+    restart_control,
+    update_control,
+)
+from softcradle.physics.adaptive.step_records import DOP853, LAST, NEXT, RADAU, Scratch, Trial
+from softcradle.physics.adaptive.switch_log import find_openings, log_switches
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_curve import LOADED, OPEN, TOUCHING, flow_into
+from softcradle.physics.numerics.law_curve import flow_into
+from softcradle.physics.numerics.records import (
+    DONE,
+    LOADED,
+    OPEN,
+    OUT_OF_STEPS,
+    REJECTED,
+    SAMPLE,
+    SEPARATED,
+    STEP,
+    TOUCHING,
+    ChainData,
+    Motion,
+    Samples,
+    SwitchLog,
+)
 
-TOLERANCE_PART = 0.1  # of the tolerance: to this each step is held
-SLOW_PART = 1e-2  # of a step's tolerance: a contact that arrives at d = 0 slower than this rests there
-STILL_PART = 0.1  # of a step's tolerance: a gap that closes slower than this counts as not closing
-RESCUE_PART = 0.25  # of a step at which Newton fails: so long the step of `conserving` in its place may be
+TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step
+SLOW_PART = 1e-2  # of a step's error bound: a contact that arrives at d = 0 slower than this rests there
+STILL_PART = 0.1  # of a step's error bound: a gap that closes slower than this counts as not closing
+ROUND_OFF = 1e-15  # of the velocity scale: the least rate at which a gap closes
+LAST_FORCE = 1e-11  # of the preload: a touching contact that carries less pushes no more
+FALLBACK_PART = 0.25  # of a step that does not converge: the longest fallback step in its place
+AFTER_FALLBACK = 4.0  # of the fallback step: the longest next step
 
 
 @jit
-def resting(given, moving, negligible):
+def nothing_pushes(chain, motion, negligible):
     """True where no contact pushes, or only with what gives less than `negligible` [m/s]."""
-    for i in range(moving.mode.size):
-        if moving.mode[i] == LOADED:
-            weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
-            left = weight * max(moving.force[i], 0.0) * max(moving.overlap[i], 0.0)
-            if left > negligible * negligible or moving.rate[i] > negligible:
+    for i in range(motion.mode.size):
+        if motion.mode[i] == LOADED:
+            weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+            left = weight * max(motion.force[i], 0.0) * max(motion.overlap[i], 0.0)
+            if left > negligible * negligible or motion.rate[i] > negligible:
                 return False
-        if moving.mode[i] == TOUCHING and moving.force[i] > 1e-11 * given.law[i, 0]:
+        if motion.mode[i] == TOUCHING and motion.force[i] > LAST_FORCE * chain.law[i, 0]:
             return False
-    return given.external.size == 0
+    return chain.external.size == 0
 
 
 @jit
-def set_all_modes(given, moving, slow, trial):
-    """`set_modes` of the state as it stands."""
-    set_modes(
-        given.law, given.inverse_mass, given.external, slow, moving.mode, moving.overlap, moving.rate, moving.force,
-        moving.held, trial.work,
-    )  # fmt: skip
-
-
-@jit
-def keep(explicit, moving, trial):
-    """Keep the trial: its end becomes the state, its stages the guess for the next step of radau."""
-    past = trial.past
-    if not explicit:
-        for i in range(moving.mode.size):
-            past[0, i], past[4, i] = moving.force[i], moving.overlap[i]
+def accept_step(kind, motion, trial, past):
+    """Make the end of the trial the motion; its stages become the guess for the next step of radau."""
+    if kind == RADAU:
+        for i in range(motion.mode.size):
+            past[0, i], past[4, i] = motion.force[i], motion.overlap[i]
             for k in range(3):
                 past[1 + k, i], past[5 + k, i] = trial.force[k, i], trial.overlap[k, i]
-    for i in range(moving.mode.size):
-        moving.overlap[i], moving.rate[i], moving.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
-        moving.held[i] = 0
-        if moving.mode[i] == TOUCHING:
-            moving.rate[i] = 0.0
-    moving.anchor[0], moving.anchor[1] = trial.anchor[0], trial.anchor[1]
+    for i in range(motion.mode.size):
+        motion.overlap[i], motion.rate[i], motion.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
+        motion.held[i] = 0
+        if motion.mode[i] == TOUCHING:
+            motion.rate[i] = 0.0
+    motion.anchor[0], motion.anchor[1] = trial.anchor[0], trial.anchor[1]
 
 
 @jit
-def bring_to_rest(i, given, moving):
-    """Give the two beads of contact i the velocity of their centre of mass: what takes its rate leaves momentum alone.
+def stop_rate(i, chain, motion):
+    """Give the two beads of contact i the velocity of their centre of mass: this takes its rate and leaves momentum alone.
 
-    Beside soft contacts, which are stiff where they are deep, they are not touched: only what lies between them moves.
+    Beside soft contacts, which are stiff where they are deep, and touching ones only the rate itself is set to 0.
     """
-    for k in range(max(i - 1, 0), min(i + 2, moving.mode.size)):
-        if given.law[k, 2] < 1.0 or moving.mode[k] == TOUCHING:
-            moving.rate[i] = 0.0
+    inverse_mass, rate = chain.inverse_mass, motion.rate
+    for k in range(max(i - 1, 0), min(i + 2, motion.mode.size)):
+        if chain.law[k, 2] < 1.0 or motion.mode[k] == TOUCHING:
+            rate[i] = 0.0
             return
-    weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
-    impulse = moving.rate[i] / weight if weight > 0.0 else 0.0
+    weight = inverse_mass[i] + inverse_mass[i + 1]
+    impulse = rate[i] / weight if weight > 0.0 else 0.0
     if i > 0:
-        moving.rate[i - 1] += impulse * given.inverse_mass[i]
-    if i + 1 < moving.mode.size:
-        moving.rate[i + 1] += impulse * given.inverse_mass[i + 1]
-    if given.anchor_bead == i:
-        moving.anchor[1] -= impulse * given.inverse_mass[i]
-    elif given.anchor_bead == i + 1:
-        moving.anchor[1] += impulse * given.inverse_mass[i + 1]
-    moving.rate[i] = 0.0
+        rate[i - 1] += impulse * inverse_mass[i]
+    if i + 1 < motion.mode.size:
+        rate[i + 1] += impulse * inverse_mass[i + 1]
+    if chain.anchor_bead == i:
+        motion.anchor[1] -= impulse * inverse_mass[i]
+    elif chain.anchor_bead == i + 1:
+        motion.anchor[1] += impulse * inverse_mass[i + 1]
+    rate[i] = 0.0
 
 
 @jit
-def open_passed(landing, given, moving, slow):
+def open_passed(landing, chain, motion, slow):
     """Open the contacts that the step has carried past d = 0; returns True where there are any."""
     any_passed = False
-    for i in range(moving.mode.size):
-        if i == landing or (continued(given.law, i) and moving.mode[i] == LOADED):
+    for i in range(motion.mode.size):
+        if i == landing or (is_continued(chain.law, i) and motion.mode[i] == LOADED):
             continue
-        if moving.mode[i] == OPEN and moving.overlap[i] > 0.0:  # an event that could not be hit
-            moving.mode[i] = LOADED
-        elif moving.mode[i] == LOADED and moving.overlap[i] < 0.0:
+        if motion.mode[i] == OPEN and motion.overlap[i] > 0.0:  # its event could not be met
+            motion.mode[i] = LOADED
+        elif motion.mode[i] == LOADED and motion.overlap[i] < 0.0:
             any_passed = True
-            moving.force[i] = 0.0
-            drive = given.external[i] if given.external.size else 0.0
-            if abs(moving.rate[i]) > slow or flow_into(i, given.inverse_mass, moving.force) > drive:
-                moving.mode[i] = OPEN
-            else:  # pushed from both sides, or not at all, and slower than what counts: it stays
-                moving.overlap[i] = 0.0
-                bring_to_rest(i, given, moving)
+            motion.force[i] = 0.0
+            drive = chain.external[i] if chain.external.size else 0.0
+            if abs(motion.rate[i]) > slow or flow_into(i, chain.inverse_mass, motion.force) > drive:
+                motion.mode[i] = OPEN
+            else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
+                motion.overlap[i] = 0.0
+                stop_rate(i, chain, motion)
     return any_passed
 
 
 @jit
-def switch(landing, kind, time, given, moving, wanted, slow, trial, book):
-    """Carry out the event of contact `landing`; the forces of all that touch are found anew."""
-    if kind == CLOSES:
-        begin(trial.pace, min(trial.pace[NEXT], onset_step(given, landing, moving.rate[landing], wanted)))
-    if moving.mode[landing] != TOUCHING:
-        moving.overlap[landing] = 0.0
-    elif kind == YIELDS:
-        moving.mode[landing], moving.held[landing] = LOADED, 1
-    elif kind == OPENS:
-        moving.mode[landing], moving.held[landing] = OPEN, 1
-    set_all_modes(given, moving, slow, trial)
-    note_switches(time, time, moving, trial.opening, book)
+def switch(landing, event, time, chain, motion, wanted, slow, scratch, log):
+    """Carry out the event of contact `landing`; the forces of all touching contacts are solved anew."""
+    control = scratch.control
+    if event == CLOSES:
+        restart_control(control, min(control[NEXT], onset_step(chain, landing, motion.rate[landing], wanted)))
+    if motion.mode[landing] != TOUCHING:
+        motion.overlap[landing] = 0.0
+    elif event == YIELDS:
+        motion.mode[landing], motion.held[landing] = LOADED, 1
+    elif event == OPENS:
+        motion.mode[landing], motion.held[landing] = OPEN, 1
+    set_modes(chain, motion, slow, scratch.work)
+    log_switches(time, time, motion, scratch.opening, log)
 
 
 @jit
-def fly(time, end, given, moving, negligible, samples, book):
+def fly(time, end, motion, negligible, samples, log):
     """Free flight to the first closing or to `end`. Returns the time and the contact that closes (-1: none, ever)."""
     flight, closing = math.inf, -1
-    for i in range(moving.mode.size):
-        if moving.rate[i] > negligible and -moving.overlap[i] / moving.rate[i] < flight:
-            flight, closing = max(-moving.overlap[i] / moving.rate[i], 0.0), i
+    for i in range(motion.mode.size):
+        if motion.rate[i] > negligible and -motion.overlap[i] / motion.rate[i] < flight:
+            flight, closing = max(-motion.overlap[i] / motion.rate[i], 0.0), i
     until = min(time + flight, end)
     if until == math.inf:
         return time, -1
-    sample_flight(time, until, given, moving, samples, book)
-    for i in range(moving.mode.size):
-        moving.overlap[i] = flown(moving.overlap[i], moving.rate[i], until - time)
-        moving.held[i] = 0
-    moving.anchor[0] += (until - time) * moving.anchor[1]
+    sample_flight(time, until, motion, samples, log)
+    for i in range(motion.mode.size):
+        motion.overlap[i] = flown(motion.overlap[i], motion.rate[i], until - time)
+        motion.held[i] = 0
+    motion.anchor[0] += (until - time) * motion.anchor[1]
     return until, closing
 
 
 @jit
-def fly_on(time, end, stop, given, moving, wanted, slow, negligible, trial, samples, book):
-    """Let go of what pushes no more, fly, and begin the contact that closes. Returns as :func:`fly`."""
-    for i in range(moving.mode.size):
-        if moving.mode[i] == LOADED:
-            moving.mode[i], moving.force[i] = OPEN, 0.0
-    note_switches(time, time, moving, trial.opening, book)
-    time, closing = fly(time, math.inf if stop else end, given, moving, negligible, samples, book)
+def fly_to_closing(time, end, stop, chain, motion, wanted, slow, negligible, scratch, samples, log):
+    """Open all loaded contacts, fly, and begin the contact that closes. Returns as :func:`fly`."""
+    for i in range(motion.mode.size):
+        if motion.mode[i] == LOADED:
+            motion.mode[i], motion.force[i] = OPEN, 0.0
+    log_switches(time, time, motion, scratch.opening, log)
+    time, closing = fly(time, math.inf if stop else end, motion, negligible, samples, log)
     if closing >= 0 and time < end:
-        moving.overlap[closing] = 0.0
-        set_all_modes(given, moving, slow, trial)
-        begin(trial.pace, onset_step(given, closing, moving.rate[closing], wanted))
+        motion.overlap[closing] = 0.0
+        set_modes(chain, motion, slow, scratch.work)
+        restart_control(scratch.control, onset_step(chain, closing, motion.rate[closing], wanted))
     return time, closing
 
 
 @jit
-def recover(time, tried, given, moving, wanted, slow, trial, book):
-    """A small step of `conserving` where Newton does not settle. Returns the time reached."""
-    h = rescue(RESCUE_PART * tried, given, moving, wanted, trial, book)
-    set_all_modes(given, moving, slow, trial)
-    note_switches(time, time + h, moving, trial.opening, book)
-    begin(trial.pace, 4.0 * h)
+def take_fallback_step(time, tried, chain, motion, wanted, slow, trial, scratch, log):
+    """A small step of the discrete gradient where radau does not converge. Returns the time reached."""
+    h = fallback_step(FALLBACK_PART * tried, chain, motion, wanted, trial, scratch, log)
+    set_modes(chain, motion, slow, scratch.work)
+    log_switches(time, time + h, motion, scratch.opening, log)
+    restart_control(scratch.control, AFTER_FALLBACK * h)
     return time + h
 
 
 @jit
-def integrate(start, end, stop, most_steps, scale, tolerance, given, moving, trial, samples, book):
-    """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the state is moved in place.
+def begin(time, chain, motion, wanted, slow, scratch, log):
+    """Modes, first step and log at the start of a run."""
+    first = math.inf
+    for i in range(motion.mode.size):
+        motion.held[i] = 0
+    set_modes(chain, motion, slow, scratch.work)
+    for i in range(motion.mode.size):
+        if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
+            first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), wanted))
+    restart_control(scratch.control, first)
+    log_switches(time, time, motion, scratch.opening, log)
 
-    `scale` is the velocity [m/s] that `tolerance` is relative to. Returns the status and the time reached.
+
+@jit
+def integrate(
+    allowed, start, end, stop, most_steps, scale, tolerance, chain, motion, trial, look, scratch, samples, log
+):  # fmt: skip
+    """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
+
+    `allowed` is a kind of step or EITHER, `scale` the velocity [m/s] that `tolerance` is relative to; `look` is a second
+    Trial, for what happens inside a step. Returns the status and the time reached.
     """
-    n = moving.mode.size
     wanted = TOLERANCE_PART * tolerance * scale
-    slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, 1e-15 * scale)
-    time, past_step, first, pace = start, 0.0, math.inf, trial.pace
-    for i in range(n):
-        moving.held[i] = 0
-    set_all_modes(given, moving, slow, trial)
-    for i in range(n):
-        if moving.mode[i] == LOADED and moving.overlap[i] == 0.0:
-            first = min(first, onset_step(given, i, max(moving.rate[i], 0.0), wanted))
-    begin(pace, first)
-    note_switches(time, time, moving, trial.opening, book)
+    slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, ROUND_OFF * scale)
+    time, past_step, control, counter = start, 0.0, scratch.control, log.counter
+    begin(time, chain, motion, wanted, slow, scratch, log)
     while True:
-        sample_flight(time, time, given, moving, samples, book)
+        sample_flight(time, time, motion, samples, log)
         if time >= end:
             return DONE, end
-        if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
+        if counter[STEP] + counter[REJECTED] >= most_steps:
             return OUT_OF_STEPS, time
-        if resting(given, moving, negligible):
-            time, closing = fly_on(time, end, stop, given, moving, wanted, slow, negligible, trial, samples, book)
+        if nothing_pushes(chain, motion, negligible):
+            time, closing = fly_to_closing(
+                time, end, stop, chain, motion, wanted, slow, negligible, scratch, samples, log
+            )  # fmt: skip
             if closing < 0 and stop:
                 return SEPARATED, time
             if closing < 0 or time >= end:
                 continue
             past_step = 0.0
-        if not math.isfinite(pace[NEXT]):
-            begin(pace, first_step(given, moving, scale))
-        explicit, tried, near = next_step(pace, end - time, given, moving, wanted)
-        h, error, landing, kind, refused = settle(
-            time, tried, explicit, given, moving, wanted, past_step, trial, book, most_steps
+        if not math.isfinite(control[NEXT]):
+            restart_control(control, first_step(chain, motion, scale))
+        kind, proposed, near = propose_step(control, end - time, allowed, chain, motion, wanted)
+        h, error, landing, event, rejected = find_step(
+            time, proposed, kind, allowed == DOP853, chain, motion, wanted, past_step, trial, scratch, log, most_steps
         )
         if h == 0.0:
-            if book.counter[STEP] + book.counter[REJECTED] >= most_steps:
+            if counter[STEP] + counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
-            time, past_step = recover(time, tried, given, moving, wanted, slow, trial, book), 0.0
+            time = take_fallback_step(time, proposed, chain, motion, wanted, slow, trial, scratch, log)
+            past_step = 0.0
             continue
-        learn(pace, h, explicit, error, near and h == tried, landing, refused, wanted)
-        precision = NEWTON_PART * wanted
-        lost = find_openings(h, explicit, given, moving, wanted, past_step, trial, book)
-        if book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
-            sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book)
-            lost = True
-        if lost:
-            attempt(h, explicit, given, moving, precision, past_step, trial, book)
-        keep(explicit, moving, trial)
+        update_control(control, h, kind, error, near and h == proposed, landing, rejected, wanted)
+        find_openings(h, kind, chain, motion, wanted, past_step, trial, look, scratch, log)
+        if counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < time + h:
+            precision = NEWTON_PART * wanted
+            sample_inside(time, h, kind, chain, motion, precision, past_step, look, scratch, samples, log)
+        accept_step(kind, motion, trial, scratch.past)
         before, time = time, time + h if h < end - time else end
-        past_step = 0.0 if explicit else h
-        book.counter[STEP] += 1
-        if open_passed(landing, given, moving, slow):
-            pace[LAST] = 0.0
-        note_switches(before, time, moving, trial.opening, book)
+        past_step = h if kind == RADAU else 0.0
+        counter[STEP] += 1
+        if open_passed(landing, chain, motion, slow):
+            control[LAST] = 0.0
+        log_switches(before, time, motion, scratch.opening, log)
         if landing >= 0:
             past_step = 0.0
-            switch(landing, kind, time, given, moving, wanted, slow, trial, book)
+            switch(landing, event, time, chain, motion, wanted, slow, scratch, log)
+
+
+@jit
+def integrate_records(
+    allowed, start, end, stop, most_steps, scale, tolerance, chain, motion, trial, look, scratch, samples, log
+):  # fmt: skip
+    """`integrate` for Python: the records come as plain tuples."""
+    return integrate(
+        allowed, start, end, stop, most_steps, scale, tolerance, ChainData(*chain), Motion(*motion), Trial(*trial),
+        Trial(*look), Scratch(*scratch), Samples(*samples), SwitchLog(*log),
+    )  # fmt: skip

@@ -10,117 +10,23 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.radau_tableau import SQUARE_INVERSE
-from softcradle.physics.numerics.contact_law import power
+from softcradle.physics.adaptive.radau_guess import first_guess
+from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_curve import (
-    LOADED,
-    NODES,
-    OPEN,
-    SMALLEST,
-    TOUCHING,
-    cubic,
-    flow_into,
-    move_along,
-    signed_force,
-    slope_at,
-)
+from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
+from softcradle.physics.numerics.records import LOADED, OPEN
 
-MOST_NEWTON = 15
-DIVERGED = 1e30  # [m] an overlap so large tells that Newton has lost its way
-FORCE_PRECISION = 1e-3  # of the largest force: in the smallest of steps none counts, yet the next begins from it
-FOLLOW = 3.0  # times the step before: a longer step does not begin from its cubics
-SOFT_FOLLOW = 1.3  # nor of soft contacts,
-SUDDEN = 0.2  # nor one of this part of the time since an onset, or until an opening: powers of that time then go on
-LEAST_LEFT = 0.01  # of an overlap that shrinks, in a guess
-MOST_GROWTH = math.log(3.0)  # of a guessed force
+MOST_NEWTON = 15  # iterations of one step
+DIVERGED = 1e30  # [m] an overlap beyond which Newton's iteration has diverged
+FORCE_PRECISION = 1e-3  # of the largest force: no correction of a force is larger at the end, however small the step
+VERTICAL = 1e200  # slope of the law beyond which a contact counts as touching
 
 
 @jit
-def first_guess(
-    h, law, inverse_mass, external, mode, overlap, rate, force, past_step, past, stage_overlap, stage_force
-):  # fmt: skip
-    """Stages to begin Newton from: the cubics of the step before, where there was one of like size, go on.
-
-    `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts go on as a power of the
-    time since an onset, d (1 + t/T)**(w T/d), or keep their force where `past_step` is negative; others fly on.
-    """
-    follows = past_step > 0.0 and h < FOLLOW * past_step
-    soft_follows = past_step > 0.0 and h < SOFT_FOLLOW * past_step
-    since = time_since_onset(law, mode, overlap, rate, force)
-    for i in range(overlap.size):
-        preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
-        for k in range(3):
-            flown = overlap[i] + h * NODES[k] * rate[i]
-            x = 1.0 + NODES[k] * h / past_step if follows else 0.0
-            if mode[i] == OPEN:
-                stage_overlap[k, i], stage_force[k, i] = flown, 0.0
-            elif mode[i] == TOUCHING:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, force[i]
-                if follows:
-                    stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
-            elif exponent < 1.0 and force[i] > preload:
-                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
-                weight = inverse_mass[i] + inverse_mass[i + 1]
-                stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
-                own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
-                time = overlap[i] / rate[i] if own else since
-                if past_step >= 0.0 and (not soft_follows or h > SUDDEN * abs(time)) and overlap[i] > SMALLEST:
-                    growth = math.log(max(1.0 + h * NODES[k] / time, LEAST_LEFT))
-                    if own and flown <= 0.0 and preload == 0.0:
-                        stage_overlap[k, i], stage_force[k, i] = flown, 0.0
-                        continue
-                    if not own:
-                        growth *= rate[i] * time / overlap[i]
-                    growth = min(max(growth, -MOST_GROWTH / exponent), MOST_GROWTH / exponent)
-                    stage_overlap[k, i] = overlap[i] * math.exp(growth)
-                    stage_force[k, i] = preload + (force[i] - preload) * math.exp(exponent * growth)
-                elif soft_follows:
-                    excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
-                    if 0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload):
-                        stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
-                        stage_force[k, i] = preload + excess
-            elif overlap[i] == 0.0 and rate[i] == 0.0:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, preload
-                if i > 0 and preload == 0.0:
-                    set_pushed(h, law, inverse_mass, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
-            else:
-                if follows:
-                    flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
-                stage_overlap[k, i] = flown
-                stage_force[k, i] = signed_force(preload, stiffness, exponent, flown)
-    for i in range(overlap.size - 2, -1, -1):
-        for k in range(3):
-            if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
-                set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
-                if external.size and external[i] > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
-                    push = external[i] / (inverse_mass[i] + inverse_mass[i + 1])
-                    set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
-
-
-@jit
-def time_since_onset(law, mode, overlap, rate, force):
-    """Time since the overlap of the soft contact that pushes most was zero, if its rate was what it is; negative until then."""
-    largest, since = 0.0, 1e30
-    for i in range(overlap.size):
-        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0 and force[i] > largest and rate[i] != 0.0:
-            largest, since = force[i], overlap[i] / rate[i]
-    return since
-
-
-@jit
-def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_force):
-    """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
-    if push <= 0.0:
-        return
-    flown = 0.5 * (h * NODES[k]) ** 2 * inverse_mass[bead] * push
-    stage_force[k, i] = min(0.8 * push, law[i, 1] * power(flown, law[i, 2]))
-    stage_overlap[k, i] = power(stage_force[k, i] / law[i, 1], 1.0 / law[i, 2])
-
-
-@jit
-def directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, across):
+def directions(h, chain, mode, trial, scratch):
     """Direction (dd, df) = (along, across) z of the curve at every stage, scaled so that both terms of a row are alike."""
+    law, inverse_mass, along, across = chain.law, chain.inverse_mass, scratch.along, scratch.across
+    stage_overlap, stage_force = trial.overlap, trial.force
     n = mode.size
     for i in range(n):
         weight = h * h * (inverse_mass[i] + inverse_mass[i + 1])
@@ -131,7 +37,7 @@ def directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, ac
             slope = math.inf
             if mode[i] == LOADED:
                 slope = slope_at(law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i])
-            if slope > 1e200:
+            if slope > VERTICAL:
                 along[k, i], across[k, i] = 0.0, 1.0 / weight
             else:
                 along[k, i] = 1.0 / (1.0 + weight * slope)
@@ -139,11 +45,14 @@ def directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, ac
 
 
 @jit
-def eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stage_force, along, across, block, z):
-    """Newton correction z (3, n) of all stages: block Thomas with M = D'^-1 kept in `block` (n, 9).
+def eliminate(h, chain, motion, trial, scratch):
+    """Newton correction z (3, n) of all stages: block Thomas with M = D'^-1 kept in `scratch.block` (n, 9).
 
     Row (k, i): sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external acceleration e.
     """
+    inverse_mass, external, overlap, rate = chain.inverse_mass, chain.external, motion.overlap, motion.rate
+    stage_overlap, stage_force = trial.overlap, trial.force
+    along, across, block, z = scratch.along, scratch.across, scratch.block, scratch.correction
     n = overlap.size
     square = h * h
     for i in range(n):
@@ -200,22 +109,22 @@ def eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stag
 
 
 @jit
-def solve_stages(
-    h, law, inverse_mass, external, mode, overlap, rate, force, precision, stage_overlap, stage_force, along, across,
-    block, z,
-):  # fmt: skip
-    """Newton on all stages from the guess in `stage_*`; `precision` is the velocity [m/s] to converge to.
+def solve_stages(h, chain, motion, precision, trial, scratch):
+    """Newton on all stages from the guess in `trial`; `precision` is the velocity [m/s] to converge to.
 
     A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df). Returns the
     iterations used, 0 where they did not converge.
     """
-    n = overlap.size
+    law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
+    stage_overlap, stage_force = trial.overlap, trial.force
+    along, across, z = scratch.along, scratch.across, scratch.correction
+    n = mode.size
     before, strongest = math.inf, 0.0
     for i in range(n):
         strongest = max(strongest, force[i])
     for iteration in range(MOST_NEWTON):
-        directions(h, law, inverse_mass, mode, stage_overlap, stage_force, along, across)
-        eliminate(h, law, inverse_mass, external, overlap, rate, stage_overlap, stage_force, along, across, block, z)
+        directions(h, chain, mode, trial, scratch)
+        eliminate(h, chain, motion, trial, scratch)
         size, changed, largest = 0.0, 0.0, strongest
         for i in range(n):
             weight = inverse_mass[i] + inverse_mass[i + 1]
@@ -244,3 +153,65 @@ def solve_stages(
             return iteration + 1
         before = size
     return 0
+
+
+@jit
+def stage_rates(h, chain, motion, trial):
+    """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
+
+    It is where the overlaps are smaller than what the forces move in a step: deep inside a cluster.
+    """
+    inverse_mass, external, overlap, rate = chain.inverse_mass, chain.external, motion.overlap, motion.rate
+    stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
+    for i in range(overlap.size):
+        flow = (
+            flow_into(i, inverse_mass, stage_force[0]),
+            flow_into(i, inverse_mass, stage_force[1]),
+            flow_into(i, inverse_mass, stage_force[2]),
+        )
+        drive = external[i] if external.size else 0.0
+        moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
+        largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
+        pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
+        fine = largest < pushed * max(stage_force[0, i], stage_force[1, i], stage_force[2, i])
+        for k in range(3):
+            if fine:
+                stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
+            else:
+                stage_rate[k, i] = rate[i] - h * (
+                    TABLEAU[k, 0] * (flow[0] - drive)
+                    + TABLEAU[k, 1] * (flow[1] - drive)
+                    + TABLEAU[k, 2] * (flow[2] - drive)
+                )
+
+
+@jit
+def move_anchor(h, chain, anchor, trial):
+    """Position and velocity of the anchor bead at the end of the step."""
+    inverse_mass, external, anchor_bead = chain.inverse_mass, chain.external, chain.anchor_bead
+    stage_force, end_anchor = trial.force, trial.anchor
+    n = stage_force.shape[1]
+    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
+    for j in range(3):
+        net = stage_force[j, anchor_bead - 1] if anchor_bead > 0 else 0.0
+        net -= stage_force[j, anchor_bead] if anchor_bead < n else 0.0
+        acceleration = net * inverse_mass[anchor_bead]
+        if external.size:
+            acceleration += external[n]
+        square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
+        end_anchor[0] += h * h * square * acceleration
+        end_anchor[1] += h * TABLEAU[2, j] * acceleration
+
+
+@jit
+def radau_step(h, chain, motion, precision, past_step, trial, scratch):
+    """One step into `trial`; `past_step` is the length of the one before, or NO_GUESS.
+
+    Returns the iterations used, 0 where the stages did not converge.
+    """
+    first_guess(h, chain, motion, past_step, scratch.past, trial)
+    used = solve_stages(h, chain, motion, precision, trial, scratch)
+    if used > 0:
+        stage_rates(h, chain, motion, trial)
+        move_anchor(h, chain, motion.anchor, trial)
+    return used

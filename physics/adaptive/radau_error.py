@@ -1,58 +1,15 @@
-"""What follows from the stages of a `radau` step: rates, the anchor bead, and the error."""
+"""The error of a `radau` step, from two embedded quadratures filtered by the stiff part of the motion."""
 
 from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA, INVERSE, TABLEAU
+from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_curve import OPEN, TOUCHING, care, flow_into, slope_at
+from softcradle.physics.numerics.law_curve import care, flow_into, slope_at
+from softcradle.physics.numerics.records import OPEN, TOUCHING
 
-RATIO = 3.0  # error taken of a contact = fine error times this times fine over coarse
-
-
-@jit
-def stage_rates(h, inverse_mass, external, overlap, rate, stage_overlap, stage_force, stage_rate):
-    """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
-
-    It is where the overlaps are smaller than what the forces move in a step: deep inside a cluster.
-    """
-    for i in range(overlap.size):
-        flow = (
-            flow_into(i, inverse_mass, stage_force[0]),
-            flow_into(i, inverse_mass, stage_force[1]),
-            flow_into(i, inverse_mass, stage_force[2]),
-        )
-        drive = external[i] if external.size else 0.0
-        moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
-        largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
-        pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
-        fine = largest < pushed * max(stage_force[0, i], stage_force[1, i], stage_force[2, i])
-        for k in range(3):
-            if fine:
-                stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
-            else:
-                stage_rate[k, i] = rate[i] - h * (
-                    TABLEAU[k, 0] * (flow[0] - drive)
-                    + TABLEAU[k, 1] * (flow[1] - drive)
-                    + TABLEAU[k, 2] * (flow[2] - drive)
-                )
-
-
-@jit
-def move_anchor(h, inverse_mass, external, anchor_bead, stage_force, anchor, end_anchor):
-    """Position and velocity of the anchor bead at the end of the step."""
-    n = stage_force.shape[1]
-    end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
-    for j in range(3):
-        net = stage_force[j, anchor_bead - 1] if anchor_bead > 0 else 0.0
-        net -= stage_force[j, anchor_bead] if anchor_bead < n else 0.0
-        acceleration = net * inverse_mass[anchor_bead]
-        if external.size:
-            acceleration += external[n]
-        square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
-        end_anchor[0] += h * h * square * acceleration
-        end_anchor[1] += h * TABLEAU[2, j] * acceleration
+RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
 
 @jit
@@ -67,16 +24,18 @@ def compliance(law, mode, i, overlap, force):
 
 
 @jit
-def embedded_error(
-    h, law, inverse_mass, external, mode, overlap, rate, force, stage_overlap, stage_rate, stage_force, fine, coarse, upper
-):  # fmt: skip
-    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; (n,) scratch arrays.
+def embedded_error(h, chain, motion, trial, work):
+    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (3 or more, n+1).
 
     Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
     (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
     overlap, which counts by its energy, sqrt(L C) phi. Of each contact counts its own ratio of the two.
     """
+    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
+    stage_overlap, stage_rate, stage_force = trial.overlap, trial.rate, trial.force
     n = overlap.size
+    fine, coarse, upper = work[0, :n], work[1, :n], work[2, :n]
     reach = h * GAMMA
     fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
     for i in range(n):

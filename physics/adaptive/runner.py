@@ -1,193 +1,163 @@
-"""Runner of the adaptive kernels: radau, dop853, accurate."""
+"""Runner of the adaptive methods: radau, dop853, accurate. They move chains that nothing dissipates."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive import step as kernel
-from softcradle.physics.adaptive.integrate import integrate
-from softcradle.physics.adaptive.self_check import confirmed, is_sensitive
-from softcradle.physics.adaptive.step_control import PACES
+from softcradle.physics.adaptive.integrate import integrate_records
+from softcradle.physics.adaptive.self_check import checked, is_sensitive
+from softcradle.physics.adaptive.step_records import (
+    DOP853,
+    EITHER,
+    RADAU,
+    Scratch,
+    Trial,
+    empty_scratch,
+    empty_trial,
+)
 from softcradle.physics.chain import Chain
-from softcradle.physics.fixed_step.step_loop import OUT_OF_STEPS
+from softcradle.physics.kernel_records import (
+    FIRST_LOG,
+    chain_records,
+    empty_log,
+    kept_switches,
+    larger_log,
+    log_warnings,
+    motion_record,
+)
+from softcradle.physics.numerics.records import EVALUATION, FALLBACK, SAMPLE, STEP, Samples, SwitchLog
 from softcradle.physics.problem import MOST_STEPS, NO_TIMES, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.scales import speed_scale
 from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-MOST_ENERGY = 100.0  # times the tolerance: an energy error that is reported
-FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
+MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
-KIND = {"radau": kernel.RADAU, "dop853": kernel.DOP853, "accurate": kernel.ACCURATE}
-_LOADED: set[str] = set()  # methods whose kernels are in memory
+ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
+_loaded: set[str] = set()  # methods whose kernels are in memory
+
+
+@dataclass
+class Memory:
+    """Memory of the kernels beside the state: made once for a run, or once for all frames of live use."""
+
+    mode: NDArray[np.int8]
+    held: NDArray[np.int8]
+    trial: Trial
+    look: Trial
+    scratch: Scratch
+    samples: Samples
+    log: SwitchLog
+
+    @classmethod
+    def of(cls, contacts: int, times: Array = NO_TIMES, log_size: int = 0) -> Memory:
+        """Memory for a chain with `contacts`; sample rows at `times`."""
+        mode, held = np.zeros(contacts, dtype=np.int8), np.zeros(contacts, dtype=np.int8)
+        samples = Samples(times, *empty_samples(times.size, contacts))
+        trials = empty_trial(contacts), empty_trial(contacts)
+        return cls(mode, held, *trials, empty_scratch(contacts), samples, empty_log(contacts, log_size))
 
 
 def run(problem: Problem) -> Record:
-    """Run an adaptive method; where something rubs, phase after phase."""
-    if problem.chain.dissipative:
-        from softcradle.physics.friction import piecewise as dry_adaptive
-
-        return dry_adaptive.run(problem, run)
-    if not _LOADED:  # so that the cost measured is that of the motion
+    """Compute the whole motion; ``problem.state`` stays as it is."""
+    if not _loaded:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
-        _LOADED.add(problem.method)
+        _loaded.add(problem.method)
     record = run_to_end(problem, _pass)
     if problem.most_steps is None and is_sensitive(problem, record):
-        record = confirmed(problem, record, _scale(problem.chain, problem.state), _pass)
+        record = checked(problem, record, _scale(problem.chain, problem.state), _pass)
     record.warnings += _energy_warnings(problem, record)
     return record
 
 
-def _energy_warnings(problem: Problem, record: Record) -> tuple[str, ...]:
-    """A sentence where the energy of a chain left to itself has not come back to many times the tolerance."""
-    chain, start = problem.chain, problem.state
-    moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0)
-    if start.external(chain) is not None or moved.any():
-        return ()
-    before, after = _energy(chain, start), _energy(chain, record.end)
-    if abs(after - before) <= MOST_ENERGY * problem.tolerance * before:
-        return ()
-    return (
-        f"energy is off by {abs(after / before - 1.0):.1g} of itself, more than {problem.method} promises at tolerance "
-        f"{problem.tolerance:g}: compare with method 'conserving', or with another tolerance",
-    )
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place; the memory of the kernels stays with the state."""
+    state, end = problem.state, problem.end
+    memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain.contacts))
+    memory.log.counter[:] = 0
+    memory.log.closed[:] = state.closed
+    status, state.time = _integrate(problem, state, end, False, memory)
+    return Status(status)
 
 
-def _energy(chain: Chain, state: State) -> float:
-    """Kinetic and contact energy [J], walls left out."""
-    mass, speed = np.array(chain.mass), state.velocity(chain)
-    kinetic = 0.5 * float((np.where(np.isfinite(mass), mass, 0.0) * speed**2).sum())
-    return kinetic + float(_stored(chain, state).sum())
-
-
-def _stored(chain: Chain, state: State) -> Array:
-    """(n,) energy [J] in each contact."""
-    preload, stiffness, exponent = chain.parameters.law.T
-    depth = np.maximum(state.overlap, 0.0)
-    energy: Array = preload * depth + stiffness * depth ** (1.0 + exponent) / (1.0 + exponent)
-    return energy
-
-
-def _pass(problem: Problem, end: float, times: Array, stop: bool, size: int = FIRST_SWITCHES) -> Record:
-    """One run of the kernel; again with a larger book of switches where the first was too small."""
-    chain, state, most_steps = problem.chain, problem.state.copy(), problem.most_steps or MOST_STEPS
-    counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
-    overlap, rate, anchor, force = empty_samples(times.size, chain.contacts)
-    given, moving, trial = _given(chain, state, problem.method), _moving(state), _trial(chain.contacts)
-    book = kernel.Book(np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(chain.contacts, dtype=np.int8), counter)
+def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int = FIRST_LOG) -> Record:
+    """One run of the kernel; again with a larger log of switches where the first was too small."""
+    state = problem.state.copy()
+    memory = Memory.of(problem.chain.contacts, times, log_size)
     began = perf_counter()
-    status, time = integrate(
-        state.time, end, stop, most_steps, _scale(chain, state), problem.tolerance,
-        given, moving, trial, kernel.Samples(times, overlap, rate, anchor, force), book,
-    )  # fmt: skip
+    code, state.time = _integrate(problem, state, end, stop, memory)
     seconds = perf_counter() - began
-    used = int(counter[kernel.SWITCH])
-    if used > size and size < MOST_SWITCHES:
-        return _pass(problem, end, times, stop, min(4 * used, MOST_SWITCHES))
-    state.time = time
-    kept = min(used, size)
-    rows = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
-    samples = times[:rows], overlap[:rows], rate[:rows], anchor[:rows], force[:rows]
-    gave_up = _gave_up(problem.method, most_steps, time) if status == OUT_OF_STEPS else ""
-    sentences = _warnings(problem, gave_up, counter, kept)
+    larger = larger_log(memory.log)
+    if larger:
+        return _pass(problem, end, times, stop, larger)
+    counter, status = memory.log.counter, Status(code)
+    rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
+    overlap, rate, anchor, force, absorbed = (row[:rows] for row in memory.samples[1:])
     return Record(
-        *samples, book.contact[:kept], book.time[:kept], state, int(counter[kernel.STEP]),
-        int(counter[kernel.EVALUATION]), sentences, seconds, gave_up=gave_up,
+        times[:rows], overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
+        int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, absorbed,
     )  # fmt: skip
 
 
-def _warnings(problem: Problem, gave_up: str, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
-    found = [f"{gave_up}; take method 'conserving', or a looser tolerance"] if gave_up else []
-    if counter[kernel.RESCUE]:
-        found.append(
-            f"Newton did not settle in {counter[kernel.RESCUE]} places, where {problem.method} took a small conserving "
-            "step: compare with another tolerance"
-        )
-    if counter[kernel.SWITCH] > kept:
-        found.append(f"contacts switched {counter[kernel.SWITCH]} times, only the first {kept} are listed")
-    return tuple(found)
-
-
-def _gave_up(method: str, steps: int, time: float) -> str:
-    return f"{method} gave up after {steps} steps at t = {time:.6g} s: the contacts rattle on"
-
-
-def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float, most_steps: int) -> str:
-    """Move `state` on by `duration` in place; the scratch memory stays with the state.
-
-    Returns why it stopped before, in a sentence without an end; empty where it did not.
-    """
-    if chain.dissipative:
-        from softcradle.physics.friction import piecewise as dry_adaptive
-
-        return dry_adaptive.advance(chain, state, duration, method, tolerance, most_steps, run)
-    trial, book, samples = state.work.get("adaptive") or state.work.setdefault("adaptive", _live(chain.contacts))
-    book.counter[:] = 0
-    book.closed[:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
-    end = state.time + duration
-    status, reached = integrate(
-        state.time, end, False, most_steps, _scale(chain, state), tolerance,
-        _given(chain, state, method), _moving(state), trial, samples, book,
+def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: Memory) -> Any:
+    """Run the kernel on `state`. Returns its status and the time reached."""
+    data, _ = chain_records(problem.chain, state)
+    return integrate_records(
+        ALLOWED[problem.method], state.time, end, stop, problem.most_steps or MOST_STEPS, _scale(problem.chain, state),
+        problem.tolerance, data, motion_record(state, memory.mode, memory.held), tuple(memory.trial), tuple(memory.look),
+        tuple(memory.scratch), tuple(memory.samples), tuple(memory.log),
     )  # fmt: skip
-    state.time = reached
-    return _gave_up(method, most_steps, reached) if status == OUT_OF_STEPS else ""
 
 
 def _scale(chain: Chain, state: State) -> float:
     """The velocity [m/s] that a tolerance is relative to: the closing speed, or what the contacts have stored of it."""
     inverse_mass = chain.parameters.inverse_mass
-    stored = float(np.sqrt(2.0 * _stored(chain, state) * (inverse_mass[:-1] + inverse_mass[1:])).max())
+    stored = chain.stored_energy(state.overlap)
+    released = float(np.sqrt(2.0 * stored * (inverse_mass[:-1] + inverse_mass[1:])).max())
     velocity = state.velocity(chain)
-    if np.ptp(velocity) > ROUND_OFF * np.abs(velocity).max() or not stored:
-        return max(speed_scale(chain, velocity), stored)
-    return stored
+    if np.ptp(velocity) > ROUND_OFF * np.abs(velocity).max() or not released:
+        return max(speed_scale(chain, velocity), released)
+    return released
 
 
-def _given(chain: Chain, state: State, method: str) -> kernel.Given:
-    """What does not move; forces from outside also as accelerations (n+1,) of the overlaps and of the anchor."""
-    law, inverse_mass = chain.parameters
-    push = state.external(chain)
-    if push is None:
-        return kernel.Given(law, inverse_mass, NO_TIMES, NO_TIMES, chain.anchor, KIND[method])
-    acceleration = push * inverse_mass
-    external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
-    return kernel.Given(law, inverse_mass, push, external, chain.anchor, KIND[method])
+def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
+    """What a run could not do."""
+    found = []
+    if status.gave_up:
+        steps = problem.most_steps or MOST_STEPS
+        sentence = (
+            f"{problem.method} gave up after {steps} steps at t = {time:.6g} s: the contacts rattle on; take method "
+            "'conserving', or a looser tolerance"
+        )
+        found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": steps, "time": time}))
+    places = int(log.counter[FALLBACK])
+    if places:
+        sentence = (
+            f"Newton's iteration did not converge in {places} places, where {problem.method} took a small step of "
+            "'conserving': compare with another tolerance"
+        )
+        found.append(CodedWarning(WarningCode.FALLBACK, sentence, {"places": places}))
+    return (*found, *log_warnings(log))
 
 
-def _moving(state: State) -> kernel.Moving:
-    marks = np.zeros(state.overlap.size, dtype=np.int8), np.zeros(state.overlap.size, dtype=np.int8)
-    return kernel.Moving(state.overlap, state.rate, state.anchor, state.force, *marks)
-
-
-def _trial(contacts: int) -> kernel.Trial:
-    stages = [np.zeros((3, contacts)) for _ in range(6)]
-    return kernel.Trial(
-        overlap=stages[0],
-        rate=stages[1],
-        force=stages[2],
-        anchor=np.zeros(2),
-        along=stages[3],
-        across=stages[4],
-        z=stages[5],
-        block=np.zeros((contacts, 9)),
-        past=np.zeros((8, contacts)),
-        acceleration=np.zeros((12, contacts)),
-        of_anchor=np.zeros(12),
-        opening=np.zeros(contacts),
-        work=np.zeros((15, contacts + 1)),
-        pace=np.zeros(PACES),
+def _energy_warnings(problem: Problem, record: Record) -> Warnings:
+    """A warning where the energy of an undriven chain has not come back to within many times the tolerance."""
+    chain, start = problem.chain, problem.state
+    moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0)
+    if start.external(chain) is not None or moved.any():
+        return ()
+    before, after = start.energy(chain), record.end.energy(chain)
+    if abs(after - before) <= MOST_ENERGY * problem.tolerance * before:
+        return ()
+    error = abs(after / before - 1.0)
+    sentence = (
+        f"energy is off by {error:.1g} of itself, more than {problem.method} promises at tolerance {problem.tolerance:g}: "
+        "compare with method 'conserving', or with another tolerance"
     )
-
-
-def _live(contacts: int) -> tuple[kernel.Trial, kernel.Book, kernel.Samples]:
-    """Scratch memory of `advance`: no book of switches, no samples."""
-    book = kernel.Book(
-        np.zeros(0, dtype=np.int64),
-        NO_TIMES,
-        np.zeros(contacts, dtype=np.int8),
-        np.zeros(kernel.COUNTERS, dtype=np.int64),
-    )
-    return _trial(contacts), book, kernel.Samples(NO_TIMES, *empty_samples(0, contacts))
+    return (CodedWarning(WarningCode.ENERGY, sentence, {"error": error}),)

@@ -2,46 +2,52 @@
 
 from __future__ import annotations
 
-from softcradle.physics.adaptive.step import SAMPLE, attempt
+from softcradle.physics.adaptive.step import try_step
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.records import SAMPLE
+
+SHRINK = 0.9  # of the time to a sample where a step to it does not converge; the rest is flown
 
 
 @jit
-def sample_inside(time, h, explicit, given, moving, precision, past_step, trial, samples, book):
-    """Samples within the step to come, each a shorter step; the trial of the whole step is lost.
+def sample_inside(time, h, kind, chain, motion, precision, past_step, trial, scratch, samples, log):
+    """Fill the rows of the samples within the step to come, each by a shorter step into `trial`.
 
-    Where Newton does not settle on a sample, it is looked for a little earlier and drifts the rest.
+    Where its stages do not converge, the step is made a little shorter and the rest drifts.
     """
-    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] < time + h:
-        k = book.counter[SAMPLE]
-        wished = samples.time[k] - time
-        length = wished
+    counter = log.counter
+    while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < time + h:
+        k = counter[SAMPLE]
+        wanted = samples.time[k] - time
+        length = wanted
         while (
-            attempt(length, explicit, given, moving, precision, past_step, trial, book) < 0.0 and time + length > time
+            try_step(length, kind, chain, motion, precision, past_step, trial, scratch, log) < 0.0
+            and time + length > time
         ):
-            length *= 0.9
-        for i in range(moving.mode.size):
-            samples.overlap[k, i] = trial.overlap[2, i] + (wished - length) * trial.rate[2, i]
+            length *= SHRINK
+        for i in range(motion.mode.size):
+            samples.overlap[k, i] = trial.overlap[2, i] + (wanted - length) * trial.rate[2, i]
             samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
-        samples.anchor[k, 0] = trial.anchor[0] + (wished - length) * trial.anchor[1]
+        samples.anchor[k, 0] = trial.anchor[0] + (wanted - length) * trial.anchor[1]
         samples.anchor[k, 1] = trial.anchor[1]
-        book.counter[SAMPLE] += 1
+        counter[SAMPLE] += 1
 
 
 @jit
 def flown(overlap, rate, time):
-    """The overlap after `time` of free flight; contacts that come too slowly to close do not, however long it lasts."""
+    """The overlap after `time` of free flight; a contact that is too slow to close stops at 0, however long the flight is."""
     return min(overlap + time * rate, max(overlap, 0.0)) if rate > 0.0 else overlap + time * rate
 
 
 @jit
-def sample_flight(time, until, given, moving, samples, book):
-    """Samples from `time` to `until` while nothing pushes; at `time` itself also while something does."""
-    while book.counter[SAMPLE] < samples.time.size and samples.time[book.counter[SAMPLE]] <= until:
-        k = book.counter[SAMPLE]
+def sample_flight(time, until, motion, samples, log):
+    """Fill the rows of samples from `time` to `until` while no contact pushes; at `time` itself also while one does."""
+    counter = log.counter
+    while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] <= until:
+        k = counter[SAMPLE]
         beyond = samples.time[k] - time
-        for i in range(moving.mode.size):
-            samples.overlap[k, i] = flown(moving.overlap[i], moving.rate[i], beyond)
-            samples.rate[k, i], samples.force[k, i] = moving.rate[i], max(moving.force[i], 0.0)
-        samples.anchor[k, 0], samples.anchor[k, 1] = moving.anchor[0] + beyond * moving.anchor[1], moving.anchor[1]
-        book.counter[SAMPLE] += 1
+        for i in range(motion.mode.size):
+            samples.overlap[k, i] = flown(motion.overlap[i], motion.rate[i], beyond)
+            samples.rate[k, i], samples.force[k, i] = motion.rate[i], max(motion.force[i], 0.0)
+        samples.anchor[k, 0], samples.anchor[k, 1] = motion.anchor[0] + beyond * motion.anchor[1], motion.anchor[1]
+        counter[SAMPLE] += 1

@@ -1,4 +1,4 @@
-"""Runs of adaptive methods that ask finer ones whether they agree, where a motion is sensitive."""
+"""Self-check of adaptive methods: where a motion is sensitive, finer runs of a slightly different chain must agree."""
 
 from __future__ import annotations
 
@@ -8,23 +8,30 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Pass, Problem, Record, run_to_end
+from softcradle.physics.status import CodedWarning, WarningCode
 
 Array = NDArray[np.float64]
 
-FEW_BOUNCES = 6  # of a contact; where one bounces more often, a finer run is asked whether it agrees
-TIGHT, FEWER_BOUNCES = 4e-10, 3  # and at tolerances below, where errors have more decades to grow through
-CONFIRMED = 1e-11  # finer than that nothing is confirmed: round-off has a say
-FINER, FINEST = 10.0, 1e-13  # so much finer, and the finest tolerance there is a use for
-MOST_APART = 9.0  # tolerances: two runs that lie further apart at the end are told of; within one they agree
-MOST_CONFIRMING = 50_000  # steps of all runs of one motion: no finer run beyond
-SHAKEN = 0.1  # of its tolerance: so much the forces of a finer run differ, for runs of like steps have like errors
-NUDGE = 1e-15  # times which finer run it is: so much its rates do, for motions that make much of round-off
+FEW_BOUNCES = 6  # of one contact: a motion with more is sensitive
+TIGHT = 4e-10  # tolerance below which errors have more decades to grow through,
+FEWER_BOUNCES = 3  # of one contact: the limit below TIGHT
+LEAST_CHECKED = 1e-11  # tolerance: at and below it round-off decides, and no run is checked
+FINER = 10.0  # ratio of the tolerances of successive runs
+FINEST = 1e-13  # tolerance: double precision has no room for a finer one
+MOST_APART = 9.0  # tolerances: two runs that end further apart give a warning; within one they agree
+MOST_CHECKING = 50_000  # steps of all runs of one motion, before no finer run is tried
+FORCE_SHAKE = (
+    0.1  # of the tolerance of a finer run: the relative change of its forces, for runs of like steps err alike
+)
+RATE_SHAKE = (
+    1e-15  # times the number of the finer run: the relative change of its rates, which shows chaos by round-off
+)
 
 
 def is_sensitive(problem: Problem, record: Record) -> bool:
     """True where errors of single steps may grow: a contact bounces often, or a steady push brings it back to zero overlap,
     where a change d of the overlap is one of sqrt(d) in velocity."""
-    if problem.tolerance <= CONFIRMED:
+    if problem.tolerance <= LEAST_CHECKED:
         return False
     switches = np.bincount(record.switch_contact, minlength=1)
     few = FEWER_BOUNCES if problem.tolerance < TIGHT else FEW_BOUNCES
@@ -33,8 +40,8 @@ def is_sensitive(problem: Problem, record: Record) -> bool:
     return int(switches.max()) > 2 * few or (driven and soft)
 
 
-def confirmed(problem: Problem, record: Record, scale: float, run_pass: Pass) -> Record:
-    """The first record with which a finer one of a chain that hardly differs agrees, or one that says that there is none.
+def checked(problem: Problem, record: Record, scale: float, run_pass: Pass) -> Record:
+    """The first record with which a finer one of a slightly different chain agrees, or the finest, with a warning.
 
     `scale` is the velocity [m/s] that the tolerance is relative to; `run_pass` one run of the method, see `run_to_end`.
     """
@@ -42,17 +49,17 @@ def confirmed(problem: Problem, record: Record, scale: float, run_pass: Pass) ->
     tolerance, runs = problem.tolerance, 0
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, FINEST), runs + 1
-        chain, state = _shaken(problem.chain, SHAKEN * tolerance), problem.state.copy()
-        state.rate *= _up_and_down(runs * NUDGE, state.rate.size)
+        chain, state = _shaken(problem.chain, FORCE_SHAKE * tolerance), problem.state.copy()
+        state.rate *= _up_and_down(runs * RATE_SHAKE, state.rate.size)
         finer = run_to_end(replace(problem, tolerance=tolerance, chain=chain, state=state), run_pass)
         ends = finer.end.velocity(problem.chain), record.end.velocity(problem.chain)
         apart = float(np.abs(ends[0] - ends[1]).max())
         if apart <= allowed:
             return _with_cost_of(record, finer)
         record = _with_cost_of(finer, record)
-        if tolerance <= FINEST or record.steps > MOST_CONFIRMING:
+        if tolerance <= FINEST or record.steps > MOST_CHECKING:
             if apart > MOST_APART * allowed:
-                record.warnings += (_apart(problem, tolerance, apart),)
+                record.warnings += (_sensitive(problem, tolerance, apart),)
             break
     return record
 
@@ -81,8 +88,9 @@ def _up_and_down(part: float, size: int) -> Array:
     return factors
 
 
-def _apart(problem: Problem, tolerance: float, apart: float) -> str:
-    return (
+def _sensitive(problem: Problem, tolerance: float, apart: float) -> CodedWarning:
+    sentence = (
         f"the motion is so sensitive that {problem.method} at tolerance {tolerance:g} still moves final velocities by "
         f"{apart:.1g} m/s, more than {problem.tolerance:g} promises: take a looser tolerance, or method 'conserving'"
     )
+    return CodedWarning(WarningCode.SENSITIVE, sentence, {"apart": apart, "tolerance": tolerance})

@@ -1,94 +1,104 @@
-"""Step sizes of `radau` and `dop853`, and which of them takes the next step.
+"""The step-size controller of `radau` and `dop853`, and which of them takes the next step.
 
 Errors near a singular time grade the steps: they shrink like the time that is left to an opening, and grow like the time
-since an onset. So the next step is foretold from the last two (Gustafsson), and from when the next contact will open.
+since an onset. So the next step is predicted from the last two (Gustafsson), and from when the next contact will open.
 """
 
 from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.step import ACCURATE, DOP853
+from softcradle.physics.adaptive.step import SAFETY
+from softcradle.physics.adaptive.step_records import (
+    CEILING,
+    DOP853,
+    EITHER,
+    ERROR,
+    ERROR_EXPONENT,
+    LAST,
+    LEFT,
+    NEXT,
+    RADAU,
+    RADAU_NEXT,
+    REACH,
+    UNLIMITED,
+)
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_curve import LOADED, OPEN, slope_at
+from softcradle.physics.numerics.law_curve import slope_at
+from softcradle.physics.numerics.records import LOADED, OPEN
 
-# entries of the pace array: longest next step, and of radau; the last step (0: none like it), its error; the time left to
-# an opening at its start, and the next step had nothing come near; the longest step of dop853; the longest after a refusal
-NEXT, RADAU, LAST, ERROR, LEFT, PLAIN, REACH, CEILING = 0, 1, 2, 3, 4, 5, 6, 7
-PACES = 8
-
-SAFETY = 0.9
-GROW_RADAU, GROW_DOP853 = 8.0, 30.0  # times the step before, at the most; the latter between steps of radau
-FORETOLD = 2.0  # at the most so much more where errors fall
-LEAST_ERROR = 1e-3  # of a step's tolerance: smaller ones foretell nothing
+MOST_GROWTH = 8.0  # of a step over the one before
+MOST_GROWTH_BETWEEN = 30.0  # of a step of dop853 over the one before, where soft contacts make radau take turns with it
+MOST_PREDICTED = 2.0  # further growth where errors fall, at the most
+LEAST_ERROR = 1e-3  # of a step's error bound: a smaller error predicts nothing
 STIFF = 9.0  # (step times local frequency)², above which a soft contact is left to radau
-CHEAPER = 0.4  # of the time of a step of radau one of dop853 takes
-PROBE = 1.5  # steps of dop853 that only stiffness holds back raise what is asked of radau by this
-WARY, FORGET, LIFTED = (
-    0.9,
-    1.02,
-    1.5,
-)  # of a step refused: no longer one soon; a step later; but where errors fall so far
-LAST_PUSH = 0.05  # of a step's tolerance: what a contact still pushes is passed over below
+COST_RATIO = 0.4  # time of a step of dop853 over one of radau
+REACH_GROWTH = 1.5  # of the next step of radau, where stiffness alone holds dop853 back: radau is tried in time
+AFTER_REJECTION = 0.9  # of a step rejected: the cap of the next ones
+CAP_GROWTH = 1.02  # of that cap, a step
+CAP_LIFTED = 1.5  # growth of a step, wanted by its error, that lifts the cap
+LAST_PUSH = 0.05  # of a step's error bound: an opening before which a contact pushes less is passed over
+NEAR_LEFT = 0.3  # of the time left to an opening: a longer next step is graded with that time
+BEFORE_OPENING_ALONE = 0.9  # of the time left to an opening: the step of dop853 alone
+FIRST_PART = 0.01  # of the fastest local period or crossing: the first step where no onset gives one
 
 
 @jit
-def begin(pace, h):
+def restart_control(control, h):
     """Forget the past; the next step is `h` at the most (inf: not known)."""
-    pace[NEXT], pace[RADAU], pace[LAST], pace[LEFT], pace[CEILING] = h, h, 0.0, math.inf, math.inf
+    control[NEXT], control[RADAU_NEXT], control[LAST] = h, h, 0.0
+    control[LEFT], control[CEILING] = math.inf, math.inf
 
 
 @jit
-def onset_step(given, i, speed, wanted):
+def onset_step(chain, i, speed, wanted):
     """First step after contact i closes at `speed`: its impulse L K (v h)**a h / (1+a) is the error; inf if smooth."""
-    exponent, stiffness = given.law[i, 2], given.law[i, 1]
+    exponent, stiffness = chain.law[i, 2], chain.law[i, 1]
     if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
         return math.inf
-    weight = (given.inverse_mass[i] + given.inverse_mass[i + 1]) * stiffness * speed**exponent
+    weight = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * stiffness * speed**exponent
     return ((1.0 + exponent) * wanted / weight) ** (1.0 / (1.0 + exponent))
 
 
 @jit
-def first_step(given, moving, scale):
+def first_step(chain, motion, scale):
     """A step to begin with where no onset gives one: a hundredth of the fastest local period or crossing."""
     fastest = 0.0
-    for i in range(moving.mode.size):
-        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
-        preload, stiffness, exponent = given.law[i, 0], given.law[i, 1], given.law[i, 2]
-        if moving.mode[i] == LOADED and moving.overlap[i] > 0.0:
-            slope = slope_at(preload, stiffness, exponent, moving.overlap[i], moving.force[i])
+    for i in range(motion.mode.size):
+        weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+        preload, stiffness, exponent = chain.law[i, 0], chain.law[i, 1], chain.law[i, 2]
+        if motion.mode[i] == LOADED and motion.overlap[i] > 0.0:
+            slope = slope_at(preload, stiffness, exponent, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
-        if moving.mode[i] != OPEN:
-            push = max(moving.force[i], preload)
+        if motion.mode[i] != OPEN:
+            push = max(motion.force[i], preload)
             fastest = max(fastest, weight * push / scale, 1e-3 * math.sqrt(weight * stiffness))
-        if given.external.size:
-            fastest = max(fastest, abs(given.external[i]) / scale)
-    return 0.01 / fastest if fastest > 0.0 else 1.0
+        if chain.external.size:
+            fastest = max(fastest, abs(chain.external[i]) / scale)
+    return FIRST_PART / fastest if fastest > 0.0 else 1.0
 
 
 @jit
-def soft_contacts(given, moving, wanted):
+def soft_contacts(chain, motion, wanted):
     """(reach, left, push): longest step of dop853, beyond which a soft contact is stiff; time to the next opening of a soft
-    contact if its rate keeps, inf where none is near, and what this contact pushes until then [m/s]."""
+    contact if its rate stays, inf where none is near, and what this contact pushes until then [m/s]."""
     stiffest, left, push = 0.0, math.inf, 0.0
-    for i in range(moving.mode.size):
-        if moving.mode[i] != LOADED or given.law[i, 2] >= 1.0:
+    for i in range(motion.mode.size):
+        if motion.mode[i] != LOADED or chain.law[i, 2] >= 1.0:
             continue
-        overlap, rate = moving.overlap[i], moving.rate[i]
+        overlap, rate = motion.overlap[i], motion.rate[i]
         if overlap <= 0.0:
             stiffest = math.inf
             continue
-        weight = given.inverse_mass[i] + given.inverse_mass[i + 1]
-        stiff = weight * slope_at(given.law[i, 0], given.law[i, 1], given.law[i, 2], overlap, moving.force[i])
+        weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+        stiff = weight * slope_at(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], overlap, motion.force[i])
         stiffest = max(stiffest, stiff)
         if rate < 0.0:
             time = -overlap / rate
-            pushes = weight * moving.force[i] * time
+            pushes = weight * motion.force[i] * time
             if time < left and time * time * stiff < 4.0 and pushes > LAST_PUSH * wanted:
                 left, push = time, pushes
     reach = math.sqrt(STIFF / stiffest) if stiffest > 0.0 else math.inf
-    if given.kind != ACCURATE:
-        reach = math.inf if given.kind == DOP853 else 0.0
     return reach, left, push
 
 
@@ -99,49 +109,58 @@ def before_opening(left, push, wanted):
 
 
 @jit
-def next_step(pace, rest, given, moving, wanted):
-    """(explicit, h, near): whether dop853 takes the next step, its length, `rest` at the most, and whether an opening that
-    is near limits it. Alone, dop853 lets soft contacts swing, and no opening of theirs foretells anything."""
-    reach, left, push = soft_contacts(given, moving, wanted)
-    alone = given.kind == DOP853
-    if left < pace[LEFT] < math.inf and not alone and pace[NEXT] > 0.3 * left:
-        pace[NEXT] = min(pace[NEXT], pace[PLAIN] * left / pace[LEFT])
-    pace[LEFT], pace[REACH] = left, reach
-    longest = min(pace[RADAU], pace[NEXT])
-    explicit = min(reach, pace[NEXT]) >= CHEAPER * longest
-    h = min(min(reach, pace[NEXT]) if explicit else longest, rest)
+def propose_step(control, rest, allowed, chain, motion, wanted):
+    """(kind, h, near): the kind of the next step, its length, `rest` at the most, and whether a near opening limits it.
+
+    `allowed` is the one kind that the method takes, or EITHER. dop853 alone lets soft contacts oscillate, so no opening of
+    theirs predicts anything.
+    """
+    reach, left, push = soft_contacts(chain, motion, wanted)
+    if allowed != EITHER:
+        reach = math.inf if allowed == DOP853 else 0.0
+    alone = allowed == DOP853
+    if left < control[LEFT] < math.inf and not alone and control[NEXT] > NEAR_LEFT * left:
+        control[NEXT] = min(control[NEXT], control[UNLIMITED] * left / control[LEFT])
+    control[LEFT], control[REACH] = left, reach
+    longest = min(control[RADAU_NEXT], control[NEXT])
+    kind, h = RADAU, min(longest, rest)
+    if min(reach, control[NEXT]) >= COST_RATIO * longest:
+        kind, h = DOP853, min(reach, control[NEXT], rest)
     if left < h:
-        return explicit, 0.9 * left if alone else before_opening(left, push, wanted), not alone
-    if explicit and h == reach:
-        pace[RADAU] *= PROBE
-    return explicit, h, False
+        return kind, BEFORE_OPENING_ALONE * left if alone else before_opening(left, push, wanted), not alone
+    if kind == DOP853 and h == reach:
+        control[RADAU_NEXT] *= REACH_GROWTH
+    return kind, h, False
 
 
 @jit
-def learn(pace, h, explicit, error, near, landing, refused, wanted):
-    """Set the next step from the error of this one, of length `h`. One cut short by an opening or an event tells little."""
-    power = 0.125 if explicit else 0.2
-    most = GROW_DOP853 if explicit and math.isfinite(pace[REACH]) else GROW_RADAU
-    grow = min(most, SAFETY * (wanted / max(error, 1e-300)) ** power)
-    pace[PLAIN] = h * grow
+def update_control(control, h, kind, error, near, landing, rejected, wanted):
+    """Set the next step from the error of this one, of length `h`. One that an opening or an event cut short predicts little.
+
+    `rejected` is the length of the last step rejected before this one (inf: none).
+    """
+    exponent = ERROR_EXPONENT[kind]
+    most = MOST_GROWTH_BETWEEN if kind == DOP853 and math.isfinite(control[REACH]) else MOST_GROWTH
+    grow = min(most, SAFETY * (wanted / max(error, 1e-300)) ** exponent)
+    control[UNLIMITED] = h * grow
     if landing >= 0 or near:
-        pace[LAST] = 0.0
-        pace[NEXT] = max(pace[NEXT], h * grow) if math.isfinite(pace[NEXT]) else h * grow
+        control[LAST] = 0.0
+        control[NEXT] = max(control[NEXT], h * grow) if math.isfinite(control[NEXT]) else h * grow
         return
     error = max(error, 1e-300)
-    if pace[LAST] > 0.0:
-        foretold = (h / pace[LAST]) * (pace[ERROR] / error) ** power
-        if h < pace[LAST]:
-            grow = min(grow, SAFETY * foretold * (wanted / error) ** power)
-        elif math.isfinite(pace[REACH]):
-            grow = min(most, grow * min(max(foretold, 1.0), FORETOLD))
-    pace[LAST], pace[ERROR], pace[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
-    if explicit:
-        if refused < math.inf:
-            pace[CEILING] = max(h, WARY * refused)
-        elif grow > LIFTED:
-            pace[CEILING] = math.inf
-        pace[NEXT] = min(pace[NEXT], pace[CEILING])
-        pace[CEILING] *= FORGET
-    if not explicit:
-        pace[RADAU] = h * grow
+    if control[LAST] > 0.0:
+        predicted = (h / control[LAST]) * (control[ERROR] / error) ** exponent
+        if h < control[LAST]:
+            grow = min(grow, SAFETY * predicted * (wanted / error) ** exponent)
+        elif math.isfinite(control[REACH]):
+            grow = min(most, grow * min(max(predicted, 1.0), MOST_PREDICTED))
+    control[LAST], control[ERROR], control[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
+    if kind == RADAU:
+        control[RADAU_NEXT] = h * grow
+        return
+    if rejected < math.inf:
+        control[CEILING] = max(h, AFTER_REJECTION * rejected)
+    elif grow > CAP_LIFTED:
+        control[CEILING] = math.inf
+    control[NEXT] = min(control[NEXT], control[CEILING])
+    control[CEILING] *= CAP_GROWTH

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
@@ -50,33 +51,36 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     return float(np.nanmin(bounds))
 
 
-def explicit_warnings(problem: Problem, record: Record) -> tuple[str, ...]:
-    """Sentences on what shows that an explicit method has failed on `problem`, with what to use instead."""
+def explicit_warnings(problem: Problem, record: Record) -> Warnings:
+    """What shows that an explicit method has failed on `problem`, with what to use instead."""
     found = []
     limit = stable_step(problem.chain, problem.state.velocity(problem.chain), TRUSTED_ERROR)
     if problem.step > limit:
-        found.append(
+        sentence = (
             f"{problem.method} with step {problem.step:.3g} s is past its limit of about {limit:.2g} s on this chain: "
             "take a smaller step, or method 'conserving' or 'accurate'"
         )
+        found.append(CodedWarning(WarningCode.STEP_LIMIT, sentence, {"step": problem.step, "limit": limit}))
     short = short_switches(record, SHORT_STEPS * problem.step)
     if short > MOST_SHORT:
-        found.append(
+        sentence = (
             f"contacts chatter: {short} switches within {SHORT_STEPS} steps of {problem.method}; take method "
             "'conserving' or 'accurate', for which touching is a state of its own"
         )
+        found.append(CodedWarning(WarningCode.CHATTER, sentence, {"switches": short}))
     return tuple(found)
 
 
-def coarse_warnings(problem: Problem) -> tuple[str, ...]:
-    """A sentence where a fixed step that is always stable is too long to see the shortest contact."""
+def coarse_warnings(problem: Problem) -> Warnings:
+    """A warning where a fixed step that is always stable is too long to see the shortest contact."""
     limit = float(contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].min()) / LEAST_STEPS
     if problem.step <= limit:
         return ()
-    return (
+    sentence = (
         f"{problem.method} with step {problem.step:.3g} s is past its limit of about {limit:.2g} s on this chain: a contact "
-        "may be over within a few steps; energy holds, velocities may be off: take a smaller step, or method 'accurate'",
+        "may be over within a few steps; energy holds, velocities may be off: take a smaller step, or method 'accurate'"
     )
+    return (CodedWarning(WarningCode.COARSE_STEP, sentence, {"step": problem.step, "limit": limit}),)
 
 
 def short_switches(record: Record, span: float) -> int:

@@ -229,6 +229,7 @@ def _whole(reduction: Reduction, reduced: Trajectory) -> Trajectory:
         steps=reduced.steps,
         evaluations=reduced.evaluations,
         seconds=reduced.seconds,
+        status=reduced.status,
         warnings=reduced.warnings,
     )
 

@@ -1,182 +1,242 @@
-"""Discrete gradient in resolvent form: energy and momentum to round-off at any step, for set-valued contacts too.
+"""Discrete gradient: energy and momentum to round-off at any step, for set-valued contacts, friction and loss too.
 
     verlet        d1 = d0 + h w0 - (h²/2) L f(midpoint)      w1 = w0 - h L f(midpoint)
     conserving    d1 = d0 + h w0 - (h²/2) L g                w1 = w0 - h L g,     g = (E(d1) - E(d0)) / (d1 - d0)
 
-The map d1 -> g is monotone, so g is unique. With lambda_i = (h²/2) L_ii and s_i = d1_i + lambda_i g_i each contact
-returns (d1_i, g_i) from s_i alone (its resolvent); neighbours couple through one tridiagonal Newton on s, whose matrix
-is a column-dominant M-matrix. A contact that touches (d0 = d1 = 0, 0 <= g <= preload) is one branch of the resolvent.
+A step is one solve of `contact_solve`; a contact that touches (d0 = d1 = 0, 0 <= g <= preload) is one branch of its resolvent.
+Where a bead turns round or stops in a step, or a contact with loss turns from pressing in to coming out, the step is cut there in
+two: friction then acts on either side of the event as it should, and the order stays 2. What contacts and bed absorb is the
+work of their mean forces, so energy closes to round-off at any step.
 """
 
 from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.contact_law import power
+from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
+from softcradle.physics.numerics.contact_law import energy
+from softcradle.physics.numerics.contact_solve import (
+    FORCE_AT_HOLD,
+    FREE_VELOCITY,
+    FRICTION,
+    HOLD,
+    SOLVER_ROWS,
+    START_VELOCITY,
+    loses,
+    solve_contacts,
+)
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.resolvent import EPSILON, SMALLEST, resolvent
+from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
+from softcradle.physics.numerics.resolvent import SMALLEST
+from softcradle.physics.numerics.switches import any_switched, copy_into
 
-NEGLIGIBLE = 1e-16  # of the largest: rows below need not be solved to their own round-off, no bead would feel it
-ROUND_OFF = 8.0 * EPSILON  # of a residual, relative to its terms
-MOST_WARM = 14  # iterations of the chain from the forces of the step before, then
-MOST_NEWTON = 40  # (and n more: a row may close or open one contact an iteration) from none, then from the largest
-SOLVER_ROWS = 6  # rows (n,) of scratch memory of `mean_forces`
-WORK_ROWS = SOLVER_ROWS + 3  # and of a step
-SMALLEST_PART = 2.0**-10  # of a step: where Newton does not settle, shorter steps, which conserve no less, down to this
-
-
-@jit
-def mean_forces(h, law, diagonal, coupling, target, start, overlap, force, work):
-    """Solve one step for all contacts: g into `force` (on entry a guess), d1 into `overlap` (on entry a guess).
-
-    `diagonal` (n,) is L_ii, `coupling` (n+1,) by bead -L_(i-1,i): its inverse mass in a straight row; `target` (n,) is
-    d0 + h w0 (+ (h²/2) external), `start` (n,) d0, `work` (SOLVER_ROWS, n). Returns the iterations used, negative where
-    they did not converge.
-    """
-    n = start.size
-    half = 0.5 * h * h
-    s, residual, slope, start_power, upper, shift = work[0], work[1], work[2], work[3], work[4], work[5]
-    for i in range(n):
-        start_power[i] = power(start[i], law[i, 2]) if start[i] > 0.0 else 0.0
-        before = force[i - 1] if i > 0 else 0.0
-        after = force[i + 1] if i < n - 1 else 0.0
-        s[i] = target[i] + half * (coupling[i] * before + coupling[i + 1] * after)
-    best = math.inf
-    damping = 1.0
-    warm, below = MOST_WARM, MOST_WARM + MOST_NEWTON + n
-    for iteration in range(below + MOST_NEWTON + n):
-        if iteration in (warm, below):
-            highest = 0.0
-            if iteration == below:
-                for i in range(n):
-                    highest = max(highest, force[i])
-            for i in range(n):
-                s[i] = target[i] + half * highest * (coupling[i] + coupling[i + 1])
-            best = math.inf
-        total, terms, worst, largest = 0.0, 0.0, 0.0, 0.0
-        for i in range(n):
-            largest = max(largest, abs(s[i]))
-            weight = half * diagonal[i]
-            overlap[i], force[i], slope[i] = resolvent(
-                law[i, 0], law[i, 1], law[i, 2], start[i], start_power[i], weight, s[i], overlap[i]
-            )  # fmt: skip
-        for i in range(n):
-            before = force[i - 1] if i > 0 else 0.0
-            after = force[i + 1] if i < n - 1 else 0.0
-            pushed = half * (coupling[i] * before + coupling[i + 1] * after)
-            residual[i] = s[i] - target[i] - pushed
-            total += abs(residual[i])
-            scale = abs(s[i]) + abs(target[i]) + abs(pushed) + NEGLIGIBLE * largest
-            terms += scale
-            if abs(residual[i]) > worst * scale:
-                worst = abs(residual[i]) / scale
-        if worst <= ROUND_OFF or (total >= best and worst <= 100.0 * ROUND_OFF):
-            return iteration + 1
-        if total > max(best, ROUND_OFF * terms) and damping > 1e-3:  # Newton jumped over a kink: half the way back
-            damping *= 0.5
-            for i in range(n):
-                s[i] -= damping * shift[i]
-            continue
-        best = total
-        damping = 1.0
-        for i in range(n):  # (I - half offdiagonal(L) slope) shift = -residual, by Thomas
-            lower = half * coupling[i] * slope[i - 1] if i > 0 else 0.0
-            pivot = 1.0 - (lower * upper[i - 1] if i > 0 else 0.0)
-            pivot = max(pivot, ROUND_OFF)  # 0 where all contacts between two walls touch: their common part is free
-            right = half * coupling[i + 1] * slope[i + 1] if i < n - 1 else 0.0
-            upper[i] = right / pivot
-            shift[i] = (-residual[i] + (lower * shift[i - 1] if i > 0 else 0.0)) / pivot
-        s[n - 1] += shift[n - 1]
-        for i in range(n - 2, -1, -1):
-            shift[i] += upper[i] * shift[i + 1]
-            s[i] += shift[i]
-    return -iteration
+# rows (n,) of scratch memory of a step, after those of the solver
+FREE, END, DIAGONAL, FIRST_FORCE = SOLVER_ROWS, SOLVER_ROWS + 1, SOLVER_ROWS + 2, SOLVER_ROWS + 3
+WORK_ROWS = SOLVER_ROWS + 4
+SMALLEST_PART = (
+    2.0**-10
+)  # of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
+TOUCHES = (
+    1e-14  # of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
+)
+MOST_CUTS = 4  # of one step at events
+NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
+ROUND_OFF_LEFT = 1e-12  # of a step: a rest this short after cuts is round-off
 
 
 @jit
-def single_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work, forced):
-    """One step in place; `work` (WORK_ROWS, n). Returns the iterations used, negative where they did not converge: then
-    the state stays as it was, unless `forced`.
+def velocity_after(h, j, beads, bed):
+    """Velocity of bead j at the end of the step."""
+    if math.isnan(beads[FRICTION, j]):
+        return 0.0
+    return beads[FREE_VELOCITY, j] + h * beads[FRICTION, j] if bed.size else beads[FREE_VELOCITY, j]
 
-    The new rate is w0 - h L g, or 2 (d1 - d0)/h - w0 where the overlap is so small that the latter is the finer number.
+
+@jit
+def first_event(h, dissipation, motion, beads, work):
+    """Part of the step after which the first bead turns or contact with loss reverses, 1 where none does; an estimate."""
+    first = 1.0
+    loss, bed, overlap, rate = dissipation.loss, dissipation.bed, motion.overlap, motion.rate
+    for i in range(overlap.size):
+        if loss[i] > 0.0 and overlap[i] > 0.0 and rate[i] != 0.0 and work[HOLD, i] > 0.0:
+            end = work[END, i]
+            ended = 2.0 * (end - overlap[i]) / h - rate[i]
+            full = work[FORCE_AT_HOLD, i]
+            kept = full if rate[i] > 0.0 else (1.0 - loss[i]) * full
+            held = end == work[HOLD, i]
+            free = ended - h * work[DIAGONAL, i] * (kept - motion.force[i]) if held else ended
+            if (free < 0.0) == (rate[i] > 0.0):
+                first = min(first, rate[i] / (rate[i] - free))
+    for j in range(bed.size):
+        before = beads[START_VELOCITY, j]
+        if bed[j] > 0.0 and before != 0.0:
+            free = beads[FREE_VELOCITY, j] - math.copysign(h * bed[j], before)
+            if (free < 0.0) == (before > 0.0):
+                first = min(first, before / (before - free))
+    return first
+
+
+@jit
+def absorb(h, chain, dissipation, motion, beads, work):
+    """Add what contacts and bed absorb in the step: what they take of the motion less what is stored."""
+    law, overlap, end, bed = chain.law, motion.overlap, work[END], dissipation.bed
+    for i in range(overlap.size):
+        if loses(dissipation.loss[i], overlap[i], motion.rate[i]):
+            fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
+            motion.absorbed[0] += motion.force[i] * (end[i] - overlap[i]) + fall
+    for j in range(bed.size):
+        if bed[j] > 0.0:
+            before, ended = beads[START_VELOCITY, j], velocity_after(h, j, beads, bed)
+            sticks = math.isnan(beads[FRICTION, j])
+            braked = beads[FREE_VELOCITY, j] / h if sticks else -beads[FRICTION, j]
+            motion.absorbed[1] += 0.5 * h * braked * (before + ended) / chain.inverse_mass[j]
+
+
+@jit
+def bead_acceleration(j, chain, force):
+    """Acceleration of bead j by the contact forces (n,) and the push."""
+    found = force[j - 1] * chain.inverse_mass[j] if j > 0 else 0.0
+    if j < force.size:
+        found -= force[j] * chain.inverse_mass[j]
+    if chain.push.size:
+        found += chain.push[j] * chain.inverse_mass[j]
+    return found
+
+
+@jit
+def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
+    """Rate of contact i at the end of the step by its finest formula, from the accelerations of its two beads.
+
+    It is w0 - h L g, or 2 (d1 - d0)/h - w0 where the overlap is so small that this is the finer number.
     """
-    n = overlap.size
-    target, end, diagonal = work[SOLVER_ROWS], work[SOLVER_ROWS + 1], work[SOLVER_ROWS + 2]
+    start, rate, end = motion.overlap[i], motion.rate[i], work[END, i]
+    slide = 0.0
+    if dissipation is not None:
+        if loses(dissipation.loss[i], start, rate) and end == work[HOLD, i]:
+            return 0.0
+        bed = dissipation.bed
+        if bed.size:
+            if math.isnan(beads[FRICTION, i]) or math.isnan(beads[FRICTION, i + 1]):
+                return velocity_after(h, i, beads, bed) - velocity_after(h, i + 1, beads, bed)
+            slide = beads[FRICTION, i] - beads[FRICTION, i + 1]
+    if max(abs(start), abs(end)) < h * h * work[DIAGONAL, i] * motion.force[i]:
+        return 2.0 * (end - start) / h - rate
+    return rate + h * (left - right + slide)
+
+
+@jit
+def move(h, chain, dissipation, motion, beads, work):
+    """Put the end of the step into the motion."""
+    n, overlap, rate, anchor, bead = motion.rate.size, motion.overlap, motion.rate, motion.anchor, chain.anchor_bead
+    by_velocity = dissipation is not None and dissipation.bed.size > 0
+    if by_velocity:
+        ended = velocity_after(h, bead, beads, dissipation.bed)
+        anchor[0] += 0.5 * h * (anchor[1] + ended)
+        anchor[1] = ended
+    else:
+        acceleration = bead_acceleration(bead, chain, motion.force)
+        anchor[0] += h * (anchor[1] + 0.5 * h * acceleration)
+        anchor[1] += h * acceleration
+    left = bead_acceleration(0, chain, motion.force)
     for i in range(n):
+        right = bead_acceleration(i + 1, chain, motion.force)
+        before = rate[i]
+        rate[i] = rate_after(h, i, chain, dissipation, motion, left, right, beads, work)
+        firm = by_velocity and math.isnan(beads[FRICTION, i]) and math.isnan(beads[FRICTION, i + 1])
+        overlap[i] = overlap[i] + 0.5 * h * before if firm else work[END, i]
+        left = right
+
+
+@jit
+def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
+    """One step in place. Returns the iterations used, negative where they did not converge, and the part of the step at
+    which it should be cut (1: nowhere). The motion stays as it was where it is not `forced` and did not converge, or where it
+    should be cut and is not `whole`.
+    """
+    overlap, rate, force, outside, inverse_mass = (
+        motion.overlap,
+        motion.rate,
+        motion.force,
+        chain.push,
+        chain.inverse_mass,
+    )
+    free, end, diagonal = work[FREE], work[END], work[DIAGONAL]
+    for i in range(overlap.size):
+        diagonal[i] = inverse_mass[i] + inverse_mass[i + 1]
         if 0.0 < overlap[i] < SMALLEST:
             overlap[i] = 0.0
-        target[i] = overlap[i] + h * rate[i]
-        if push.size:
-            target[i] += 0.5 * h * h * (push[i] * inverse_mass[i] - push[i + 1] * inverse_mass[i + 1])
-        end[i] = overlap[i] if overlap[i] > 0.0 else target[i]
-        diagonal[i] = inverse_mass[i] + inverse_mass[i + 1]
-    used = mean_forces(h, law, diagonal, inverse_mass, target, overlap, end, force, work)
+        if dissipation is not None and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:
+            overlap[i] = 0.0
+        free[i] = h * rate[i]
+        if outside.size:
+            free[i] += 0.5 * h * h * (outside[i] * inverse_mass[i] - outside[i + 1] * inverse_mass[i + 1])
+        end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
+    if dissipation is not None and dissipation.bed.size:
+        bead_velocities(rate, chain.anchor_bead, motion.anchor[1], beads[START_VELOCITY])
+    used = solve_contacts(
+        h, chain.law, dissipation, diagonal, inverse_mass, outside, free, overlap, rate, end, force, beads, work
+    )  # fmt: skip
     if used < 0 and not forced:
-        for i in range(n):
-            force[i] = 0.0
-        return used
-    left = -force[0] * inverse_mass[0]
-    if push.size:
-        left += push[0] * inverse_mass[0]
-    if anchor_bead == 0:
-        anchor[0] += h * (anchor[1] + 0.5 * h * left)
-        anchor[1] += h * left
-    for i in range(n):
-        right = force[i] * inverse_mass[i + 1]
-        if i < n - 1:
-            right -= force[i + 1] * inverse_mass[i + 1]
-        if push.size:
-            right += push[i + 1] * inverse_mass[i + 1]
-        if i + 1 == anchor_bead:
-            anchor[0] += h * (anchor[1] + 0.5 * h * right)
-            anchor[1] += h * right
-        weight = h * h * (inverse_mass[i] + inverse_mass[i + 1]) * force[i]
-        if max(abs(overlap[i]), abs(end[i])) < weight:
-            rate[i] = 2.0 * (end[i] - overlap[i]) / h - rate[i]
-        else:
-            rate[i] += h * (left - right)
-        overlap[i] = end[i]
-        left = right
-    return used
+        return used, 1.0
+    if dissipation is not None:
+        if not whole:
+            part = first_event(h, dissipation, motion, beads, work)
+            if NEAR_END < part < 1.0 - NEAR_END:
+                return used, part
+        absorb(h, chain, dissipation, motion, beads, work)
+    move(h, chain, dissipation, motion, beads, work)
+    return used, 1.0
 
 
 @jit
-def conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work):
-    """One step in place, in shorter ones where it does not converge; `work` (WORK_ROWS, n).
+def gradient_step(h, chain, dissipation, motion, beads, work):
+    """One step in place, in shorter ones where it does not converge and cut where a bead stops or a contact reverses.
 
-    Returns the iterations used, negative where even the shortest did not converge.
+    `work` (WORK_ROWS, n), `beads` (BEAD_ROWS, n+1). Returns the iterations used, negative where even the shortest step did
+    not converge.
     """
-    used = single_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work, False)
-    if used >= 0:
-        return used
-    total, left, part, failed = -used, h, 0.5 * h, False
+    first_force, force = work[FIRST_FORCE], motion.force
+    total, left, part, failed, cuts, event = 0, h, h, False, 0, False
     while left > 0.0:
-        last = part <= SMALLEST_PART * h
-        used = single_step(part, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work, last)
+        if dissipation is not None:
+            copy_into(first_force, force)
+        shortest = part <= SMALLEST_PART * h
+        used, cut = single_step(part, chain, dissipation, motion, beads, work, shortest, event or cuts >= MOST_CUTS)
         total += abs(used)
-        if used < 0 and not last:
+        if used < 0 and not shortest:
             part *= 0.5
+            for i in range(force.size):
+                force[i] = 0.0
             continue
         failed |= used < 0
+        if cut < 1.0:
+            part *= cut
+            cuts += 1
+            event = True
+            copy_into(force, first_force)
+            continue
+        event = False
         left -= part
+        if left < ROUND_OFF_LEFT * h:
+            break
+        part = min(left, h if cuts else part)
     return -total if failed else total
 
 
 @jit
-def conserving_steps(
-    most, h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed, work, tally
-):  # fmt: skip
-    """Up to `most` steps in place; stops after the first in which a contact leaves the state in `closed`.
+def gradient_steps(most, h, chain, dissipation, motion, closed, beads, work, counter):
+    """Up to `most` steps in place, until a contact leaves the state in `closed` or, with dissipation, all beads rest.
 
-    Adds to `tally`: [0] evaluations of all contacts, [1] steps that did not converge. Returns the steps taken.
+    Counts evaluations and steps that did not converge in `counter`. Returns the steps taken.
     """
     for step in range(most):
-        used = conserving_step(h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, work)
-        tally[0] += abs(used)
-        tally[1] += 1 if used < 0 else 0
-        switched = False
-        for i in range(overlap.size):
-            switched |= (overlap[i] > 0.0 or (overlap[i] == 0.0 and force[i] > 0.0)) != (closed[i] != 0)
-        if switched:
+        used = gradient_step(h, chain, dissipation, motion, beads, work)
+        counter[EVALUATION] += abs(used)
+        counter[UNCONVERGED] += 1 if used < 0 else 0
+        stopped = any_switched(motion, closed)
+        if dissipation is not None:
+            stopped |= at_rest(motion)
+        if stopped:
             return step + 1
     return most

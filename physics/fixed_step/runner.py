@@ -1,127 +1,157 @@
-"""Runner of the fixed-step kernels: euler, verlet, yoshida4, conserving."""
+"""Runner of the methods of fixed steps: euler, verlet, yoshida4, conserving."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.fixed_step import splitting as explicit
-from softcradle.physics.fixed_step import step_loop as kernel
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
+from softcradle.physics.fixed_step.splitting import EULER, VERLET, YOSHIDA4
+from softcradle.physics.fixed_step.splitting_simd import LONG
+from softcradle.physics.fixed_step.step_loop import (
+    DISCRETE_GRADIENT,
+    SPLITTING,
+    SPLITTING_SIMD,
+    march_frictionless,
+    march_records,
+)
+from softcradle.physics.kernel_records import (
+    FIRST_LOG,
+    chain_records,
+    empty_log,
+    kept_switches,
+    larger_log,
+    log_warnings,
+    motion_record,
+)
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+from softcradle.physics.numerics.records import (
+    EVALUATION,
+    SAMPLE,
+    STEP,
+    SWITCH,
+    UNCONVERGED,
+    Motion,
+    Samples,
+    SwitchLog,
+)
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-PARTS = {
-    "euler": explicit.EULER,
-    "verlet": explicit.VERLET,
-    "yoshida4": explicit.YOSHIDA4,
-    "conserving": (NO_TIMES, NO_TIMES),
-}
-MOST_STEPS = 100_000_000  # a run that needs more has a step that does not fit its motion
-FIRST_SWITCHES, MOST_SWITCHES = 1024, 4_000_000  # rows in the book of contact switches: at first, and at the most
+DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
+MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
-_march: Any = kernel.march  # its arguments are unpacked from tuples, which type checkers cannot count
-_LOADED: set[str] = set()  # methods whose kernels are in memory
+_march: Any = march_records  # their arguments are unpacked from tuples, which type checkers cannot count
+_march_frictionless: Any = march_frictionless
+_loaded: set[tuple[str, bool]] = set()  # (method, dissipative) whose kernels are in memory
+
+
+@dataclass
+class Scratch:
+    """Memory of the kernels beside the state: made once for a run, or once for all frames of live use."""
+
+    method: str
+    spare: Motion
+    beads: Array
+    work: Array
+    samples: Samples
+    log: SwitchLog
+
+    @classmethod
+    def of(cls, method: str, contacts: int, times: Array = NO_TIMES, log_size: int = 0) -> Scratch:
+        """Memory for a chain with `contacts`; sample rows at `times`."""
+        none = np.empty(0, dtype=np.int8)
+        spare = Motion(np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts), np.empty(2), none, none)
+        rows = WORK_ROWS if method == "conserving" else 0
+        samples = Samples(times, *empty_samples(times.size, contacts))
+        beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((rows, contacts))
+        return cls(method, spare, beads, work, samples, empty_log(contacts, log_size))
 
 
 def run(problem: Problem) -> Record:
-    """Run a fixed-step method; where something rubs, by the kernels of softcradle.physics.fixed_step.dissipative_runner."""
-    if problem.chain.dry:
-        from softcradle.physics.fixed_step import dissipative_runner as dry
-
-        return dry.run(problem)
-    if problem.method not in _LOADED:  # so that the cost measured is that of the motion
+    """Compute the whole motion; ``problem.state`` stays as it is."""
+    key = problem.method, problem.chain.dissipative
+    if key not in _loaded:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
-        _LOADED.add(problem.method)
+        _loaded.add(key)
     return run_to_end(problem, _pass)
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool, book: int = FIRST_SWITCHES) -> Record:
-    """One run of the kernel; again with a larger book of switches where the first was too small."""
-    chain, state = problem.chain, problem.state.copy()
-    counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
-    switches = np.zeros(book, dtype=np.int64), np.zeros(book)
-    rows = empty_samples(times.size, chain.contacts)
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place; the scratch memory stays with the state."""
+    state, end = problem.state, problem.end
+    scratch = state.work.get("fixed_step")
+    if scratch is None or scratch.method != problem.method:
+        scratch = state.work["fixed_step"] = Scratch.of(problem.method, problem.chain.contacts)
+    log = scratch.log
+    log.counter[:] = 0
+    log.closed[:] = state.closed
+    status, state.time = _march_chain(problem, state, end, False, scratch)
+    state.switches += int(log.counter[SWITCH])
+    return Status(status)
+
+
+def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int | None = None) -> Record:
+    """One run of the kernel; again with a larger log of switches where the first was too small."""
+    state = problem.state.copy()
+    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG)
     began = perf_counter()
-    status, time = _march(
-        *PARTS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, *chain.parameters, _push(chain, state),
-        chain.anchor, *_moving(state), *_spare(chain.contacts), *_marks(problem.method, chain.contacts),
-        *switches, times, *rows, counter,
-    )  # fmt: skip
+    status, state.time = _march_chain(problem, state, end, stop, scratch)
     seconds = perf_counter() - began
-    used = int(counter[kernel.SWITCH])
-    if used > book and book < MOST_SWITCHES:
-        return _pass(problem, end, times, stop, min(4 * used, MOST_SWITCHES))
-    state.time = time
-    kept = min(used, book)
-    filled = int(counter[kernel.SAMPLE])  # fewer than wished where the run gave up
-    overlap, rate, anchor, force = (row[:filled] for row in rows)
-    warnings = run_warnings(problem, status, time, counter, kept)
+    larger = larger_log(scratch.log)
+    if larger:
+        return _pass(problem, end, times, stop, larger)
+    counter = scratch.log.counter
+    rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
+    overlap, rate, anchor, force, absorbed = (row[:rows] for row in scratch.samples[1:])
     return Record(
-        times[:filled], overlap, rate, anchor, force, switches[0][:kept], switches[1][:kept], state,
-        int(counter[kernel.STEP]), int(counter[kernel.EVALUATION]), warnings, seconds,
+        times[:rows], overlap, rate, anchor, force, *kept_switches(scratch.log), state, int(counter[STEP]),
+        int(counter[EVALUATION]), Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds, absorbed,
     )  # fmt: skip
 
 
-def run_warnings(problem: Problem, status: int, time: float, counter: NDArray[np.int64], kept: int) -> tuple[str, ...]:
-    """Sentences on what a run of a fixed-step kernel could not do."""
+def _march_chain(problem: Problem, state: State, end: float, stop: bool, scratch: Scratch) -> tuple[int, float]:
+    """Run the kernel on `state`. Returns its status and the time reached."""
+    chain = problem.chain
+    data, dissipation = chain_records(chain, state)
+    ahead = (
+        _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, data
+    )  # fmt: skip
+    memory = (
+        motion_record(state),
+        tuple(scratch.spare),
+        tuple(scratch.samples),
+        tuple(scratch.log),
+        scratch.beads,
+        scratch.work,
+    )
+    if dissipation is None:
+        return _march_frictionless(*ahead, *memory)  # type: ignore[no-any-return]
+    return _march(*ahead, dissipation, *memory)  # type: ignore[no-any-return]
+
+
+def _kind(method: str, chain: Chain) -> int:
+    """The kind of step that the loop takes."""
+    if method == "conserving":
+        return DISCRETE_GRADIENT
+    return SPLITTING_SIMD if chain.contacts >= LONG and not chain.dissipative else SPLITTING
+
+
+def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
+    """What a run could not do."""
     found = []
-    if status == kernel.OUT_OF_STEPS:
-        found.append(f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: take a larger step")
-    if counter[kernel.FAILURE]:
-        found.append(f"{counter[kernel.FAILURE]} steps of {problem.method} did not converge: take a smaller step")
-    if counter[kernel.SWITCH] > kept:
-        found.append(f"contacts switched {counter[kernel.SWITCH]} times, only the first {kept} are listed")
-    return tuple(found)
-
-
-def _push(chain: Chain, state: State) -> Array:
-    push = state.external(chain)
-    return NO_TIMES if push is None else push
-
-
-def _moving(state: State) -> tuple[Array, Array, Array, Array]:
-    return state.overlap, state.rate, state.anchor, state.force
-
-
-def _spare(contacts: int) -> Any:
-    return np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts)
-
-
-def _marks(method: str, contacts: int) -> tuple[NDArray[np.uint8], Array]:
-    """Flags of the closed contacts, and the work rows of `conserving` (none for the explicit methods)."""
-    rows = WORK_ROWS if PARTS[method][1].size == 0 else 0
-    return np.zeros(contacts, dtype=np.uint8), np.empty((rows, contacts))
-
-
-def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:
-    """Move `state` on by `duration` in place; the scratch memory stays with the state."""
-    if chain.dry:
-        from softcradle.physics.fixed_step import dissipative_runner as dry
-
-        dry.advance(chain, state, duration, method, step)
-        return
-    if state.work.get("fixed_step", ("",))[0] != method:
-        state.work["fixed_step"] = (method, *_scratch(method, chain.contacts))
-    spare: Any
-    _, spare, marks, switches, rows, counter = state.work["fixed_step"]
-    counter[:] = 0
-    marks[0][:] = (state.overlap > 0.0) | ((state.overlap == 0.0) & (state.force > 0.0))
-    end = state.time + duration
-    _march(
-        *PARTS[method], step, state.time, end, False, MOST_STEPS, *chain.parameters, _push(chain, state), chain.anchor,
-        *_moving(state), *spare, *marks, *switches, NO_TIMES, *rows, counter,
-    )  # fmt: skip
-    state.time = end
-    state.switches += int(counter[kernel.SWITCH])
-
-
-def _scratch(method: str, contacts: int) -> tuple[Any, ...]:
-    book = np.zeros(0, dtype=np.int64), np.zeros(0)
-    counter = np.zeros(kernel.COUNTERS, dtype=np.int64)
-    return _spare(contacts), _marks(method, contacts), book, empty_samples(0, contacts), counter
+    if status.gave_up:
+        sentence = f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: take a larger step"
+        found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": MOST_STEPS, "time": time}))
+    failed = int(log.counter[UNCONVERGED])
+    if failed:
+        sentence = f"{failed} steps of {problem.method} did not converge: take a smaller step"
+        found.append(CodedWarning(WarningCode.UNCONVERGED, sentence, {"steps": failed}))
+    return (*found, *log_warnings(log))

@@ -7,16 +7,27 @@
     yoshida4     drift(a/2) kick(a) drift((a+b)/2) kick(b) drift((a+b)/2) kick(a) drift(a/2)
                  order 4: three leapfrogs, the middle one backwards; a = 1/(2 - 2**(1/3)), b = 1 - 2a (Yoshida 1990)
 
-Long chains take the same steps in vector code: `long`.
+With dissipation, for methods without a backward part:
+
+    force        f(d) if w >= 0, (1 - loss) f(d) if w < 0
+    kick(c h)    v -= c h (forces);  then |v| falls by c h mu g, to 0 at most: the bed stops a bead, never turns it round
+
+Contacts absorb loss * (fall of the stored energy) in a drift, the bed what the kinetic energy falls by in a kick.
+Long chains take the same steps in vector code: `splitting_simd`.
 
 A preload is set-valued at overlap 0; these methods take f = 0 there, so a contact that should only touch chatters.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
+from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_law import force as law_force
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.switches import any_switched
 
 _OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
 _INNER = 1.0 - 2.0 * _OUTER
@@ -31,44 +42,92 @@ YOSHIDA4 = (
 
 
 @jit
-def split_steps(
-    most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
-):  # fmt: skip
-    """Up to `most` steps in place; stops after the first in which a contact leaves the state in `closed`.
+def drift(part, chain, dissipation, motion):
+    """Move on for the time `part` at the present rates; add what contacts with loss keep to what they absorbed."""
+    law, overlap, rate = chain.law, motion.overlap, motion.rate
+    for i in range(overlap.size):
+        before = overlap[i]
+        overlap[i] += part * rate[i]
+        if dissipation is not None and dissipation.loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
+            fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
+            fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            motion.absorbed[0] += dissipation.loss[i] * fall
+    motion.anchor[0] += part * motion.anchor[1]
 
-    Returns the steps taken. The kick goes by way of the bead accelerations a_i = (f_(i-1) - f_i + push_i) / m_i:
-    w_i += h (a_i - a_(i+1)).
-    """
-    n = overlap.size
-    for step in range(most):
-        for stage in range(kicks.size):
-            part = h * drifts[stage]
-            for i in range(n):
-                overlap[i] += part * rate[i]
-                force[i] = law_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            anchor[0] += part * anchor[1]
-            part = h * kicks[stage]
-            if push.size:
-                anchor[1] += part * push[anchor_bead] * inverse_mass[anchor_bead]
-                for i in range(n):
-                    rate[i] += part * (push[i] * inverse_mass[i] - push[i + 1] * inverse_mass[i + 1])
-            before = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
-            after = force[anchor_bead] if anchor_bead < n else 0.0
-            anchor[1] += part * (before - after) * inverse_mass[anchor_bead]
-            left = -force[0] * inverse_mass[0]
-            for i in range(n - 1):
-                right = (force[i] - force[i + 1]) * inverse_mass[i + 1]
-                rate[i] += part * (left - right)
-                left = right
-            rate[n - 1] += part * (left - force[n - 1] * inverse_mass[n])
-        part = h * drifts[kicks.size]
-        if part != 0.0:
-            for i in range(n):
-                overlap[i] += part * rate[i]
-            anchor[0] += part * anchor[1]
-        switched = False
+
+@jit
+def push(chain, dissipation, motion):
+    """The contact forces at the present overlaps."""
+    law, force = chain.law, motion.force
+    for i in range(force.size):
+        force[i] = law_force(law[i, 0], law[i, 1], law[i, 2], motion.overlap[i])
+        if dissipation is not None and motion.rate[i] < 0.0:
+            force[i] *= 1.0 - dissipation.loss[i]
+
+
+@jit
+def kick(part, chain, motion):
+    """Change the rates by all forces during `part`, by way of the bead accelerations: w_i += h (a_i - a_(i+1))."""
+    n, inverse_mass, outside = motion.rate.size, chain.inverse_mass, chain.push
+    rate, anchor, force, bead = motion.rate, motion.anchor, motion.force, chain.anchor_bead
+    if outside.size:
+        anchor[1] += part * outside[bead] * inverse_mass[bead]
         for i in range(n):
-            switched |= (overlap[i] > 0.0) != (closed[i] != 0)
-        if switched:
+            rate[i] += part * (outside[i] * inverse_mass[i] - outside[i + 1] * inverse_mass[i + 1])
+    before = force[bead - 1] if bead > 0 else 0.0
+    after = force[bead] if bead < n else 0.0
+    anchor[1] += part * (before - after) * inverse_mass[bead]
+    left = -force[0] * inverse_mass[0]
+    for i in range(n - 1):
+        right = (force[i] - force[i + 1]) * inverse_mass[i + 1]
+        rate[i] += part * (left - right)
+        left = right
+    rate[n - 1] += part * (left - force[n - 1] * inverse_mass[n])
+
+
+@jit
+def kick_and_brake(part, chain, dissipation, motion, beads):
+    """Change bead velocities by all forces during `part`, then brake them on the bed; `beads` (2 or more, n+1) scratch."""
+    n, inverse_mass, bed = motion.rate.size, chain.inverse_mass, dissipation.bed
+    rate, anchor, force = motion.rate, motion.anchor, motion.force
+    if bed.size:
+        bead_velocities(rate, chain.anchor_bead, anchor[1], beads[0])
+    for j in range(n + 1):
+        net = (force[j - 1] if j > 0 else 0.0) - (force[j] if j < n else 0.0)
+        net += chain.push[j] if chain.push.size else 0.0
+        beads[1, j] = part * net * inverse_mass[j]
+        if bed.size and bed[j] > 0.0:
+            pushed, brake = beads[0, j] + beads[1, j], part * bed[j]
+            ended = 0.0 if abs(pushed) <= brake else pushed - math.copysign(brake, pushed)
+            motion.absorbed[1] += 0.5 * (pushed - ended) * (pushed + ended) / inverse_mass[j]
+            beads[1, j] = -beads[0, j] if ended == 0.0 else beads[1, j] - math.copysign(brake, pushed)
+    anchor[1] += beads[1, chain.anchor_bead]
+    for i in range(n):
+        rate[i] += beads[1, i] - beads[1, i + 1]
+        if bed.size and beads[1, i] == -beads[0, i] and beads[1, i + 1] == -beads[0, i + 1]:
+            rate[i] = 0.0
+
+
+@jit
+def split_steps(most, h, drifts, kicks, chain, dissipation, motion, closed, beads):
+    """Up to `most` steps in place, until a contact leaves the state in `closed` or, with dissipation, all beads rest.
+
+    `drifts`, `kicks` are the method's, none negative with dissipation. Returns the steps taken.
+    """
+    stages = kicks.size
+    for step in range(most):
+        for stage in range(stages):
+            drift(h * drifts[stage], chain, dissipation, motion)
+            push(chain, dissipation, motion)
+            if dissipation is None:
+                kick(h * kicks[stage], chain, motion)
+            else:
+                kick_and_brake(h * kicks[stage], chain, dissipation, motion, beads)
+        if drifts[stages] != 0.0:
+            drift(h * drifts[stages], chain, dissipation, motion)
+        stopped = any_switched(motion, closed)
+        if dissipation is not None:
+            stopped |= at_rest(motion)
+        if stopped:
             return step + 1
     return most

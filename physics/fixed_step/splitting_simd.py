@@ -1,7 +1,7 @@
-"""Explicit steps of long chains: the row of drifts and kicks of `explicit`, block by block, in vector code.
+"""Explicit steps of long chains: the drifts and kicks of `splitting`, block by block, in vector code.
 
-A block is drifted, its forces are found and the contacts before it are kicked while it lies in the nearest cache; blocks
-in which nothing pushes take no powers. The operations on each contact are those of `explicit.split_steps`, in the same
+A block is drifted, its forces are evaluated and the contacts before it are kicked while it lies in the nearest cache; a block
+in which no contact pushes takes no power. The operations on each contact are those of `splitting.split_steps`, in the same
 order: only the power differs, in its last digits.
 """
 
@@ -11,8 +11,8 @@ from softcradle.physics.numerics.float_bits import COMPILED, VECTORS
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.simd_power import forces
 
-BLOCK = 256  # contacts; their nine rows fit the nearest cache of every machine of today
-LONG = 64 if COMPILED and VECTORS else 2**62  # contacts from which this measures faster than scalar steps
+BLOCK = 256  # contacts of a block: their nine rows (18 kB) fit the first-level cache of current processors
+LONG = 64 if COMPILED and VECTORS else 2**62  # contacts from which vector code measures faster than scalar steps
 
 
 @jit
@@ -30,7 +30,7 @@ def kick_inner(part, rate, before, own, after, inverse_left, inverse_right):
 
 
 @jit
-def pushed(part, push, inverse_mass, rate):
+def kick_by_push(part, push, inverse_mass, rate):
     """``w += part (push_left/m_left - push_right/m_right)``; one bead more than contacts."""
     for i in range(rate.size):
         rate[i] += part * (push[i] * inverse_mass[i] - push[i + 1] * inverse_mass[i + 1])
@@ -41,7 +41,7 @@ def kick(first, last, part, inverse_mass, push, rate, force):
     """Kick the contacts from `first` to before `last`; their forces and those of their neighbours are known."""
     n = rate.size
     if push.size:
-        pushed(part, push[first : last + 1], inverse_mass[first : last + 1], rate[first:last])
+        kick_by_push(part, push[first : last + 1], inverse_mass[first : last + 1], rate[first:last])
     low, high = max(first, 1), min(last, n - 1)
     if first == 0 and last > 0:
         after = force[1] if n > 1 else 0.0
@@ -56,8 +56,8 @@ def kick(first, last, part, inverse_mass, push, rate, force):
 
 
 @jit
-def differs(overlap, closed):
-    """Whether a contact has left the state that its flag says."""
+def any_differs(overlap, closed):
+    """Whether a contact has left the state in `closed`, without a branch."""
     found = 0
     for i in range(overlap.size):
         found |= (1 if overlap[i] > 0.0 else 0) ^ closed[i]
@@ -65,10 +65,10 @@ def differs(overlap, closed):
 
 
 @jit
-def long_steps(
-    most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
-):  # fmt: skip
-    """As `explicit.split_steps`: up to `most` steps in place, until a contact leaves the state in `closed`."""
+def simd_split_steps(most, h, drifts, kicks, chain, motion, closed):
+    """As `split_steps` without dissipation: up to `most` steps in place, until a contact leaves the state in `closed`."""
+    inverse_mass, outside, bead = chain.inverse_mass, chain.push, chain.anchor_bead
+    overlap, rate, anchor, force = motion.overlap, motion.rate, motion.anchor, motion.force
     n = overlap.size
     stages = kicks.size
     end = h * drifts[stages]
@@ -76,23 +76,23 @@ def long_steps(
         switched = False
         for stage in range(stages):
             part, strength = h * drifts[stage], h * kicks[stage]
-            ending = stage == stages - 1
+            last_stage = stage == stages - 1
             for low in range(0, n, BLOCK):
                 high = min(n, low + BLOCK)
                 drift(part, overlap[low:high], rate[low:high])
-                forces(law[low:high], overlap[low:high], force[low:high])
+                forces(chain.law[low:high], overlap[low:high], force[low:high])
                 first, last = max(low - 1, 0), n if high == n else high - 1  # those whose neighbours' forces are known
-                kick(first, last, strength, inverse_mass, push, rate, force)
-                if ending:
+                kick(first, last, strength, inverse_mass, outside, rate, force)
+                if last_stage:
                     if end != 0.0:
                         drift(end, overlap[first:last], rate[first:last])
-                    switched |= differs(overlap[first:last], closed[first:last])
+                    switched |= any_differs(overlap[first:last], closed[first:last])
             anchor[0] += part * anchor[1]
-            if push.size:
-                anchor[1] += strength * push[anchor_bead] * inverse_mass[anchor_bead]
-            before = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
-            after = force[anchor_bead] if anchor_bead < n else 0.0
-            anchor[1] += strength * (before - after) * inverse_mass[anchor_bead]
+            if outside.size:
+                anchor[1] += strength * outside[bead] * inverse_mass[bead]
+            before = force[bead - 1] if bead > 0 else 0.0
+            after = force[bead] if bead < n else 0.0
+            anchor[1] += strength * (before - after) * inverse_mass[bead]
         if end != 0.0:
             anchor[0] += end * anchor[1]
         if switched:

@@ -1,73 +1,75 @@
 """The loop around a fixed-step method: steps, samples, contact switches, the end of a collision. One for all methods.
 
 Samples between steps are one shorter step of the same method from the last grid state, so they carry its accuracy and
-leave the path itself alone. While no contact is closed, whole steps of free flight are taken at once: drift is exact.
+leave the path itself alone. While no contact is closed and no bed brakes, whole steps of free flight are taken at once: drift
+is exact. On a bed a run to the end stops when no contact pushes and none can close any more before the beads have slid to
+rest, or when all beads rest.
 """
 
 from __future__ import annotations
 
 import math
 
-from softcradle.physics.fixed_step.discrete_gradient import conserving_steps
+from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.splitting import split_steps
-from softcradle.physics.fixed_step.splitting_simd import LONG, long_steps
+from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
+from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.records import (
+    DONE,
+    EVALUATION,
+    OUT_OF_STEPS,
+    SAMPLE,
+    SEPARATED,
+    STEP,
+    ChainData,
+    Dissipation,
+    Motion,
+    Samples,
+    SwitchLog,
+)
+from softcradle.physics.numerics.switches import copy_motion, is_closed, log_switch, take_sample
 
-# what `march` returns
-DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
-
-# entries of the counter array: evaluations of all contacts, steps that did not converge, steps, sample rows, switches
-EVALUATION, FAILURE, STEP, SAMPLE, SWITCH = 0, 1, 2, 3, 4
-COUNTERS = 5
+# kinds of step
+SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
 
 GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
-STANDSTILL = 1e-14  # of the fastest rate at the start: what is slower is round-off and closes nothing
+STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
 MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
 @jit
-def steps(
-    most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed, work, counter
-):  # fmt: skip
-    """Up to `most` steps, until a contact switches: explicit by its drifts and kicks; conserving where there are none."""
-    if kicks.size == 0:
-        return conserving_steps(
-            most, h, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed, work, counter
-        )  # fmt: skip
-    if overlap.size < LONG:
-        taken = split_steps(
-            most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
-        )  # fmt: skip
-    else:
-        taken = long_steps(
-            most, h, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed
-        )  # fmt: skip
-    counter[EVALUATION] += taken * kicks.size
+def take_steps(most, h, kind, drifts, kicks, chain, dissipation, motion, log, beads, work):
+    """Up to `most` steps of this kind, until a contact switches or all beads rest on a bed. Returns the steps taken."""
+    if kind == DISCRETE_GRADIENT:
+        return gradient_steps(most, h, chain, dissipation, motion, log.closed, beads, work, log.counter)
+    taken = 0
+    if kind == SPLITTING:
+        taken = split_steps(most, h, drifts, kicks, chain, dissipation, motion, log.closed, beads)
+    elif dissipation is None:
+        taken = simd_split_steps(most, h, drifts, kicks, chain, motion, log.closed)
+    log.counter[EVALUATION] += taken * kicks.size
     return taken
 
 
 @jit
-def note_switches(before, time, overlap, rate, force, closed, switch_contact, switch_time, counter):
-    """Compare each contact with its `closed` flag; book (contact, time) of every change. Returns contacts still closed.
+def log_switches(before, time, motion, log):
+    """Log every contact that has left the state of its flag since `before`. Returns the number of closed contacts.
 
-    The time is that of the straight line through the new overlap with the new rate, second order in the step; a contact
+    Its time is that of the straight line through the new overlap with the new rate, second order in the step; a contact
     that closes without overlap touches from the start of the step, at time `before`, on.
     """
-    still = 0
+    overlap, rate, closed = motion.overlap, motion.rate, 0
     for i in range(overlap.size):
-        now = overlap[i] > 0.0 or (overlap[i] == 0.0 and force[i] > 0.0)
+        now = is_closed(overlap[i], motion.force[i])
         if now:
-            still += 1
-        if now != (closed[i] != 0):
-            closed[i] = 1 if now else 0
-            k = counter[SWITCH]
-            if k < switch_contact.size:
-                switch_contact[k] = i
-                switch_time[k] = before if now and overlap[i] == 0.0 else time
-                if overlap[i] != 0.0 and rate[i] != 0.0:
-                    switch_time[k] = min(max(before, time - overlap[i] / rate[i]), time)
-            counter[SWITCH] = k + 1
-    return still
+            closed += 1
+        if now != (log.closed[i] != 0):
+            when = before if now and overlap[i] == 0.0 else time
+            if overlap[i] != 0.0 and rate[i] != 0.0:
+                when = min(max(before, time - overlap[i] / rate[i]), time)
+            log_switch(log, i, now, when)
+    return closed
 
 
 @jit
@@ -81,63 +83,114 @@ def flight_time(overlap, rate, still):
 
 
 @jit
-def march(
-    drifts, kicks, h, start, end, stop, most_steps, law, inverse_mass, push, anchor_bead,
-    overlap, rate, anchor, force, spare_overlap, spare_rate, spare_anchor, spare_force,
-    closed, work, switch_contact, switch_time,
-    sample_time, sample_overlap, sample_rate, sample_anchor, sample_force, counter,
-):  # fmt: skip
-    """Step from `start` to `end` (or, with `stop`, until no contact can close again); the state is moved in place.
+def sliding_path(velocity, deceleration):
+    """How far a bead slides until it rests, v²/(2 mu g) with the sign of v; a wall goes on for ever."""
+    if deceleration > 0.0:
+        return 0.5 * velocity * abs(velocity) / deceleration
+    return math.copysign(math.inf, velocity) if velocity != 0.0 else 0.0
 
-    `closed` (n,) flags, `switch_*` the book of contact switches, `sample_*` the rows to fill, `counter` see above.
+
+@jit
+def closes_again(chain, dissipation, motion, still, velocity):
+    """Whether two beads that are apart will meet if no contact pushes; rates up to `still` are round-off.
+
+    `velocity` (n+1,) is scratch memory.
+    """
+    if dissipation is None or dissipation.bed.size == 0:
+        return flight_time(motion.overlap, motion.rate, still) < math.inf
+    bed = dissipation.bed
+    bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+    for i in range(motion.overlap.size):
+        if motion.rate[i] > still:
+            ahead, behind = sliding_path(velocity[i], bed[i]), sliding_path(velocity[i + 1], bed[i + 1])
+            if motion.overlap[i] + ahead - behind > 0.0:
+                return True
+    return False
+
+
+@jit
+def take_samples(time, h, kind, drifts, kicks, chain, dissipation, motion, spare, samples, log, beads, work):
+    """Fill the sample rows up to the next step, between steps by one shorter step of `spare`."""
+    wanted, counter = samples.time, log.counter
+    while counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE):
+        copy_motion(spare, motion)
+        length = wanted[counter[SAMPLE]] - time
+        if length > h * GRID_TOLERANCE:
+            take_steps(1, length, kind, drifts, kicks, chain, dissipation, spare, log, beads, work)
+        take_sample(samples, log, spare)
+
+
+@jit
+def fly(steps, h, motion):
+    """Take whole steps of free flight at once."""
+    for i in range(motion.overlap.size):
+        motion.overlap[i] += steps * h * motion.rate[i]
+    motion.anchor[0] += steps * h * motion.anchor[1]
+
+
+@jit
+def march(
+    kind, drifts, kicks, h, start, end, stop, most_steps, chain, dissipation, motion, spare, samples, log, beads, work
+):  # fmt: skip
+    """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
+
+    `spare` is a second Motion for samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) scratch memory.
     Returns the status and the time reached.
     """
-    n = overlap.size
-    slow = 0.0
-    for i in range(n):
-        slow = max(slow, STANDSTILL * abs(rate[i]))
-    still = note_switches(start, start, overlap, rate, force, closed, switch_contact, switch_time, counter)
+    counter, wanted = log.counter, samples.time
+    bed = dissipation is not None and dissipation.bed.size > 0
+    still = 0.0
+    for i in range(motion.rate.size):
+        still = max(still, STANDSTILL * abs(motion.rate[i]))
+    closed, rests = log_switches(start, start, motion, log), False
     while True:
         time = start + counter[STEP] * h
-        while counter[SAMPLE] < sample_time.size and sample_time[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE):
-            k = counter[SAMPLE]
-            counter[SAMPLE] += 1
-            for i in range(n):
-                spare_overlap[i], spare_rate[i], spare_force[i] = overlap[i], rate[i], force[i]
-            spare_anchor[0], spare_anchor[1] = anchor[0], anchor[1]
-            if sample_time[k] - time > h * GRID_TOLERANCE:
-                steps(
-                    1, sample_time[k] - time, drifts, kicks, law, inverse_mass, push, anchor_bead,
-                    spare_overlap, spare_rate, spare_anchor, spare_force, closed, work, counter,
-                )  # fmt: skip
-            for i in range(n):
-                sample_overlap[k, i], sample_rate[k, i] = spare_overlap[i], spare_rate[i]
-                sample_force[k, i] = spare_force[i]
-            sample_anchor[k, 0], sample_anchor[k, 1] = spare_anchor[0], spare_anchor[1]
+        take_samples(time, h, kind, drifts, kicks, chain, dissipation, motion, spare, samples, log, beads, work)
         if time > end - h * GRID_TOLERANCE:
             return DONE, end
+        free = closed == 0 and chain.push.size == 0
+        if stop and (rests or (free and not closes_again(chain, dissipation, motion, still, beads[0]))):
+            return SEPARATED, time
         if counter[STEP] >= most_steps:
             return OUT_OF_STEPS, time
-        until = end if counter[SAMPLE] == sample_time.size else min(end, sample_time[counter[SAMPLE]])
-        if still == 0 and push.size == 0:
-            flight = flight_time(overlap, rate, slow)
-            if stop and flight == math.inf:
-                return SEPARATED, time
+        until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
+        if rests or (free and not bed):
+            flight = math.inf if rests else flight_time(motion.overlap, motion.rate, still)
             whole = math.floor(min(flight, until - time) / h) - 1.0
             if whole >= 1.0:
-                for i in range(n):
-                    overlap[i] += whole * h * rate[i]
-                anchor[0] += whole * h * anchor[1]
+                fly(whole, h, motion)
                 counter[STEP] += int(whole)
                 continue
         whole_step = end - time >= h * (1.0 - GRID_TOLERANCE)
         length = h if whole_step else end - time
         most = 1 if not whole_step else int(min(max(1.0, (until - time) / h), MOST_AT_ONCE, most_steps - counter[STEP]))
-        counter[STEP] += steps(
-            most, length, drifts, kicks, law, inverse_mass, push, anchor_bead, overlap, rate, anchor, force, closed,
-            work, counter,
-        )  # fmt: skip
-        before, time = time, min(end, start + counter[STEP] * h)
-        still = note_switches(before, time, overlap, rate, force, closed, switch_contact, switch_time, counter)
+        rests = bed and at_rest(motion)
+        counter[STEP] += take_steps(most, length, kind, drifts, kicks, chain, dissipation, motion, log, beads, work)
+        rests = rests and at_rest(motion)
+        time = min(end, start + counter[STEP] * h)
+        before = start + (counter[STEP] - 1) * h  # the switch is in the last step: with it a run of steps ends
+        closed = log_switches(before, time, motion, log)
         if not whole_step:
             return DONE, end
+
+
+@jit
+def march_records(
+    kind, drifts, kicks, h, start, end, stop, most_steps, chain, dissipation, motion, spare, samples, log, beads, work
+):  # fmt: skip
+    """`march` for Python: the records come as plain tuples."""
+    return march(
+        kind, drifts, kicks, h, start, end, stop, most_steps, ChainData(*chain), Dissipation(*dissipation), Motion(*motion),
+        Motion(*spare), Samples(*samples), SwitchLog(*log), beads, work,
+    )  # fmt: skip
+
+
+@jit
+def march_frictionless(
+    kind, drifts, kicks, h, start, end, stop, most_steps, chain, motion, spare, samples, log, beads, work
+):  # fmt: skip
+    """`march_records` for a chain that nothing dissipates."""
+    return march(
+        kind, drifts, kicks, h, start, end, stop, most_steps, ChainData(*chain), None, Motion(*motion), Motion(*spare),
+        Samples(*samples), SwitchLog(*log), beads, work,
+    )  # fmt: skip

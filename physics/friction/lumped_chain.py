@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.friction.stick_slip import EASED, HELD, PRESSED, Modes, bed_force, law_force
+from softcradle.physics.friction.stick_slip import HELD, PRESSED, RELEASED, Modes, bed_force, law_force
 from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
@@ -18,8 +18,8 @@ SLACK = 1e-9  # of the largest friction or force: a mode ends when it is out of 
 
 
 @dataclass
-class Groups:
-    """Beads that move as one, `of` (n+1,) the group of each; the chain of groups (None: there is one) and its start."""
+class LumpedChain:
+    """Beads that move as one, `of` (n+1,) the lump of each; the chain of lumps (None: there is one) and its start."""
 
     chain: Chain
     modes: Modes
@@ -32,8 +32,8 @@ class Groups:
     begin: State
 
     @classmethod
-    def at(cls, chain: Chain, state: State, modes: Modes) -> Groups:
-        """The groups of `chain` in these `modes`, from `state` on."""
+    def at(cls, chain: Chain, state: State, modes: Modes) -> LumpedChain:
+        """The lumps of `chain` in these `modes`, from `state` on."""
         external = state.external(chain)
         push = -modes.slides * bed_force(chain) + (0.0 if external is None else external)
         firm = modes.sticks | (np.isinf(chain.mass) & (state.velocity(chain) == 0.0))
@@ -44,7 +44,7 @@ class Groups:
         total = np.where(np.isfinite(mass), np.bincount(of, weights=push), 0.0)
         velocity = state.velocity(chain)
         first = np.flatnonzero(np.concatenate(([True], ~joined)))
-        laws = [_eased(chain, int(i), modes) for i in between]
+        laws = [_released(chain, int(i), modes) for i in between]
         reduced = Chain(mass, laws, drive=total) if laws else None
         lead = reduced.anchor if reduced else 0
         anchor = np.array([0.0, 0.0 if firm[of == lead].any() else velocity[first[lead]]])
@@ -52,7 +52,7 @@ class Groups:
         return cls(chain, modes, state, of, between, total, mass, reduced, begin)
 
     def whole(self, time: float, overlap: Array, rate: Array, anchor: Array, force: Array) -> State:
-        """The state of all beads from that of the groups."""
+        """The state of all beads from that of the lumps."""
         found = self.start.copy()
         found.time = time
         found.overlap[self.between], found.rate[self.between] = overlap, rate
@@ -79,14 +79,14 @@ class Groups:
     def _absorbed(self, now: State) -> Array:
         """(2,) energy [J] absorbed since the start of the modes."""
         by_contacts = 0.0
-        for i in np.flatnonzero(self.modes.contact == EASED):
+        for i in np.flatnonzero(self.modes.contact == RELEASED):
             law = self.chain.contact[i]
             by_contacts += law.loss * float(law.energy(self.start.overlap[i]) - law.energy(now.overlap[i]))
         path = now.position(self.chain) - self.start.position(self.chain)
         return np.array([by_contacts, float((self.modes.slides * bed_force(self.chain)) @ path)])
 
     def _bounds(self, state: State) -> tuple[Array, Array]:
-        """(n,) what forces of contacts inside groups may be; of those between groups, what they are."""
+        """(n,) what forces of contacts inside lumps may be; of those between lumps, what they are."""
         full = law_force(self.chain, state.overlap)
         low, high = np.where(self.chain.loss > 0.0, (1.0 - self.chain.loss) * full, full), full
         touching = state.overlap == 0.0
@@ -96,19 +96,19 @@ class Groups:
         return low, high
 
     def _carry(self, state: State) -> float:
-        """Put forces inside groups into `state`; returns by how much [N] the least of all bounds is kept (< 0: broken)."""
+        """Put forces inside lumps into `state`; returns by how much [N] the least of all bounds is kept (< 0: broken)."""
         chain, most = self.chain, bed_force(self.chain)
         low, high = self._bounds(state)
         external = state.external(chain)
         push = -self.modes.slides * most + (0.0 if external is None else external)
         room, now = math.inf, (0.0, 0.0)
         for j in range(chain.contacts + 1):
-            group = int(self.of[j])
+            lump = int(self.of[j])
             give = math.inf if np.isinf(chain.mass[j]) else (float(most[j]) if self.modes.sticks[j] else 0.0)
-            bent = 0.0 if np.isinf(self.mass[group]) else chain.mass[j] * self._acceleration(group, state)
+            bent = 0.0 if np.isinf(self.mass[lump]) else chain.mass[j] * self._acceleration(lump, state)
             a, b = now[0] + push[j] - bent - give, now[1] + push[j] - bent + give
             least, largest = (low[j], high[j]) if j < chain.contacts else (0.0, 0.0)
-            inside = j < chain.contacts and self.of[j + 1] == group
+            inside = j < chain.contacts and self.of[j + 1] == lump
             if inside or give > 0.0:
                 room = min(room, b - least, largest - a)
             if j < chain.contacts:
@@ -117,10 +117,10 @@ class Groups:
                     state.force[j] = min(max(0.5 * (now[0] + now[1]), least), largest)
         return room
 
-    def _acceleration(self, group: int, state: State) -> float:
-        before = state.force[self.between[group - 1]] if group > 0 else 0.0
-        after = state.force[self.between[group]] if group < self.between.size else 0.0
-        return float((before - after + self.push[group]) / self.mass[group])
+    def _acceleration(self, lump: int, state: State) -> float:
+        before = state.force[self.between[lump - 1]] if lump > 0 else 0.0
+        after = state.force[self.between[lump]] if lump < self.between.size else 0.0
+        return float((before - after + self.push[lump]) / self.mass[lump])
 
     def margin(self, state: State, fresh: bool = False) -> float:
         """How far these modes are from their end: negative past it. Velocities that begin at 0 do not count when `fresh`."""
@@ -137,17 +137,17 @@ class Groups:
         """Rates, signed so that they are positive in their mode, of contacts with loss that are pressed or ease."""
         lossy, modes = self.chain.loss > 0.0, self.modes
         pressed = lossy & (modes.contact == PRESSED) & (state.overlap > 0.0)
-        eased = lossy & (modes.contact == EASED) & (state.overlap > 0.0)
-        gone = lossy & (modes.contact == EASED) & (state.overlap < 0.0)
+        released = lossy & (modes.contact == RELEASED) & (state.overlap > 0.0)
+        gone = lossy & (modes.contact == RELEASED) & (state.overlap < 0.0)
         return [
             (self.start.rate[pressed], state.rate[pressed]),
-            (-self.start.rate[eased], -state.rate[eased]),
+            (-self.start.rate[released], -state.rate[released]),
             (np.ones(int(gone.sum())), state.overlap[gone]),
         ]
 
 
-def _eased(chain: Chain, index: int, modes: Modes) -> Contact:
+def _released(chain: Chain, index: int, modes: Modes) -> Contact:
     """Contact `index` without loss, as it pushes in these modes."""
     law = chain.contact[index]
-    part = 1.0 - law.loss if modes.contact[index] == EASED else 1.0
+    part = 1.0 - law.loss if modes.contact[index] == RELEASED else 1.0
     return replace(law, preload=part * law.preload, stiffness=part * law.stiffness, loss=0.0)

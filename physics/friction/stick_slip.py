@@ -1,7 +1,7 @@
 """Modes of what rubs, for adaptive methods: while none changes, friction is constant and the motion smooth.
 
     bead       SLIDES +-1 (friction -+ mu m g, constant) until its velocity is 0     STICKS until more than mu m g is needed
-    contact    PRESSED (its own law) until its rate is 0                             EASED ((1 - loss) of the law) likewise
+    contact    PRESSED (its own law) until its rate is 0                             RELEASED ((1 - loss) of the law) likewise
                HELD (overlap fixed) until its force leaves [(1 - loss) f, f]
 
 Beads that hold together move as one, and those that stick are a wall: a smaller chain without friction, which any method can
@@ -21,13 +21,13 @@ from softcradle.physics.state import State
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PRESSED, EASED, HELD = 0, 1, 2
+PRESSED, RELEASED, HELD = 0, 1, 2
 RESTS = 3e-11  # of the scales of acceleration: what moves less holds
 
 
 @dataclass
 class Modes:
-    """`contact` (n,) PRESSED, EASED or HELD; `slides` (n+1,) direction of sliding, 0 for beads that stick or do not rub;
+    """`contact` (n,) PRESSED, RELEASED or HELD; `slides` (n+1,) direction of sliding, 0 for beads that stick or do not rub;
     `sticks` (n+1,)."""
 
     contact: Ints
@@ -56,7 +56,7 @@ def ranges(chain: Chain, state: State, still: NDArray[np.bool_]) -> tuple[Array,
     return np.where(touching, 0.0, low), np.where(touching, preload, high)
 
 
-def settle(chain: Chain, state: State, velocity: Array) -> Modes:
+def resolve_modes(chain: Chain, state: State, velocity: Array) -> Modes:
     """Modes right now, from overlaps, rates (exactly 0 where contacts stand still) and `velocity` (0 where beads rest)."""
     n = chain.contacts
     most = bed_force(chain)
@@ -77,8 +77,8 @@ def settle(chain: Chain, state: State, velocity: Array) -> Modes:
     acceleration = root * (matrix[:, ~fixed] @ x[~fixed] - wanted)
     scale = RESTS * (root**2 * (np.abs(np.hstack((spread, np.eye(n + 1)))) @ np.abs(x))).max(initial=0.0)
     apart = acceleration[:-1] - acceleration[1:]
-    contact = np.where(state.rate < 0.0, EASED, PRESSED)
-    between = np.where(np.abs(apart) <= scale, HELD, np.where(apart < 0.0, EASED, PRESSED))
+    contact = np.where(state.rate < 0.0, RELEASED, PRESSED)
+    between = np.where(np.abs(apart) <= scale, HELD, np.where(apart < 0.0, RELEASED, PRESSED))
     lossy = (chain.loss > 0.0) & (state.overlap > 0.0)
     contact = np.where(lossy, np.where(still, between, contact), PRESSED)
     sticks = resting & (np.abs(acceleration) <= scale)

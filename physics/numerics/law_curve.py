@@ -14,8 +14,6 @@ import numpy as np
 from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import jit
 
-OPEN, TOUCHING, LOADED = 0, 1, 2
-
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
 MOST_CARE = 1e4  # times an error counts, at the most, that a soft contact may carry through many swings

@@ -1,4 +1,4 @@
-"""One step of method `conserving` for a row of bodies that someone else's step moves: pymunk drifts, then kicks.
+"""One step of the discrete gradient for a chain of bodies that a pymunk Space moves: it drifts, then kicks.
 
 With X, V the body's position and velocity and x = X + (h/2) V, drift-kick is the trapezoidal pair of `conserving`:
 
@@ -13,14 +13,19 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.fixed_step.discrete_gradient import SOLVER_ROWS, mean_forces
+from softcradle.physics.numerics.contact_law import energy
+from softcradle.physics.numerics.contact_solve import HOLD, SOLVER_ROWS, loses, solve_contacts
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.records import Dissipation
 from softcradle.physics.numerics.resolvent import EPSILON
 
 PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
 RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities
 DRIFT_TOLERANCE = 8.0 * EPSILON  # of one drift X + h V
-ROW_ROWS = SOLVER_ROWS + 6  # rows (n,) of scratch memory of `solve_row`
+
+# rows (n,) of scratch memory of `solve_chain_step`, after those of the solver; the last has two
+DIAGONAL, FREE, END, GIVEN, COUPLING = (SOLVER_ROWS + k for k in range(5))
+CHAIN_ROWS = SOLVER_ROWS + 6
 
 
 @jit
@@ -46,7 +51,7 @@ def extent(i, values):
 
 
 @jit
-def start_row(h, touching, position, velocity, place, speed, overlap, rate, lag, outside, force):
+def start_chain_step(h, touching, position, velocity, place, speed, overlap, rate, lag, outside, force):
     """The first step: overlaps are those before the drift, as the user put the bodies."""
     for b in range(position.shape[0]):
         for axis in range(2):
@@ -61,7 +66,7 @@ def start_row(h, touching, position, velocity, place, speed, overlap, rate, lag,
 
 
 @jit
-def take_up(h, h_before, touching, position, velocity, place, speed, direction, overlap, rate, lag, outside):
+def begin_chain_step(h, h_before, touching, position, velocity, place, speed, direction, overlap, rate, lag, outside):
     """Bring overlaps and rates in line with what others did since the last step, after the drift of this one.
 
     `velocity` becomes the velocity of the drift: a kick that others gave after it belongs to the end of the step.
@@ -104,31 +109,39 @@ def along(i, direction, j, mobility):
 
 
 @jit
-def solve_row(h, law, mobility, expected, velocity, direction, outside, overlap, rate, force, work):
+def solve_chain_step(
+    h, law, dissipation, absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force, beads, work
+):  # fmt: skip
     """Mean forces of the step into `force`; overlaps and rates to its end. Returns False where it did not converge.
 
     `velocity` (n+1, 2) is that of the drift, `expected` that at the end of the step without contacts, `mobility`
     (n+1, 2, 2) what impulses change of it; `outside` (n,) what others did to the rates in the last step beyond this.
+    What contacts with loss keep is added to `absorbed` (1,); `beads` (BEAD_ROWS, n+1) and `work` (CHAIN_ROWS, n) are scratch.
     """
     n = overlap.size
-    diagonal, target, end, given = (
-        work[SOLVER_ROWS],
-        work[SOLVER_ROWS + 1],
-        work[SOLVER_ROWS + 2],
-        work[SOLVER_ROWS + 3],
-    )
-    coupling = work[SOLVER_ROWS + 4 : SOLVER_ROWS + 6].reshape(2 * n)
+    diagonal, free, end, given = work[DIAGONAL], work[FREE], work[END], work[GIVEN]
+    coupling = work[COUPLING : COUPLING + 2].reshape(2 * n)
     for i in range(n):
         diagonal[i] = along(i, direction, i, mobility[i]) + along(i, direction, i, mobility[i + 1])
         coupling[i] = along(i - 1, direction, i, mobility[i]) if i > 0 else 0.0
         given[i] = closing_rate(i, direction, expected) - closing_rate(i, direction, velocity) + outside[i]
-        target[i] = overlap[i] + h * rate[i] + 0.5 * h * given[i]
-        end[i] = overlap[i] if overlap[i] > 0.0 else target[i]
+        free[i] = h * rate[i] + 0.5 * h * given[i]
+        end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     coupling[n] = 0.0
-    used = mean_forces(h, law, diagonal, coupling, target, overlap, end, force, work)
+    used = solve_contacts(
+        h, law, dissipation, diagonal, coupling, coupling[:0], free, overlap, rate, end, force, beads, work
+    )  # fmt: skip
     for i in range(n):
+        held = False
+        if dissipation is not None and loses(dissipation.loss[i], overlap[i], rate[i]):
+            fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
+            absorbed[0] += force[i] * (end[i] - overlap[i]) + fall
+            held = end[i] == work[HOLD, i]
         own = diagonal[i] * force[i]
-        if max(abs(overlap[i]), abs(end[i])) < h * h * own:  # the finer number of the two
+        if held:
+            rate[i] = 0.0
+        elif max(abs(overlap[i]), abs(end[i])) < h * h * own:  # the finer number of the two
             rate[i] = 2.0 * (end[i] - overlap[i]) / h - rate[i]
         else:
             own -= coupling[i] * force[i - 1] if i > 0 else 0.0
@@ -139,7 +152,18 @@ def solve_row(h, law, mobility, expected, velocity, direction, outside, overlap,
 
 
 @jit
-def end_row(h, touching, position, velocity, place, speed, direction, overlap, rate, lag, outside):
+def solve_lossy_chain_step(
+    h, law, loss, absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force, beads, work
+):  # fmt: skip
+    """`solve_chain_step` for contacts with `loss` (n,)."""
+    return solve_chain_step(
+        h, law, Dissipation(loss, loss[:0]), absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force,
+        beads, work,
+    )  # fmt: skip
+
+
+@jit
+def end_chain_step(h, touching, position, velocity, place, speed, direction, overlap, rate, lag, outside):
     """After the step: what others did beyond expectation changes the rates; x moved with it, the overlaps did not."""
     for i in range(overlap.size):
         closing = closing_rate(i, direction, velocity)

@@ -21,12 +21,12 @@ from softcradle.physics.problem import Problem, Record, empty_samples, run_to_en
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
 MOST_STEPS = 20_000_000  # some minutes
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
-NO_TIMES = np.zeros(0)
 
 
 class Row:
@@ -165,11 +165,12 @@ class _Run:
         self.push = self.state.external(problem.chain)
         self.row = _row(problem.chain, self.state, self.h)
         self.row.write(self.state)
-        self.rows = *empty_samples(times.size, problem.chain.contacts), np.zeros((times.size, 2))
+        self.rows = empty_samples(times.size, problem.chain.contacts)
         self.steps = self.evaluations = self.sampled = 0
         self.closed = [False] * problem.chain.contacts
         self.switches: list[tuple[int, float]] = []
-        self.warnings: tuple[str, ...] = ()
+        self.status = Status.DONE
+        self.warnings: Warnings = ()
         self.note_switches(0.0)
 
     def until(self, end: float, stop: bool) -> _Run:
@@ -177,10 +178,13 @@ class _Run:
         self.take_samples()
         while self.state.time <= end - self.h * GRID_TOLERANCE:
             if self.steps >= MOST_STEPS:
-                self.warnings = (f"pymunk gave up after {MOST_STEPS} steps: take a larger step",)
+                sentence = f"pymunk gave up after {MOST_STEPS} steps: take a larger step"
+                self.status = Status.OUT_OF_STEPS
+                self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": MOST_STEPS}),)
                 break
             flight = self.flight_time()
             if stop and (math.isinf(flight) or (self.steps and rests(self.problem.chain, self.state))):
+                self.status = Status.SEPARATED
                 break
             self.move(end, flight)
             self.take_samples()
@@ -241,18 +245,20 @@ class _Run:
         """What `simulate` wants to know."""
         contact = np.array([i for i, _ in self.switches], dtype=np.int64)
         time = np.array([time for _, time in self.switches])
-        cost = self.steps, self.evaluations
         overlap, rate, anchor, force, absorbed = self.rows
         return Record(
-            self.times, overlap, rate, anchor, force, contact, time, self.state, *cost, self.warnings, absorbed=absorbed
-        )
+            self.times, overlap, rate, anchor, force, contact, time, self.state, self.steps, self.evaluations, self.status,
+            self.warnings, absorbed=absorbed,
+        )  # fmt: skip
 
 
-def advance(chain: Chain, state: State, duration: float, method: str, step: float) -> None:
-    """Move `state` on by `duration` in place; the Space stays with the state as long as the chain is the same."""
-    row = state.work.get(method)
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place; the Space stays with the state as long as the chain is the same."""
+    chain, state, step = problem.chain, problem.state, problem.step
+    duration = problem.duration or 0.0
+    row = state.work.get("pymunk")
     if row is None or row.chain is not chain:
-        row = state.work[method] = _row(chain, state, step)
+        row = state.work["pymunk"] = _row(chain, state, step)
     row.write(state)
     push = state.external(chain)
     whole = math.floor(duration / step + GRID_TOLERANCE)
@@ -262,3 +268,4 @@ def advance(chain: Chain, state: State, duration: float, method: str, step: floa
                 row.step(length, push)
     row.read(state)
     state.time += duration
+    return Status.DONE

@@ -30,16 +30,23 @@ import numpy as np
 import pymunk
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.contact import Contact
-from softcradle.physics.pymunk_contacts.chain_step import end_row, solve_row, start_row, take_up
-from softcradle.physics.pymunk_contacts.dissipative_chain_step import ROW_ROWS, solve_lossy_row
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+from softcradle.physics.pymunk_contacts.chain_step import (
+    CHAIN_ROWS,
+    begin_chain_step,
+    end_chain_step,
+    solve_chain_step,
+    solve_lossy_chain_step,
+    start_chain_step,
+)
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
 from softcradle.physics.pymunk_contacts.space_forces import Surroundings, centres
 
 Array = NDArray[np.float64]
 
 METHODS = ("conserving",)
-_solve_row: Any = solve_row  # their arguments are unpacked from tuples, which type checkers cannot count
-_solve_lossy_row: Any = solve_lossy_row
+_solve: Any = solve_chain_step  # their arguments are unpacked from tuples, which type checkers cannot count
+_solve_lossy: Any = solve_lossy_chain_step
 
 
 class SoftChain:
@@ -87,7 +94,8 @@ class SoftChain:
         n = len(bodies) - 1
         self._overlap, self._rate, self._lag, self._outside, self._force = np.zeros((5, n))
         self._place, self._speed, self._direction = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n, 2))
-        self._work = np.zeros((ROW_ROWS, n))
+        self._work = np.zeros((CHAIN_ROWS, n))
+        self._beads = np.zeros((BEAD_ROWS, n + 1))
         self._absorbed = np.zeros(1)
         self._step = 0.0  # of the last step; 0 when there was none
         self._waiting: list[float | None] = [None] * n
@@ -183,16 +191,16 @@ class SoftChain:
         bodies = self._touching, around.position, around.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
         if not self._step:
-            start_row(step, *bodies, *own, self._force)
-        take_up(step, self._step or step, *bodies, self._direction, *own)
+            start_chain_step(step, *bodies, *own, self._force)
+        begin_chain_step(step, self._step or step, *bodies, self._direction, *own)
         self._step = step
         call_after_step(link, self._end_step)
         motion = around.mobility, around.expected, around.velocity, self._direction, self._outside
-        own_rows = self._overlap, self._rate, self._force, self._work
+        own_rows = self._overlap, self._rate, self._force, self._beads, self._work
         if self._loss.any():
-            solved = _solve_lossy_row(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
+            solved = _solve_lossy(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
         else:
-            solved = _solve_row(step, self._law, *motion, *own_rows)
+            solved = _solve(step, self._law, None, self._absorbed, *motion, *own_rows)
         self._waiting = self._force.tolist()
         if not solved:
             warnings.warn(
@@ -202,7 +210,7 @@ class SoftChain:
     def _end_step(self) -> None:
         asked = [force is None for force in self._waiting]
         self._waiting = [None] * len(self._links)
-        end_row(
+        end_chain_step(
             self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
             self._rate, self._lag, self._outside,
         )  # fmt: skip

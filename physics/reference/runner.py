@@ -25,6 +25,7 @@ from softcradle.physics.reference.phases import (
 )
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
@@ -64,23 +65,30 @@ class _Run:
         self.segments: list[_Segment] = []
         self.switches: list[tuple[float, int]] = []
         self.steps = 0
-        self.warnings: tuple[str, ...] = ()
-        self.gave_up = ""
+        self.status = Status.DONE
+        self.warnings: Warnings = ()
 
     def until(self, end: float) -> None:
         """Integrate to `end`; with an infinite end until no contact pushes or can come to push."""
         try:
-            while self.time < end and not self.warnings and not (np.isinf(end) and self._apart()):
+            while self.time < end and not self.status.gave_up:
+                if np.isinf(end) and self._apart():
+                    self.status = Status.SEPARATED
+                    break
                 if len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations):
                     raise OutOfEvaluationsError
                 self._one_phase(end)
             self._note(self.closed & ~self._carries())
         except OutOfEvaluationsError:
-            self.gave_up = (
+            sentence = (
                 f"scipy gave up at t = {self.time:.6g} s after {self.system.evaluations} evaluations and "
-                f"{len(self.segments)} changes of contacts"
+                f"{len(self.segments)} changes of contacts; what follows repeats the state at that time: take 'radau'"
             )
-            self.warnings = (f"{self.gave_up}; what follows repeats the state at that time: take 'radau'",)
+            self._give_up(Status.OUT_OF_STEPS, sentence)
+
+    def _give_up(self, status: Status, sentence: str) -> None:
+        self.status = status
+        self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
 
     def _apart(self) -> bool:
         n = self.system.n
@@ -113,8 +121,7 @@ class _Run:
         if found.status == 1:
             self._switch()
         elif found.status < 0:
-            self.gave_up = f"scipy failed at t = {self.time:.6g} s: {found.message}"
-            self.warnings = (self.gave_up,)
+            self._give_up(Status.FAILED, f"scipy failed at t = {self.time:.6g} s: {found.message}")
 
     def _switch(self) -> None:
         margins = self.phase.margins(self.y)
@@ -155,23 +162,18 @@ class _Run:
 
 def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
-    if problem.chain.dissipative:
-        from softcradle.physics.friction import piecewise as dry_adaptive
-
-        return dry_adaptive.run(problem, run)
-    chain, state = problem.chain, problem.state
-    solved = _Run(chain, state, problem.tolerance, problem.most_steps)
-    solved.until(np.inf if problem.duration is None else state.time + problem.duration)
+    solved = _Run(problem.chain, problem.state, problem.tolerance, problem.most_steps)
+    solved.until(problem.end)
     times = problem.sample_times(solved.time)
     if times.size and times[-1] > solved.time and not solved.warnings:
         solved.until(float(times[-1]))
     states, forces = solved.samples(times)
-    n = chain.contacts
+    n = problem.chain.contacts
     return Record(
         times, states[:, :n], states[:, n : 2 * n], states[:, 2 * n :], forces,
         np.array([contact for _, contact in solved.switches], dtype=np.int64),
         np.array([time for time, _ in solved.switches]),
-        _end(solved), solved.steps, solved.system.evaluations, solved.warnings, gave_up=solved.gave_up,
+        _end(solved), solved.steps, solved.system.evaluations, solved.status, solved.warnings,
     )  # fmt: skip
 
 
@@ -180,17 +182,14 @@ def _end(solved: _Run) -> State:
     return State(solved.time, y[:n], y[n : 2 * n], y[2 * n :], solved.phase.force(y[:n]))
 
 
-def advance(chain: Chain, state: State, duration: float, method: str, tolerance: float, most_steps: int) -> str:
-    """Move `state` on by `duration` [s] in place. Returns why it stopped before, empty where it did not."""
-    if chain.dissipative:
-        from softcradle.physics.friction import piecewise as dry_adaptive
-
-        return dry_adaptive.advance(chain, state, duration, method, tolerance, most_steps, run)
-    solved = _Run(chain, state, tolerance, most_steps)
-    solved.until(state.time + duration)
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place."""
+    state = problem.state
+    solved = _Run(problem.chain, state, problem.tolerance, problem.most_steps)
+    solved.until(problem.end)
     end = _end(solved)
     state.time = end.time
-    for target, source in ((state.overlap, end.overlap), (state.rate, end.rate), (state.anchor, end.anchor)):
+    pairs = (state.overlap, end.overlap), (state.rate, end.rate), (state.anchor, end.anchor), (state.force, end.force)
+    for target, source in pairs:
         target[:] = source
-    state.force[:] = end.force
-    return solved.gave_up
+    return solved.status

@@ -115,7 +115,7 @@ class LiveLane:
         absorbed = state.absorbed.copy()
         state.push = self._push(bead, pointer, frequency)
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
-        self._take_warning(state.trouble)
+        self._take_warning(" ".join(map(str, state.warnings)))
         if not _within_bounds(state):
             raise BlownUpError(f"{setup.method} has blown up: take conserving or a smaller step")
         ledger = self.ledger.copy()

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from softcradle.physics.methods import Method
     from softcradle.sandbox.session.live_lane import LiveLane
 
-FIRST = "softcradle.physics.fixed_step.runner"  # module of the methods that scenes are played and looked ahead with
 LOADED_LATER = ("pymunk", "scipy")  # no kernels of their own: they load when they are chosen
 
 
@@ -70,10 +69,10 @@ class Warmer:
         )
 
     def _run(self) -> None:
-        from softcradle.physics import METHODS
+        from softcradle.physics.methods import METHODS, Family
 
         own = [method for method in METHODS if method.name not in LOADED_LATER]
-        first = [method for method in own if method.module == FIRST]
+        first = [method for method in own if method.family is Family.FIXED_STEP]  # scenes are played with these
         rest = [method for method in own if method not in first]
         for method in first:
             self._load(method, dissipative=False)

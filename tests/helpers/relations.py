@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import METHODS, Chain, State
+from softcradle.physics.methods import Family
 
 Array = NDArray[np.float64]
 
@@ -12,7 +13,7 @@ NAMES = tuple(method.name for method in METHODS)
 FIXED_STEP = tuple(method for method in METHODS if not method.adaptive)
 ADAPTIVE = tuple(method for method in METHODS if method.adaptive)
 SET_VALUED = tuple(method for method in METHODS if method.set_valued)
-LIVE = tuple(method for method in FIXED_STEP if method.module == "softcradle.physics.fixed_step.runner")
+LIVE = tuple(method for method in FIXED_STEP if method.family is Family.FIXED_STEP)
 
 EPSILON = float(np.finfo(float).eps)
 

@@ -39,11 +39,13 @@ def test_out_of_steps_conserving_finishes_and_says_so(chain, method):
 def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
     state = _struck(SOFT)
     move(SOFT, state, 0.01, method, None, 1e-6, 3)
-    assert state.trouble
+    assert state.status.gave_up
+    assert state.warnings
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         advance(SOFT, state, 0.5, method, tolerance=1e-6)
-    assert state.trouble == ""
+    assert not state.status.gave_up
+    assert state.warnings == ()
 
 
 @pytest.mark.parametrize("chain", [RUBS, LOSES], ids=["rubs", "loses"])
@@ -52,8 +54,10 @@ def test_a_run_that_gives_up_between_changes_of_friction_is_a_value(chain, steps
     """Wherever it happens: before the first look, between two, or while a change is located."""
     monkeypatch.setattr(softcradle.physics.adaptive.runner, "MOST_STEPS", steps)
     found = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
-    (sentence,) = found.warnings
-    assert re.match("radau gave up at t = .*; take method 'conserving'", sentence)
+    (warning,) = found.warnings
+    assert found.status.gave_up
+    assert warning.code == "gave-up"
+    assert re.match("radau gave up at t = .*; take method 'conserving'", str(warning))
     assert np.isfinite(found.velocity).all()
     assert found.time.size <= 11
 

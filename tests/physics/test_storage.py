@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, Contact, Trajectory, draft_gear, hertz, one_on, power_law, simulate
 from softcradle.physics.atomic_files import output_file, output_folder
+from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +46,7 @@ def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):
     number = st.floats(allow_nan=False)
     positive = st.floats(min_value=1e-6, max_value=1e6)
     interval = st.tuples(number, number | st.just(math.inf))
+    warning = st.builds(CodedWarning, st.sampled_from(WarningCode), st.text())
 
     def array(*shape: int) -> np.ndarray:
         size = math.prod(shape)
@@ -68,7 +70,8 @@ def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):
         method=data.draw(st.text()),
         step=data.draw(positive),
         steps=data.draw(st.integers(0, 10**12)),
-        warnings=tuple(data.draw(st.lists(st.text(), max_size=2))),
+        status=data.draw(st.sampled_from(Status)),
+        warnings=tuple(data.draw(st.lists(warning, max_size=2))),
     )
     path = tmp_path_factory.mktemp("any") / "one.npz"
     with np.errstate(all="ignore"):  # positions are sums of arbitrary numbers here, and may overflow

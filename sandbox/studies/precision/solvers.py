@@ -106,5 +106,5 @@ def _solved(start: Start, duration: float | None, method: str, moments: Array, *
         warnings.simplefilter("ignore")  # the error shows what the warning says
         found = simulate(start.chain, start.velocity, duration, method=method, samples=samples, **fineness)
     overlap, force = (found.overlap, found.force) if moments.size else (None, None)
-    complete = found.final_velocity if not any("gave up" in sentence for sentence in found.warnings) else None
+    complete = None if found.status.gave_up else found.final_velocity
     return Answer(complete, found.seconds, found.evaluations, overlap, force)

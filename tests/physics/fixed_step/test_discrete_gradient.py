@@ -9,15 +9,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, power_law, simulate, step_force
-from softcradle.physics.fixed_step.discrete_gradient import mean_forces
 from softcradle.physics.numerics.contact_law import energy
+from softcradle.physics.numerics.contact_solve import SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.resolvent import resolvent
 from softcradle.physics.scales import contact_scales
-from test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
 
 from softcradle import scenes
 from tests.helpers.relations import EPSILON, kinetic_energy
 from tests.physics.adaptive.test_adaptive_methods import GEAR, critical_speed
+from tests.physics.test_random_chains import assert_momentum, assert_sane, energy_error, random_collision
 
 STEPS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # [s], whatever the scene's own times
 MOST_STEPS = 20_000  # of the shortest step: enough for the whole of most collisions
@@ -170,11 +170,18 @@ def test_a_touching_contact_carries_what_it_must():
 
 
 def test_what_does_not_converge_is_told():
-    """`mean_forces` returns a negative count: here a matrix that is none of a chain's, whose solution does not exist."""
+    """`solve_contacts` returns a negative count: here a matrix that is none of a chain's, whose solution does not exist."""
     n = 2
     law = np.array([[0.0, 1.0, 3.0]] * n)
-    arrays = np.ones(n), np.full(n + 1, 1e3), np.ones(n), np.zeros(n), np.ones(n), np.zeros(n), np.zeros((6, n))
-    assert mean_forces(1.0, law, *arrays) < 0
+    diagonal, coupling, start, none, work = (
+        np.ones(n),
+        np.full(n + 1, 1e3),
+        np.zeros(n),
+        np.zeros(0),
+        np.zeros((SOLVER_ROWS, n)),
+    )
+    rows = diagonal, coupling, none, np.ones(n), start, np.zeros(n), np.ones(n), np.zeros(n), work, work
+    assert solve_contacts(1.0, law, None, *rows) < 0
 
 
 def test_a_soft_cluster_keeps_its_depth():

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.physics import Chain, hooke, one_on, power_law, simulate
-from softcradle.physics.fixed_step.runner import PARTS
+from softcradle.physics.fixed_step.runner import DRIFTS_AND_KICKS
 from softcradle.physics.fixed_step.splitting import split_steps
-from softcradle.physics.fixed_step.splitting_simd import BLOCK, LONG, long_steps
+from softcradle.physics.fixed_step.splitting_simd import BLOCK, LONG, simd_split_steps
+from softcradle.physics.numerics.records import ChainData, Motion
 
 LENGTHS = (1, 2, 63, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK + 5)
 
@@ -18,12 +19,16 @@ def both(chain, method, push, most, h=1e-3):
     draw = np.random.default_rng(n)
     overlap, rate = draw.uniform(-0.3, 1.0, n), 0.1 * draw.normal(size=n)
     outside = draw.normal(size=n + 1) if push else np.zeros(0)
-    law, inverse_mass = chain.parameters
+    data = ChainData(*chain.parameters, outside, outside, chain.anchor)
     found = []
-    for steps in (split_steps, long_steps):
-        closed = (overlap > 0.0).astype(np.uint8)
+    for vector in (False, True):
+        closed = (overlap > 0.0).astype(np.int8)
         state = overlap.copy(), rate.copy(), np.array([0.5, -0.25]), np.zeros(n)
-        taken = steps(most, h, *PARTS[method], law, inverse_mass, outside, chain.anchor, *state, closed)
+        motion = Motion(*state, np.zeros(2), closed[:0], closed[:0])
+        if vector:
+            taken = simd_split_steps(most, h, *DRIFTS_AND_KICKS[method], data, motion, closed)
+        else:
+            taken = split_steps(most, h, *DRIFTS_AND_KICKS[method], data, None, motion, closed, np.zeros((2, 0)))
         found.append((taken, *state))
     return found
 
@@ -61,9 +66,10 @@ def test_stops_in_the_step_in_which_a_contact_switches():
         overlap = np.full(n, -1.0)
         rate = np.zeros(n)
         overlap[contact], rate[contact] = -0.0105, 1.0
-        closed = np.zeros(n, dtype=np.uint8)
-        state = overlap, rate, np.zeros(2), np.zeros(n)
-        taken = long_steps(100, 1e-3, *PARTS["verlet"], *chain.parameters, np.zeros(0), chain.anchor, *state, closed)
+        closed = np.zeros(n, dtype=np.int8)
+        data = ChainData(*chain.parameters, np.zeros(0), np.zeros(0), chain.anchor)
+        motion = Motion(overlap, rate, np.zeros(2), np.zeros(n), np.zeros(2), closed[:0], closed[:0])
+        taken = simd_split_steps(100, 1e-3, *DRIFTS_AND_KICKS["verlet"], data, motion, closed)
         assert taken == 11
 
 

@@ -22,7 +22,7 @@ from softcradle import Chain, State, advance, draft_gear, hertz, hooke, power_la
 chain = Chain([1, 2, 0.5, 1, 3], [power_law(1, 0.1), hertz(2.0), draft_gear(3, 0.1), hooke(4.0)], [0, 0.01, 0, 0])
 start = [1, 0, 0, 0.25, -0.5]
 for method in METHODS:
-    if method.module == "softcradle.physics.fixed_step.runner":
+    if method.family.value == "fixed_step":
         found = simulate(chain, start, 0.5, method.name, step=0.01, samples=7)
         print(method.name, found.final_velocity.tobytes().hex(), found.overlap[3].tobytes().hex(), found.steps)
         state = State.at_start(chain, start)

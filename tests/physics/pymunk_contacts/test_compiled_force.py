@@ -72,7 +72,8 @@ def test_native_true_refuses_what_it_cannot_compile():
 
 CHECK_FALLBACK = """
 import pymunk
-from softcradle.physics import hertz, native
+from softcradle.physics import hertz
+from softcradle.physics.pymunk_contacts import compiled_force as native
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 space = pymunk.Space()
 balls = [pymunk.Body(1, 1) for _ in range(3)]

@@ -79,7 +79,9 @@ def test_help_imports_nothing_heavy():
 
 
 def test_module_is_the_command():
-    told = subprocess.run([sys.executable, "-m", "softcradle", "run", "nope"], capture_output=True, text=True, check=False)
+    told = subprocess.run(
+        [sys.executable, "-m", "softcradle", "run", "nope"], capture_output=True, text=True, check=False
+    )
     assert told.returncode == 2
     assert told.stderr.startswith("softcradle: there is no scene 'nope'")
 

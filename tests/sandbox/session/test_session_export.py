@@ -134,7 +134,7 @@ def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
     with path.open(newline="") as file:
         rows = list(csv.reader(file))
     assert len(rows) == 1 + 51
-    assert "frame 350" in session.trajectory(0).warnings[0]
+    assert "frame 350" in str(session.trajectory(0).warnings[0])
     closed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
     assert min(closed) == session.trajectory(0).time[0], "closed from the start"
     assert np.isfinite(np.array(rows[1:], dtype=float)).all()

@@ -81,10 +81,10 @@ def test_verlet_on_five_very_soft_beads_fails_by_chatter_not_by_blow_up_and_warn
         assert np.abs(found.kinetic_energy + found.contact_energy).max() < 2.0 * 0.5  # bounded, because the force is
         assert closings > sum(map(len, reference.contact_intervals))
         assert spread > 3.0 * np.std(reference.final_velocity[1:])
-        assert any("past its limit" in sentence for sentence in found.warnings)
+        assert any(warning.code == "step-limit" for warning in found.warnings)
     fine = solve(chain, velocity, 2.0 * float(reference.time[-1]), "verlet", step=limit / 30.0)
     assert sum(map(len, fine.contact_intervals)) > 100  # finer steps chatter as well, and more often
-    assert any("chatter" in sentence for sentence in fine.warnings)
+    assert any(warning.code == "chatter" for warning in fine.warnings)
     assert np.abs(fine.final_velocity - reference.final_velocity).max() < TRUSTED_ERROR  # but each changes less
 
 
@@ -145,7 +145,7 @@ def test_conserving_warns_when_its_step_is_too_long_to_see_a_contact(contact):
     chain = one_on(2, contact)
     with pytest.warns(RuntimeWarning, match="past its limit"):
         found = simulate(chain, [1, 0, 0], 3.0, "conserving", step=1.0)
-    assert "energy holds" in found.warnings[0]
+    assert "energy holds" in str(found.warnings[0])
     assert simulate(chain, [1, 0, 0], 3.0, "conserving", step=0.01).warnings == ()
 
 

@@ -1,0 +1,100 @@
+"""The stages that Newton's iteration of `radau` begins from."""
+
+from __future__ import annotations
+
+import math
+
+from softcradle.physics.numerics.contact_law import power
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+
+NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used
+FOLLOW = 3.0  # largest ratio of successive steps at which the cubics of the step before are extrapolated
+SOFT_FOLLOW = 1.3  # largest ratio of successive steps at which those of soft contacts are
+SUDDEN = 0.2  # of the time since an onset, or until an opening: a longer step goes on by a power of that time
+LEAST_LEFT = 0.01  # of an overlap that shrinks, in a guess
+MOST_GROWTH = math.log(3.0)  # of a guessed force
+
+
+@jit
+def first_guess(h, chain, motion, past_step, past, trial):
+    """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
+
+    `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts go on as a power of the
+    time since an onset, d (1 + t/T)**(w T/d), or keep their force where `past_step` is NO_GUESS; others keep their rate.
+    """
+    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
+    stage_overlap, stage_force = trial.overlap, trial.force
+    follows = past_step > 0.0 and h < FOLLOW * past_step
+    soft_follows = past_step > 0.0 and h < SOFT_FOLLOW * past_step
+    since = time_since_onset(law, mode, overlap, rate, force)
+    for i in range(overlap.size):
+        preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
+        for k in range(3):
+            flown = overlap[i] + h * NODES[k] * rate[i]
+            x = 1.0 + NODES[k] * h / past_step if follows else 0.0
+            if mode[i] == OPEN:
+                stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+            elif mode[i] == TOUCHING:
+                stage_overlap[k, i], stage_force[k, i] = 0.0, force[i]
+                if follows:
+                    stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
+            elif exponent < 1.0 and force[i] > preload:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                weight = inverse_mass[i] + inverse_mass[i + 1]
+                stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
+                own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
+                time = overlap[i] / rate[i] if own else since
+                if past_step >= 0.0 and (not soft_follows or h > SUDDEN * abs(time)) and overlap[i] > SMALLEST:
+                    growth = math.log(max(1.0 + h * NODES[k] / time, LEAST_LEFT))
+                    if own and flown <= 0.0 and preload == 0.0:
+                        stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+                        continue
+                    if not own:
+                        growth *= rate[i] * time / overlap[i]
+                    growth = min(max(growth, -MOST_GROWTH / exponent), MOST_GROWTH / exponent)
+                    stage_overlap[k, i] = overlap[i] * math.exp(growth)
+                    stage_force[k, i] = preload + (force[i] - preload) * math.exp(exponent * growth)
+                elif soft_follows:
+                    excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
+                    if 0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload):
+                        stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
+                        stage_force[k, i] = preload + excess
+            elif overlap[i] == 0.0 and rate[i] == 0.0:
+                stage_overlap[k, i], stage_force[k, i] = 0.0, preload
+                if i > 0 and preload == 0.0:
+                    set_pushed(h, law, inverse_mass, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
+            else:
+                if follows:
+                    flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
+                stage_overlap[k, i] = flown
+                stage_force[k, i] = signed_force(preload, stiffness, exponent, flown)
+    for i in range(overlap.size - 2, -1, -1):
+        for k in range(3):
+            if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
+                set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
+                if external.size and external[i] > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                    push = external[i] / (inverse_mass[i] + inverse_mass[i + 1])
+                    set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
+
+
+@jit
+def time_since_onset(law, mode, overlap, rate, force):
+    """Time since the overlap of the soft contact that pushes most was zero, had its rate been constant; negative until then."""
+    largest, since = 0.0, 1e30
+    for i in range(overlap.size):
+        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0 and force[i] > largest and rate[i] != 0.0:
+            largest, since = force[i], overlap[i] / rate[i]
+    return since
+
+
+@jit
+def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_force):
+    """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
+    if push <= 0.0:
+        return
+    flown = 0.5 * (h * NODES[k]) ** 2 * inverse_mass[bead] * push
+    stage_force[k, i] = min(0.8 * push, law[i, 1] * power(flown, law[i, 2]))
+    stage_overlap[k, i] = power(stage_force[k, i] / law[i, 1], 1.0 / law[i, 2])

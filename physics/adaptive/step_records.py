@@ -1,0 +1,74 @@
+"""What adaptive kernels share beside the records of all kernels: a step tried, scratch memory, kinds of step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RADAU, DOP853 = 0, 1  # kinds of step; tables below are indexed by them
+EITHER = 2  # in place of a kind, for a method that takes whichever is cheaper
+ERROR_EXPONENT = (0.2, 0.125)  # by kind: one over the order of the error estimate, for the next step size
+TRY_EVALUATIONS = (0, 15)  # by kind: evaluations of all contacts in one try; radau counts its iterations itself
+
+# entries of the control array of step sizes
+NEXT = 0  # longest next step [s]; inf: not known
+RADAU_NEXT = 1  # longest next step of radau [s]
+LAST = 2  # length of the step before [s]; 0: there is none to predict from
+ERROR = 3  # its error [m/s]
+LEFT = 4  # time left to an opening at its start [s]
+UNLIMITED = 5  # next step had no event or opening come near [s]
+REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
+CEILING = 7  # longest step soon after a rejection [s]
+CONTROLS = 8
+
+STAGES = 12  # of dop853
+WORK_ROWS = 15
+
+
+class Trial(NamedTuple):
+    """A step tried: the motion at its three output nodes, the last of which is its end."""
+
+    overlap: Array  # (3, n)
+    rate: Array  # (3, n)
+    force: Array  # (3, n)
+    anchor: Array  # (2,) at the end
+
+
+class Scratch(NamedTuple):
+    """Memory of the steps between one call and the next, and within a step."""
+
+    control: Array  # (CONTROLS,) of the step sizes
+    past: Array  # (8, n) forces and overlaps at start and stages of the last step of radau
+    opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
+    along: Array  # (3, n)
+    across: Array  # (3, n)
+    correction: Array  # (3, n)
+    block: Array  # (n, 9)
+    acceleration: Array  # (STAGES, n)
+    anchor_acceleration: Array  # (STAGES,)
+    work: Array  # (WORK_ROWS, n+1)
+
+
+def empty_trial(contacts: int) -> Trial:
+    """Memory of one step tried."""
+    return Trial(np.zeros((3, contacts)), np.zeros((3, contacts)), np.zeros((3, contacts)), np.zeros(2))
+
+
+def empty_scratch(contacts: int) -> Scratch:
+    """Scratch memory of a chain with `contacts`."""
+    return Scratch(
+        control=np.zeros(CONTROLS),
+        past=np.zeros((8, contacts)),
+        opening=np.zeros(contacts),
+        along=np.zeros((3, contacts)),
+        across=np.zeros((3, contacts)),
+        correction=np.zeros((3, contacts)),
+        block=np.zeros((contacts, 9)),
+        acceleration=np.zeros((STAGES, contacts)),
+        anchor_acceleration=np.zeros(STAGES),
+        work=np.zeros((WORK_ROWS, contacts + 1)),
+    )

@@ -1,0 +1,53 @@
+"""The one caller of runners: from a Problem to the family of its method."""
+
+from __future__ import annotations
+
+from softcradle.physics.chain import Chain
+from softcradle.physics.methods import Family, find_method
+from softcradle.physics.problem import Problem, Record, Runner
+from softcradle.physics.status import Status
+
+
+def runner_of(method: str, chain: Chain) -> Runner:
+    """The runner that carries out `method` on `chain`, imported on first use: numba, pymunk and SciPy load with theirs.
+
+    Fixed steps carry friction and loss in their kernels, adaptive methods and the reference from one change of stick and
+    slip to the next.
+    """
+    family = find_method(method).family
+    runner = _runner(family)
+    if chain.dissipative and family in (Family.ADAPTIVE, Family.REFERENCE):
+        from softcradle.physics.friction.piecewise import PiecewiseRunner
+
+        return PiecewiseRunner(runner)
+    return runner
+
+
+def _runner(family: Family) -> Runner:
+    match family:
+        case Family.FIXED_STEP:
+            from softcradle.physics.fixed_step import runner as fixed_step
+
+            return fixed_step
+        case Family.ADAPTIVE:
+            from softcradle.physics.adaptive import runner as adaptive
+
+            return adaptive
+        case Family.PYMUNK:
+            from softcradle.physics.pymunk_contacts import runner as pymunk_space
+
+            return pymunk_space
+        case Family.REFERENCE:
+            from softcradle.physics.reference import runner as reference
+
+            return reference
+
+
+def run(problem: Problem) -> Record:
+    """Compute the whole motion by its method; ``problem.state`` stays as it is."""
+    return runner_of(problem.method, problem.chain).run(problem)
+
+
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place, by its method."""
+    return runner_of(problem.method, problem.chain).advance(problem)

@@ -1,0 +1,66 @@
+"""From a Chain and a State to the records of the kernels, and from the log of switches back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.chain import Chain
+from softcradle.physics.numerics.records import COUNTERS, SWITCH, SwitchLog
+from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, WarningCode, Warnings
+
+Array = NDArray[np.float64]
+
+FIRST_LOG = 1024  # rows of the log of contact switches at first
+MOST_LOG = 4_000_000  # rows at the most: 64 MB
+NOTHING = np.zeros(0)
+NO_FLAGS = np.zeros(0, dtype=np.int8)
+
+
+def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...] | None]:
+    """The fields of ChainData, and those of Dissipation or None; forces from outside are those of `state` now.
+
+    All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
+    """
+    dissipation = (chain.loss.copy(), chain.bed.copy()) if chain.dissipative else None
+    law, inverse_mass = (array.copy() for array in chain.parameters)
+    push = state.external(chain)
+    if push is None:
+        return (law, inverse_mass, NOTHING, NOTHING, chain.anchor), dissipation
+    acceleration = push * inverse_mass
+    external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
+    return (law, inverse_mass, push, external, chain.anchor), dissipation
+
+
+def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> tuple[Any, ...]:
+    """The fields of Motion: the arrays of `state` itself."""
+    return state.overlap, state.rate, state.anchor, state.force, state.absorbed, mode, held
+
+
+def empty_log(contacts: int, size: int) -> SwitchLog:
+    """A log with `size` rows for a chain whose contacts are all open."""
+    closed, counter = np.zeros(contacts, dtype=np.int8), np.zeros(COUNTERS, dtype=np.int64)
+    return SwitchLog(np.zeros(size, dtype=np.int64), np.zeros(size), closed, counter)
+
+
+def larger_log(log: SwitchLog) -> int:
+    """The rows that a run needs whose log was too small; 0 where it was not, or where it may not be larger."""
+    wanted, size = int(log.counter[SWITCH]), log.contact.size
+    return min(4 * wanted, MOST_LOG) if wanted > size and size < MOST_LOG else 0
+
+
+def kept_switches(log: SwitchLog) -> tuple[NDArray[np.int64], Array]:
+    """(S,) contacts that switched and (S,) when [s]."""
+    kept = min(int(log.counter[SWITCH]), log.contact.size)
+    return log.contact[:kept], log.time[:kept]
+
+
+def log_warnings(log: SwitchLog) -> Warnings:
+    """A warning where contacts switched more often than the log has rows."""
+    switches, kept = int(log.counter[SWITCH]), log.contact.size
+    if switches <= kept:
+        return ()
+    sentence = f"contacts switched {switches} times, only the first {kept} are listed"
+    return (CodedWarning(WarningCode.LOG_FULL, sentence, {"switches": switches, "listed": kept}),)

@@ -1,0 +1,80 @@
+"""Records that all kernels share: what does not move, what moves, samples, the log of contact switches, codes and counters.
+
+A kernel that Python calls takes them as plain tuples, which cost less to pass, and names their fields at once:
+``ChainData(*chain)``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.int8]
+
+# how a kernel ended; physics.status gives them names for everybody else
+DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
+
+# modes of a contact in an adaptive step: open, overlap held at 0, or on the curve of its law
+OPEN, TOUCHING, LOADED = 0, 1, 2
+
+# entries of the counter array
+EVALUATION = 0  # evaluations of all contact forces
+STEP = 1  # steps taken
+REJECTED = 2  # steps tried and rejected
+UNCONVERGED = 3  # steps taken although the solver of the contact forces did not converge
+FALLBACK = 4  # steps of the discrete gradient in place of one that failed
+SAMPLE = 5  # sample rows filled
+SWITCH = 6  # contact switches, those beyond the end of the log included
+COUNTERS = 7
+
+
+class ChainData(NamedTuple):
+    """A chain as arrays, and the forces on it: what does not move in a run."""
+
+    law: Array  # (n, 3) preload [N], stiffness [N/m**exponent] and exponent of each contact
+    inverse_mass: Array  # (n+1,) [1/kg], 0 for a wall
+    push: Array  # (n+1,) external force on each bead [N]; (0,) without any
+    external: Array  # (n+1,) accelerations by it of the overlaps, then of the anchor [m/s²]; (0,) without any
+    anchor_bead: int  # index of the bead whose position and velocity are kept
+
+
+class Dissipation(NamedTuple):
+    """What takes energy; kernels get None in its place where nothing does, and compile to less."""
+
+    loss: Array  # (n,) part of its energy that each contact keeps
+    bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
+
+
+class Motion(NamedTuple):
+    """What moves, in place."""
+
+    overlap: Array  # (n,) [m]
+    rate: Array  # (n,) [m/s]
+    anchor: Array  # (2,) position [m] and velocity [m/s] of the anchor bead
+    force: Array  # (n,) contact forces [N] of the last step
+    absorbed: Array  # (2,) energy [J] absorbed by contacts and by the bed
+    mode: Flags  # (n,) OPEN, TOUCHING or LOADED; (0,) for fixed steps
+    held: Flags  # (n,) nonzero: this mode has just been set by an event; (0,) for fixed steps
+
+
+class Samples(NamedTuple):
+    """Times (T,) at which samples are wanted, and one row of the motion for each."""
+
+    time: Array
+    overlap: Array  # (T, n)
+    rate: Array  # (T, n)
+    anchor: Array  # (T, 2)
+    force: Array  # (T, n)
+    absorbed: Array  # (T, 2)
+
+
+class SwitchLog(NamedTuple):
+    """Every change of a contact between open and closed, up to the size of the log, and the counters of the run."""
+
+    contact: NDArray[np.int64]  # (S,) which contact
+    time: Array  # (S,) when [s]
+    closed: Flags  # (n,) nonzero: closed now
+    counter: NDArray[np.int64]  # (COUNTERS,)

@@ -1,0 +1,60 @@
+"""Kernels on the switches of contacts between open and closed, and on copies of a motion."""
+
+from __future__ import annotations
+
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.records import SAMPLE, SWITCH
+
+
+@jit
+def is_closed(overlap, force):
+    """Whether a contact pushes: it overlaps, or it touches and carries a force."""
+    return overlap > 0.0 or (overlap == 0.0 and force > 0.0)
+
+
+@jit
+def log_switch(log, i, now, time):
+    """Log that contact i closes (`now` true) or opens at `time`; what the log has no row for is counted all the same."""
+    log.closed[i] = 1 if now else 0
+    k = log.counter[SWITCH]
+    if k < log.contact.size:
+        log.contact[k], log.time[k] = i, time
+    log.counter[SWITCH] = k + 1
+
+
+@jit
+def any_switched(motion, closed):
+    """Whether a contact has left the state that its flag in `closed` (n,) says."""
+    switched = False
+    for i in range(closed.size):
+        switched |= is_closed(motion.overlap[i], motion.force[i]) != (closed[i] != 0)
+    return switched
+
+
+@jit
+def copy_into(target, source):
+    """``target[:] = source`` of arrays (k,): a slice that takes an array might overlap it, so numba would allocate."""
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@jit
+def copy_motion(target, source):
+    """Copy overlaps, rates, forces, anchor and absorbed energy of one Motion into another."""
+    copy_into(target.overlap, source.overlap)
+    copy_into(target.rate, source.rate)
+    copy_into(target.force, source.force)
+    copy_into(target.anchor, source.anchor)
+    copy_into(target.absorbed, source.absorbed)
+
+
+@jit
+def take_sample(samples, log, motion):
+    """Copy `motion` into the next sample row."""
+    k = log.counter[SAMPLE]
+    copy_into(samples.overlap[k], motion.overlap)
+    copy_into(samples.rate[k], motion.rate)
+    copy_into(samples.force[k], motion.force)
+    copy_into(samples.anchor[k], motion.anchor)
+    copy_into(samples.absorbed[k], motion.absorbed)
+    log.counter[SAMPLE] = k + 1
