@@ -33,6 +33,7 @@ class WarningCode(StrEnum):
     STEP_LIMIT = "step-limit"  # the step is beyond the limit of an explicit method on this chain
     CHATTER = "chatter"  # contacts switch as often as steps are taken
     COARSE_STEP = "coarse-step"  # the step is too long to resolve the shortest contact
+    LATE_START = "late-start"  # the motion began before its first sample
     UNKNOWN = "unknown"  # read from a file that knew no codes
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
 from softcradle.sandbox.session.contact_events import ContactEvents, is_closed
 from softcradle.sandbox.session.history_slices import HistorySlice
@@ -70,7 +71,8 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
 
 def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Trajectory:
     """`part` of the history of lane number `lane` as a Trajectory; a warning says at which frame it begins."""
-    late = (f"exported from a session: begins at frame {part.first}, where the chain was last changed",)
+    sentence = f"exported from a session: begins at frame {part.first}, where the chain was last changed"
+    late = CodedWarning(WarningCode.LATE_START, sentence, {"frame": part.first})
     absorbed = part.ledger[:, BY_CONTACTS : BY_BED + 1] - part.ledger[0, BY_CONTACTS : BY_BED + 1]
     return Trajectory(
         chain=part.chain,
@@ -84,7 +86,7 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Traje
         method=part.setup.method,
         step=part.setup.step,
         tolerance=0.0 if part.setup.step else part.setup.tolerance,
-        warnings=late if part.first > 0 else (),
+        warnings=(late,) if part.first > 0 else (),
         absorbed_by_contacts=absorbed[:, 0],
         absorbed_by_bed=absorbed[:, 1],
     )
