@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +21,11 @@ KERNELS = ("radau", "dop853", "accurate")
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
 RATTLING = TOLERANCES[:21:2]  # half decades to 1e-8, where runs are many and long
 PROMISE = 10.0  # tolerances
+FINE_RUNS = 8  # of a motion, to see how far it is determined
+SHAKEN = (
+    1e-14  # part of its forces by which a fine run differs: a few units of the last place, as between two processors
+)
+SPREADS = 3.0  # a run may lie outside of eight others, and by less than three times their spread
 CASES = ELASTIC + GEARS
 GEAR = draft_gear(770.0, 0.0177)
 
@@ -69,15 +75,18 @@ def test_error_in_deep_clusters(n):
 
 @pytest.mark.parametrize(("chain", "velocity"), lanes())
 def test_error_in_every_scene(chain, velocity):
-    """Against a fine run that is sure of itself: `mixed` has none below 1e-9, where it rattles a thousand times.
+    """Ten tolerances, as far as the motion is determined: the last two beads of `mixed` rattle, and end within 2e-6 m/s.
 
-    Where a contact bounces often, errors of single steps are passed on and grow: finer runs confirm these.
+    Where a contact bounces often, errors of single steps are passed on and grow: finer runs confirm these. A warning is
+    in place only where fine runs differ by more than the tolerance.
     """
-    exact = next(run for run in fine_runs(chain, velocity) if not run.warnings)
-    often = max(len(intervals) for intervals in exact.contact_intervals) > 2
-    for tolerance in RATTLING if often else TOLERANCES:
-        found = simulate(chain, velocity, tolerance=tolerance)
-        assert np.abs(found.final_velocity - exact.final_velocity).max() < PROMISE * tolerance * closing(velocity)
+    ends, bounces = fine_ends(chain, velocity)
+    exact, undetermined = ends.mean(axis=0), SPREADS * np.ptp(ends, axis=0)
+    for tolerance in RATTLING if bounces > 2 else TOLERANCES:
+        found = quiet_simulate(chain, velocity, tolerance=tolerance)
+        error, allowed = np.abs(found.final_velocity - exact), tolerance * closing(velocity)
+        assert (error < PROMISE * allowed + undetermined).all()
+        assert not found.warnings or undetermined.max() > allowed
 
 
 def test_error_under_a_steady_push():
@@ -98,12 +107,26 @@ def test_what_no_tolerance_resolves_says_so():
     assert kinetic_energy(found.chain, found.final_velocity) == pytest.approx(0.5, abs=1e-6)
 
 
-def fine_runs(chain, velocity):
-    """Runs at 1e-10 and 1e-9, with their warnings inside."""
+def quiet_simulate(*arguments, **options):
+    """`simulate`, with its warnings on the Trajectory alone."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        for tolerance in (1e-10, 1e-9):
-            yield simulate(chain, velocity, method="radau", tolerance=tolerance)
+        return simulate(*arguments, **options)
+
+
+def fine_ends(chain, velocity):
+    """Final velocities (FINE_RUNS, n+1) of fine runs whose forces differ by round-off, and the most closings of a contact."""
+    shaken = np.random.default_rng(0)
+    runs = []
+    for _ in range(FINE_RUNS):
+        factors = 1.0 + SHAKEN * shaken.uniform(-1.0, 1.0, chain.contacts)
+        contacts = [
+            replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
+            for contact, factor in zip(chain.contact, factors, strict=True)
+        ]
+        runs.append(quiet_simulate(replace(chain, contact=contacts), velocity, method="radau", tolerance=1e-10))
+    closings = max(len(intervals) for run in runs for intervals in run.contact_intervals)
+    return np.array([run.final_velocity for run in runs]), closings
 
 
 SMOOTH = {
@@ -302,7 +325,7 @@ def test_giving_up_is_a_value(monkeypatch):
             found = simulate(chain, start, method=method)
         assert len(found.warnings) == 1
         assert np.isfinite(found.velocity).all()
-        with pytest.warns(RuntimeWarning, match=f"{method} gave up after 20 steps"):
+        with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*20 steps"):
             advance(chain, State.at_start(chain, start), 10.0, method, most_steps=20)
 
 
