@@ -1,8 +1,8 @@
-"""Rendering rate against the rate at which the encoder alone takes frames that are ready.
+"""The rate of rendering, against the rate at which the encoder alone takes finished frames.
 
     python -m benchmarks.render [--scene one-on-four] [--size 1280x720] [--json]
 
-The frames of both are the same, those of the scene's film: a moving picture costs the encoder more than a still one.
+Both encode the same frames, those of the scene's film, because a moving picture costs the encoder more than a still one.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film.scene_film import Shot, render_scene, script, simulated
+from softcradle.sandbox.film.scene_film import Shot, render_scene, shot_list
+from softcradle.sandbox.film.scene_motion import scene_motions
 from softcradle.sandbox.film.writer import open_film
 
 from softcradle import scenes
@@ -24,16 +25,18 @@ from softcradle import scenes
 if TYPE_CHECKING:
     from pygame import Surface
 
-RATE = 60.0
+RATE = 60.0  # frames a second of the film
+MOST_FRAMES = 240  # of a round
 
 
 def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]:
-    """Frames a second of drawing alone, the encoder alone and both together; the median of `rounds`, taken in turn."""
+    """Frames a second of drawing alone, the encoder alone and both together: medians of `rounds` interleaved rounds."""
     scene = scenes.load(name)
-    tracks = simulated(scene, RATE * scene.view.slow)
-    picture = Picture(scene, tracks, size)
-    shots = script(scene, len(tracks[0].time), RATE)
-    ready = [_painted(picture, shot, picture.background.copy()) for shot in shots[:: max(1, len(shots) // 240)]]
+    motions = scene_motions(scene, RATE * scene.view.slow)
+    picture = Picture(scene, motions, size)
+    shots = shot_list(scene, len(motions[0].time), RATE)
+    shots = shots[:: max(1, len(shots) // MOST_FRAMES)]
+    ready = [_painted(picture, shot, picture.background.copy()) for shot in shots]
     results = [_round(picture, shots, ready, size) for _ in range(rounds)]
     drawing, encoding, both = (median(result[k] for result in results) for k in range(3))
     with tempfile.TemporaryDirectory() as folder:
@@ -54,7 +57,6 @@ def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]
 def _round(
     picture: Picture, shots: list[Shot], ready: list[Surface], size: tuple[int, int]
 ) -> tuple[float, float, float]:
-    shots = shots[:: max(1, len(shots) // 240)]
     canvas = picture.background.copy()
     began = perf_counter()
     for shot in shots:
@@ -63,12 +65,12 @@ def _round(
     with tempfile.TemporaryDirectory() as folder:
         with open_film(Path(folder) / "ready.mp4", size, RATE) as film:
             for surface in ready:
-                film.blank()  # keeps the pace; the frames are ready elsewhere
+                film.free_surface()  # waits as a drawing thread would; the frames themselves are ready
                 film.add(surface)
         encoded = perf_counter()
         with open_film(Path(folder) / "both.mp4", size, RATE) as film:
             for shot in shots:
-                film.add(_painted(picture, shot, film.blank()))
+                film.add(_painted(picture, shot, film.free_surface()))
         both = perf_counter()
     return len(shots) / (drawn - began), len(ready) / (encoded - drawn), len(shots) / (both - encoded)
 

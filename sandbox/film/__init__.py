@@ -1,1 +1,1 @@
-"""Films and kymographs: frames into files."""
+"""Films and kymographs of scenes."""

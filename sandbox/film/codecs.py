@@ -1,4 +1,4 @@
-"""Kinds of film: which codec, with which settings, and what each cannot do; the way from a surface to its frame."""
+"""The codecs: which kind of film is encoded how and what it cannot do, and how a surface becomes a frame."""
 
 from __future__ import annotations
 
@@ -14,13 +14,19 @@ from numpy.typing import NDArray
 from PIL import Image
 from softcradle.sandbox.user_error import UserError
 
-PIXELS = ("yuv420p", "yuv444p")
-SMALLEST, LARGEST = (160, 90), (7680, 4320)
-SLOWEST, FASTEST = 1.0, 240.0  # frames a second
-COMMON_COLOURS = 96  # of a GIF's 256: those that fill most of the picture are kept exactly
-BT709, BT601, LIMITED = 1, 6, 1  # as FFmpeg numbers them
+PIXEL_FORMATS = ("yuv420p", "yuv444p")
+SMALLEST = (160, 90)  # pixels
+LARGEST = (7680, 4320)  # pixels
+LOWEST_RATE = 1.0  # frames a second
+HIGHEST_RATE = 240.0  # frames a second
+COMMON_COLOURS = 96  # of a GIF's 256: the colours that fill most of the picture are exact
 
-os.environ.setdefault("SVT_LOG", "1")  # errors only: the AVIF encoder would tell its life on standard error
+# FFmpeg's numbers of colour spaces and of the range of values.
+BT709 = 1
+BT601 = 6
+LIMITED = 1
+
+os.environ.setdefault("SVT_LOG", "1")  # errors only: the AVIF encoder would write its settings to standard error
 Pixels = NDArray[np.uint8]
 
 
@@ -29,21 +35,22 @@ class Codec:
     """How a kind of film is written.
 
     Attributes:
-        suffix, name, container: of the file, of the encoder, of the file format, as FFmpeg calls them.
-        pixels: pixel format.
-        frame_rate: frames a second where nobody wishes another.
-        fastest: frames a second that the kind can show.
-        even: only even widths and heights.
-        matrix: ITU709, or ITU601 where the kind knows no other.
+        suffix: of the file.
+        name, container: FFmpeg's names of the encoder and of the file format.
+        pixel_format: FFmpeg's name of the pixel format.
+        frame_rate: frames a second where none are given.
+        highest_rate: most frames a second that the kind can show.
+        even: whether width and height must be even.
+        matrix: ITU709, or ITU601 where the kind supports no other.
         options, container_options: settings of the encoder and of the file format.
     """
 
     suffix: str
     name: str
     container: str
-    pixels: str
+    pixel_format: str
     frame_rate: float = 30.0
-    fastest: float = FASTEST
+    highest_rate: float = HIGHEST_RATE
     even: bool = False
     matrix: str = "ITU709"
     options: tuple[tuple[str, str], ...] = ()
@@ -51,18 +58,18 @@ class Codec:
 
     @property
     def indexed(self) -> bool:
-        """Whether frames are numbers of 256 colours."""
-        return self.pixels == "pal8"
+        """Whether a frame has numbers of 256 colours in place of colours."""
+        return self.pixel_format == "pal8"
 
     def tag(self, context: Any) -> None:
-        """Say in the file what the colours mean, or players guess and shift them."""
+        """Write into the file what its colours mean; players would otherwise guess, and shift them."""
         if not self.indexed:
             number = BT709 if self.matrix == "ITU709" else BT601
             context.color_range, context.colorspace = LIMITED, number
             context.color_primaries, context.color_trc = BT709, BT709
 
 
-ENDLESS = (("loop", "0"),)
+REPEAT = (("loop", "0"),)  # of the file format: the film repeats without end
 CODECS: tuple[Codec, ...] = (
     Codec(
         ".mp4",
@@ -74,8 +81,8 @@ CODECS: tuple[Codec, ...] = (
         options=(("preset", "veryfast"), ("crf", "18")),
         container_options=(("movflags", "+faststart"),),
     ),
-    # A GIF counts in hundredths of a second, and viewers slow down what lasts less than two of them.
-    Codec(".gif", "gif", "gif", "pal8", frame_rate=25.0, fastest=50.0, container_options=ENDLESS),
+    # A GIF counts in hundredths of a second, and viewers slow frames down that last less than two of them.
+    Codec(".gif", "gif", "gif", "pal8", frame_rate=25.0, highest_rate=50.0, container_options=REPEAT),
     Codec(
         ".webp",
         "libwebp_anim",
@@ -83,7 +90,7 @@ CODECS: tuple[Codec, ...] = (
         "yuv420p",
         matrix="ITU601",
         options=(("quality", "85"), ("compression_level", "2")),
-        container_options=ENDLESS,
+        container_options=REPEAT,
     ),
     Codec(
         ".avif",
@@ -91,25 +98,25 @@ CODECS: tuple[Codec, ...] = (
         "avif",
         "yuv420p",
         options=(("preset", "9"), ("crf", "22")),
-        container_options=ENDLESS,
+        container_options=REPEAT,
     ),
 )
 
 
 def check(
-    output: Path | str, size: tuple[int, int], frame_rate: float | None, pixels: str | None = None
+    output: Path | str, size: tuple[int, int], frame_rate: float | None, pixel_format: str | None = None
 ) -> Codec | None:
-    """The codec for `output`, None for pictures; UserError, before any work, where it cannot be written."""
+    """The codec for `output`, None for pictures. Raises UserError where `output` could not be written so."""
     if not all(least <= side <= most for side, least, most in zip(size, SMALLEST, LARGEST, strict=True)):
         limits = f"{SMALLEST[0]}x{SMALLEST[1]} to {LARGEST[0]}x{LARGEST[1]}"
         raise UserError(f"size {size[0]}x{size[1]} is out of range: allowed are {limits}")
     codec = _by_name(str(output))
-    fastest = FASTEST if codec is None else codec.fastest
-    if frame_rate is not None and not SLOWEST <= frame_rate <= fastest:
+    highest = HIGHEST_RATE if codec is None else codec.highest_rate
+    if frame_rate is not None and not LOWEST_RATE <= frame_rate <= highest:
         kind = "pictures have" if codec is None else f"{codec.suffix} has"
-        raise UserError(f"{kind} {SLOWEST:g} to {fastest:g} frames a second, not {frame_rate:g}")
-    if pixels is not None:
-        codec = _with_pixels(codec, pixels)
+        raise UserError(f"{kind} {LOWEST_RATE:g} to {highest:g} frames a second, not {frame_rate:g}")
+    if pixel_format is not None:
+        codec = _with_pixel_format(codec, pixel_format)
     if codec is None:
         return None
     if codec.even and (size[0] % 2 or size[1] % 2):
@@ -133,26 +140,26 @@ def _by_name(output: str) -> Codec | None:
     return None
 
 
-def _with_pixels(codec: Codec | None, pixels: str) -> Codec:
+def _with_pixel_format(codec: Codec | None, pixel_format: str) -> Codec:
     if codec is None or codec.suffix != ".mp4":
         raise UserError("a pixel format can be chosen for .mp4 only")
-    if pixels not in PIXELS:
-        raise UserError(f"unknown pixel format {pixels!r}; allowed: {', '.join(PIXELS)}")
-    return replace(codec, pixels=pixels)
+    if pixel_format not in PIXEL_FORMATS:
+        raise UserError(f"unknown pixel format {pixel_format!r}; allowed: {', '.join(PIXEL_FORMATS)}")
+    return replace(codec, pixel_format=pixel_format)
 
 
 def _require(codec: Codec) -> None:
     try:
         av.codec.Codec(codec.name, "w")
         av.format.ContainerFormat(codec.container, "w")
-    except ValueError:  # FFmpeg's "unknown codec" and PyAV's unknown format are both
+    except ValueError:  # of which FFmpeg's unknown codec and PyAV's unknown format are kinds
         raise UserError(
             f"cannot write {codec.suffix}: this PyAV was built without {codec.name}; choose another kind of film"
         ) from None
 
 
 class Palette:
-    """256 colours for a GIF: the commonest of `sample` as they are, the others where they do best."""
+    """256 colours for a GIF: the most common ones of `sample` exactly, the others as Pillow's median cut chooses them."""
 
     def __init__(self, sample: pygame.Surface) -> None:
         picture = Image.frombytes("RGB", sample.get_size(), sample.get_view("0").raw, "raw", "BGRX")
@@ -163,13 +170,16 @@ class Palette:
         self.colours[: len(common)] = common
         self.colours[len(common) : len(common) + len(others)] = others
         self._number = _nearest(self.colours)
-        self._number[_cell(common[::-1])] = np.arange(len(common), dtype=np.uint8)[::-1]  # the commonest comes last
+        self._number[_cell(common[::-1])] = np.arange(len(common), dtype=np.uint8)[
+            ::-1
+            # Assigned from the rarest to the most common: the most common colour of a cell wins it.
+        ]
 
     def frame(self, surface: pygame.Surface) -> av.VideoFrame:
-        """`surface` in these colours; without dither, so that what stands still stays the same from frame to frame."""
+        """`surface` in these colours; without dithering, so that still parts are the same in all frames."""
         numbers = self._number[_cell(pixels_of(surface)[..., 2::-1])]
         opaque = np.concatenate((np.full((256, 1), 255, np.uint8), self.colours), axis=1)
-        picture: Any = (numbers, opaque)  # PyAV documents the pair; its types do not
+        picture: Any = (numbers, opaque)  # PyAV documents this pair; its types do not have it
         return av.VideoFrame.from_ndarray(picture, format="pal8")
 
 
@@ -180,7 +190,7 @@ def _cell(colours: Pixels) -> NDArray[np.int32]:
 
 
 def _nearest(colours: Pixels) -> Pixels:
-    """(64**3,) the nearest of `colours` (256, 3) to the middle of each cell; Pillow knows how to do it fast."""
+    """(64**3,) the number of the colour of `colours` (256, 3) nearest to the middle of each cell; Pillow finds it fast."""
     palette = Image.new("P", (1, 1))
     palette.putpalette(colours.tobytes())
     middle = (np.arange(64, dtype=np.uint8) << 2) | 2
@@ -189,15 +199,15 @@ def _nearest(colours: Pixels) -> Pixels:
 
 
 def frame_of(surface: pygame.Surface, codec: Codec, palette: Palette | None) -> av.VideoFrame:
-    """The surface as a frame for `codec`; a copy, so that the surface is free again."""
+    """The surface as a frame for `codec`; a copy, so that the surface can be drawn on again."""
     if palette is not None:
         return palette.frame(surface)
     frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
-    return frame.reformat(format=codec.pixels, dst_colorspace=codec.matrix, dst_color_range="MPEG")
+    return frame.reformat(format=codec.pixel_format, dst_colorspace=codec.matrix, dst_color_range="MPEG")
 
 
 def pixels_of(surface: pygame.Surface) -> Pixels:
-    """The pixels of a 32-bit surface itself: (height, width, 4), blue, green, red, unused. They lock the surface."""
+    """The pixels of a 32-bit surface, not copied: (height, width, 4), blue, green, red, unused. They lock the surface."""
     width, height = surface.get_size()
-    view: Any = surface.get_view("0")  # a buffer, which its types do not say
+    view: Any = surface.get_view("0")  # a buffer, which pygame's types do not state
     return np.frombuffer(view, np.uint8).reshape(height, width, 4)

@@ -1,4 +1,4 @@
-"""The camera: frames of one lane as the stage draws them, a marker on every bead, and the line of pixels with the markers."""
+"""The camera of a kymograph: frames of one lane with a marker on every bead, and the line of pixels through the markers."""
 
 from __future__ import annotations
 
@@ -19,32 +19,33 @@ Pixels = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
 BLACK = (0, 0, 0)
-LEAST_MARKER = 5.0  # pixels
-MARKER = 0.09  # of a bead's length: width of its marker
-LINE = 0.16  # of a bead's length above the ground: where the line of pixels is taken
-TALL = 0.06  # of a bead's length: half the height of a marker
-AROUND = 90.0  # pixels of the stage above and below the beads
+MARKER_WIDTH = 0.09  # of a bead's length
+NARROWEST_MARKER = 5.0  # pixels
+MARKER_HALF_HEIGHT = 0.06  # of a bead's length
+LINE_HEIGHT = 0.16  # of the line of pixels above the ground, in lengths of a bead
+SURROUNDINGS = 90.0  # pixels of a frame above and below the beads
 
 
 class Camera:
-    """Looks at lane `number` of `scene` from the side; `reach` pixels across, on beads drawn to scale.
+    """A camera that films lane `number` of `scene` from the side.
 
     Arguments:
-        scene: the Scene; its `scales` must not magnify overlaps.
-        scales: what stands for what: the window is what the camera sees.
-        reach: width of a frame [pixels].
+        scene: the Scene.
+        number: of the lane.
+        scales: the scales of all lanes, which must not magnify overlaps; their window is what the camera shows.
+        width: of a frame [pixels].
     """
 
-    def __init__(self, scene: Scene, number: int, scales: Scales, reach: int) -> None:
+    def __init__(self, scene: Scene, number: int, scales: Scales, width: int) -> None:
         low, high = scales.window
-        height = math.ceil(scene.view.length * reach / (high - low) / TALLEST_BEAD + 2 * AROUND)
-        self.stage = LaneDrawing(pygame.Rect(0, 0, reach, height), 1.0, scene, number, scales)
-        self.ground = pygame.Surface((reach, height), 0, 32)
-        self.stage.backdrop(self.ground)
-        self.frame = pygame.Surface((reach, height), 0, 32)
-        self.row = round(self.stage.ground - LINE * self.stage.bead)
-        self.marker = max(LEAST_MARKER, MARKER * self.stage.bead)  # pixels
-        chain = self.stage.chain
+        height = math.ceil(scene.view.length * width / (high - low) / TALLEST_BEAD + 2 * SURROUNDINGS)
+        self.drawing = LaneDrawing(pygame.Rect(0, 0, width, height), 1.0, scene, number, scales)
+        self.background = pygame.Surface((width, height), 0, 32)
+        self.drawing.backdrop(self.background)
+        self.frame = pygame.Surface((width, height), 0, 32)
+        self.line_y = round(self.drawing.ground - LINE_HEIGHT * self.drawing.bead)
+        self.marker = max(NARROWEST_MARKER, MARKER_WIDTH * self.drawing.bead)  # pixels
+        chain = self.drawing.chain
         middle = [
             0.5 * (CYLINDER_LENGTH if is_gear(chain.contact[min(i, chain.contacts - 1)]) else 1.0)
             for i in range(len(chain.mass))
@@ -52,43 +53,27 @@ class Camera:
         self.middle = scene.view.length * (np.array(middle) + np.arange(len(middle)))
         self.marked = np.isfinite(chain.mass)  # a wall has no marker
 
-    def markers(self, track: Motion) -> Array:
-        """(T, beads) where the trajectory says the middles of the markers are: pixels from the left of a frame."""
-        places: Array = self.stage.left() + self.stage.scale * (track.position + self.middle)
-        return places[:, self.marked]
+    def markers(self, motion: Motion, rows: int | slice = slice(None)) -> Array:
+        """(..., beads) the middles of the markers in `rows` of the motion: pixels from the left of a frame."""
+        places: Array = self.drawing.left() + self.drawing.scale * (motion.position[rows] + self.middle)
+        return places[..., self.marked]
 
-    def shoot(self, track: Motion, row: int) -> pygame.Surface:
-        """The frame of row `row` of `track`; it is good until the next."""
-        self.frame.blit(self.ground, (0, 0))
-        self.stage.paint(self.frame, track, row, self.stage.left())
-        top = self.row - TALL * self.stage.bead
-        for x in self.markers_of_row(track, row):
-            fill_rectangle(self.frame, BLACK, (x - self.marker / 2, top, self.marker, 2 * TALL * self.stage.bead + 1))
+    def shoot(self, motion: Motion, row: int) -> pygame.Surface:
+        """The frame of row `row` of `motion`; the next call draws on the same surface."""
+        self.frame.blit(self.background, (0, 0))
+        self.drawing.paint(self.frame, motion, row, self.drawing.left())
+        half = MARKER_HALF_HEIGHT * self.drawing.bead
+        top, height = self.line_y - half, 2 * half + 1
+        for x in self.markers(motion, row).tolist():
+            fill_rectangle(self.frame, BLACK, (x - self.marker / 2, top, self.marker, height))
         return self.frame
 
-    def markers_of_row(self, track: Motion, row: int) -> list[float]:
-        """The same as :meth:`markers` for one row."""
-        place = self.stage.left() + self.stage.scale * (track.position[row] + self.middle)
-        found: list[float] = place[self.marked].tolist()
-        return found
-
-    def line(self, track: Motion, row: int) -> Pixels:
-        """(reach, 3) the line of pixels of that frame which holds the markers, red, green, blue."""
-        cut: Pixels = pixels_of(self.shoot(track, row))[self.row, :, 2::-1].copy()
+    def line(self, motion: Motion, row: int) -> Pixels:
+        """(width, 3) the line of pixels of that frame through the markers: red, green, blue."""
+        cut: Pixels = pixels_of(self.shoot(motion, row))[self.line_y, :, 2::-1].copy()
         return cut
 
 
-def stacked(camera: Camera, track: Motion) -> Pixels:
-    """(T, reach, 3) the lines of all frames: the kymograph as the paper's, time along the first axis."""
-    return np.stack([camera.line(track, row) for row in range(len(track.time))])
-
-
-def traced(camera: Camera, track: Motion) -> Pixels:
-    """(T, reach, 3) the same from the trajectory alone: black where a marker covers a pixel, white elsewhere."""
-    edges = np.arange(camera.frame.get_width())
-    ink = np.zeros((len(track.time), len(edges)))
-    for place in camera.markers(track).T:
-        left, right = place[:, None] - camera.marker / 2, place[:, None] + camera.marker / 2
-        ink += np.clip(np.minimum(right, edges + 1.0) - np.maximum(left, edges), 0.0, 1.0)
-    shade = np.round(255.0 * (1.0 - np.minimum(ink, 1.0))).astype(np.uint8)
-    return np.repeat(shade[..., None], 3, axis=2)
+def stacked(camera: Camera, motion: Motion) -> Pixels:
+    """(T, width, 3) the lines of all frames, which are the kymograph; time along the first axis."""
+    return np.stack([camera.line(motion, row) for row in range(len(motion.time))])

@@ -1,4 +1,4 @@
-"""Film: frames into files, compressed by a thread of its own while the next frames are drawn."""
+"""Films: a thread encodes frames into a file while the next ones are drawn; pictures are written at once."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ import pygame
 from softcradle.sandbox.film.codecs import Codec, Palette, check, frame_of
 from softcradle.sandbox.output_files import output_file, output_folder
 
-BUFFERS = 3  # frames on their way between drawing and compressing
+BUFFERS = 3  # frames that are drawn but not yet encoded; more would hide no further delay
 
 
 class Film(Protocol):
-    """Where frames go: draw on what `blank` gives, then `add` it."""
+    """A film being written: a frame is drawn on a :meth:`free_surface`, which is then added."""
 
-    def learn(self, sample: pygame.Surface) -> None:
-        """Take the colours of a GIF from `sample`, which should have all of them; else they are the first frame's."""
+    def take_colours(self, sample: pygame.Surface) -> None:
+        """Take the colours of a GIF from `sample`; without it they are those of the first frame."""
 
-    def blank(self) -> pygame.Surface:
-        """A surface for the next frame, with any content; waits until one is free."""
+    def free_surface(self) -> pygame.Surface:
+        """A surface for the next frame, with any content; it is waited for until one is free."""
 
     def add(self, surface: pygame.Surface) -> None:
-        """Take the finished frame; it must not be drawn on any more."""
+        """Add a finished frame. Its surface must not be drawn on any more."""
 
 
 @contextmanager
@@ -36,19 +36,19 @@ def open_film(
     output: Path | str,
     size: tuple[int, int],
     frame_rate: float,
-    pixels: str | None = None,
+    pixel_format: str | None = None,
 ) -> Iterator[Film]:
-    """A film to add frames of `size` to; it stands at `output` when the block ends without error, or not at all.
+    """A film to add frames of `size` to; it is at `output` when the block ends without error, or not at all.
 
     Arguments:
         output: .mp4, .gif, .webp or .avif, .png for one picture, or a folder (ends in /) for numbered pictures.
-        frame_rate: frames a second; pictures have none.
-        pixels: yuv420p (default) or yuv444p, for mp4: the latter keeps thin coloured lines; not every player shows it.
+        frame_rate: frames a second; without meaning for pictures.
+        pixel_format: yuv420p (default) or yuv444p, for mp4: the latter keeps thin coloured lines; not every player shows it.
 
     Raises:
         UserError: a size, rate or kind of file that cannot be written; at once.
     """
-    codec = check(output, size, frame_rate, pixels)
+    codec = check(output, size, frame_rate, pixel_format)
     if codec is None:
         folder = str(output).endswith(("/", "\\")) or Path(output).is_dir()
         with output_folder(output) if folder else output_file(output) as path:
@@ -64,10 +64,10 @@ class _Pictures:
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
         self._path, self._surface, self._count = path, pygame.Surface(size, 0, 32), 0
 
-    def learn(self, sample: pygame.Surface) -> None:
-        """Nothing to learn: a PNG has all colours."""
+    def take_colours(self, sample: pygame.Surface) -> None:
+        """Do nothing: a PNG has all colours."""
 
-    def blank(self) -> pygame.Surface:
+    def free_surface(self) -> pygame.Surface:
         return self._surface
 
     def add(self, surface: pygame.Surface) -> None:
@@ -77,7 +77,7 @@ class _Pictures:
 
 
 class _Encoder:
-    """A film by PyAV. Its thread owns the container; surfaces go round between it and the one who draws."""
+    """A film by PyAV. Its thread owns the container; surfaces circulate between this thread and the drawing one."""
 
     def __init__(self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float) -> None:
         self._codec = codec
@@ -85,7 +85,7 @@ class _Encoder:
         self._palette: Palette | None = None
         self._container = av.open(str(path), "w", format=codec.container, options=dict(codec.container_options))
         stream: Any = self._container.add_stream(codec.name, rate=Fraction(frame_rate).limit_denominator(1001))
-        stream.width, stream.height, stream.pix_fmt = *size, codec.pixels
+        stream.width, stream.height, stream.pix_fmt = *size, codec.pixel_format
         stream.options = dict(codec.options)
         codec.tag(stream.codec_context)
         self._stream = stream
@@ -105,11 +105,11 @@ class _Encoder:
         if error is None and self._error is not None:
             raise self._error
 
-    def learn(self, sample: pygame.Surface) -> None:
+    def take_colours(self, sample: pygame.Surface) -> None:
         if self._codec.indexed:
             self._palette = Palette(sample)
 
-    def blank(self) -> pygame.Surface:
+    def free_surface(self) -> pygame.Surface:
         surface = self._free.get()
         if self._error is not None:
             raise self._error
@@ -119,11 +119,11 @@ class _Encoder:
         self._full.put(surface)
 
     def _run(self) -> None:
-        """Compress until None comes. An error waits for the one who draws, who is given surfaces so as not to hang."""
+        """Encode until None comes. After an error, the drawing thread gets surfaces, so as not to block, and then the error."""
         try:
             with self._container:
                 while (surface := self._full.get()) is not None:
-                    self._compress(surface)
+                    self._encode(surface)
                     self._free.put(surface)
                 self._mux(None)
         except BaseException as error:
@@ -131,7 +131,7 @@ class _Encoder:
             for _ in range(BUFFERS):
                 self._free.put(pygame.Surface((1, 1)))
 
-    def _compress(self, surface: pygame.Surface) -> None:
+    def _encode(self, surface: pygame.Surface) -> None:
         if self._codec.indexed and self._palette is None:
             self._palette = Palette(surface)
         self._mux(frame_of(surface, self._codec, self._palette))

@@ -52,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
         slow=args.slow,
         method=args.method,
         step=args.step,
-        pixels=args.pixel_format,
+        pixel_format=args.pixel_format,
     )
     frames = f"{report.frames} frames, {report.duration:.1f} s of film" if report.frames > 1 else "one picture"
     print(f"written: {report.output}, {frames}, in {report.seconds:.1f} s")

@@ -67,17 +67,17 @@ def keep(scene: Scene, thumbnail: pygame.Surface) -> None:
 
 def motion(scene: Scene) -> list[Motion]:
     """What a thumbnail is drawn from: the motion of each lane. Takes some milliseconds; runs behind the window."""
-    from softcradle.sandbox.film.scene_film import simulated_quietly
+    from softcradle.sandbox.film.scene_motion import scene_motions_quietly
 
     rate = ROWS / (scene.duration or 1.0)
     method = QUICK if scene.method in (None, AUTO) else scene.method
-    tracks, _ = simulated_quietly(scene, max(rate, 60.0 * scene.view.slow), method=method)
+    tracks, _ = scene_motions_quietly(scene, max(rate, 60.0 * scene.view.slow), method=method)
     return tracks  # whoever plays the scene has a badge for what it warns of
 
 
 def paint(scene: Scene, tracks: list[Motion]) -> pygame.Surface:
     """The moment of the greatest force, one lane below the other."""
-    from softcradle.sandbox.film.scene_film import strongest_row
+    from softcradle.sandbox.film.scene_motion import strongest_row
 
     surface = pygame.Surface(SIZE, 0, 32)
     surface.fill(LANE_BACKGROUND)

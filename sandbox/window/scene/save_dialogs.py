@@ -140,7 +140,7 @@ class Keeping:
             return
         self._owed -= 1.0
         try:
-            frame = self.film.blank()
+            frame = self.film.free_surface()
             frame.blit(surface, (0, 0))
             self.film.add(frame)
         except (UserError, OSError, ValueError, pygame.error) as error:

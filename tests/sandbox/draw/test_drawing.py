@@ -27,7 +27,7 @@ from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.draw.surface_cache import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.draw.text import font, shortened, width, wrapped
 from softcradle.sandbox.film.codecs import pixels_of
-from softcradle.sandbox.film.scene_film import simulated, strongest_row
+from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes.library import parse
 
 SIZE = (960, 540)
@@ -90,7 +90,7 @@ contact = {law = "hooke", stiffness = 1.0}
 
 def history(text, rows_per_second=40.0):
     scene = parse(text)
-    return scene, simulated(scene, rows_per_second * scene.view.slow)
+    return scene, scene_motions(scene, rows_per_second * scene.view.slow)
 
 
 @pytest.fixture(scope="module")

@@ -6,11 +6,10 @@ import pygame
 import pytest
 from PIL import Image
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film import codecs
-from softcradle.sandbox.film import scene_film as render
-from softcradle.sandbox.film import writer as film
+from softcradle.sandbox.film import codecs, scene_film, scene_motion, writer
 from softcradle.sandbox.film.codecs import pixels_of
-from softcradle.sandbox.film.scene_film import Shot, render_scene, script, simulated, strongest_row
+from softcradle.sandbox.film.scene_film import Shot, render_scene, shot_list
+from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.library import parse
@@ -38,10 +37,10 @@ velocity = 1.0
 @pytest.fixture(scope="module")
 def frames():
     """The frames as they are drawn, (F, height, width, 3)."""
-    tracks = simulated(SCENE, FPS)
-    picture, surface = Picture(SCENE, tracks, SIZE), pygame.Surface(SIZE, 0, 32)
+    motions = scene_motions(SCENE, FPS)
+    picture, surface = Picture(SCENE, motions, SIZE), pygame.Surface(SIZE, 0, 32)
     drawn = []
-    for shot in script(SCENE, len(tracks[0].time), FPS):
+    for shot in shot_list(SCENE, len(motions[0].time), FPS):
         picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
         drawn.append(pixels_of(surface)[..., 2::-1].copy())
     return np.array(drawn)
@@ -64,14 +63,14 @@ def difference(found, expected):
     return apart.mean(), apart.max()
 
 
-@pytest.mark.parametrize(("pixels", "tolerance"), [("yuv420p", 2.5), ("yuv444p", 1.5)])
-def test_mp4_frame_by_frame(tmp_path, frames, pixels, tolerance):
-    report = rendered(tmp_path / "film.mp4", pixels=pixels)
+@pytest.mark.parametrize(("pixel_format", "tolerance"), [("yuv420p", 2.5), ("yuv444p", 1.5)])
+def test_mp4_frame_by_frame(tmp_path, frames, pixel_format, tolerance):
+    report = rendered(tmp_path / "film.mp4", pixel_format=pixel_format)
     stream, found = read(tmp_path / "film.mp4")
     context = stream.codec_context
     assert found.shape == frames.shape
     assert stream.average_rate == FPS
-    assert (context.pix_fmt, context.colorspace, context.color_range) == (pixels, 1, 1)
+    assert (context.pix_fmt, context.colorspace, context.color_range) == (pixel_format, 1, 1)
     assert (context.color_primaries, context.color_trc) == (1, 1)
     assert max(difference(found, frames)) < tolerance
     assert (report.frames, report.duration) == (len(frames), pytest.approx(len(frames) / FPS))
@@ -83,9 +82,9 @@ def test_colours_survive(tmp_path):
     size = (960, 540)
     render_scene(SCENE, tmp_path / "film.mp4", size=size, fps=FPS, progress=False)
     _, found = read(tmp_path / "film.mp4")
-    tracks = simulated(SCENE, FPS)
-    picture, surface = Picture(SCENE, tracks, size), pygame.Surface(size, 0, 32)
-    picture.paint(surface, len(tracks[0].time) - 1)
+    motions = scene_motions(SCENE, FPS)
+    picture, surface = Picture(SCENE, motions, size), pygame.Surface(size, 0, 32)
+    picture.paint(surface, len(motions[0].time) - 1)
     frame = pixels_of(surface)[..., 2::-1]
     flat = _flat_places(frame)
     assert len(np.unique(frame[flat], axis=0)) >= 6, "paper, stage and beads"
@@ -122,13 +121,13 @@ def test_moving_pictures(tmp_path, frames, suffix, tolerance):
 
 def test_single_picture_is_the_moment_of_the_greatest_force(tmp_path):
     assert rendered(tmp_path / "still.png").frames == 1
-    tracks = simulated(SCENE, FPS)
+    motions = scene_motions(SCENE, FPS)
     surface = pygame.Surface(SIZE, 0, 32)
-    Picture(SCENE, tracks, SIZE).paint(surface, strongest_row(tracks))
+    Picture(SCENE, motions, SIZE).paint(surface, strongest_row(motions))
     with Image.open(tmp_path / "still.png") as image:
         assert (np.asarray(image.convert("RGB")) == pixels_of(surface)[..., 2::-1]).all()
-    strongest = max(track.force.max() for track in tracks)
-    assert any(track.force[strongest_row(tracks)].max() == strongest for track in tracks)
+    strongest = max(motion.force.max() for motion in motions)
+    assert any(motion.force[strongest_row(motions)].max() == strongest for motion in motions)
 
 
 def test_folder_of_pictures(tmp_path, frames):
@@ -148,12 +147,12 @@ def test_the_same_scene_gives_the_same_film(tmp_path):
 
 def test_slow_motion_stretches_the_motion_only(tmp_path):
     plain, slow = rendered(tmp_path / "a.mp4"), rendered(tmp_path / "b.mp4", slow=2.0)
-    still = sum(shot.row == 0 for shot in script(SCENE, 2, FPS)) - 1 + round(1.2 * FPS)
+    still = sum(shot.row == 0 for shot in shot_list(SCENE, 2, FPS)) - 1 + round(1.2 * FPS)
     assert slow.frames - still == pytest.approx(2 * (plain.frames - still), abs=3)
 
 
 def test_the_script_waits_for_the_reader_and_at_the_end():
-    shots = script(SCENE, 20, 10.0)
+    shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
     assert shots[0] == Shot(0, 1.0)
     assert opacity == sorted(opacity, reverse=True)
@@ -175,8 +174,8 @@ def test_no_window_is_needed(tmp_path):
         ("film.mp4", {"fps": 0.5}, "frames a second"),
         ("film.mp4", {"fps": 1000.0}, "frames a second"),
         ("film.gif", {"fps": 60.0}, ".gif has 1 to 50 frames a second"),
-        ("film.mp4", {"pixels": "rgb"}, "unknown pixel format 'rgb'; allowed: yuv420p, yuv444p"),
-        ("film.gif", {"pixels": "yuv444p"}, ".mp4 only"),
+        ("film.mp4", {"pixel_format": "rgb"}, "unknown pixel format 'rgb'; allowed: yuv420p, yuv444p"),
+        ("film.gif", {"pixel_format": "yuv444p"}, ".mp4 only"),
         ("film.mov", {}, "must end in .mp4, .gif, .webp, .avif or .png"),
         ("film", {}, "must end in"),
         ("missing/film.mp4", {}, "no folder"),
@@ -200,7 +199,7 @@ def test_what_cannot_be_written_is_refused_before_any_work(tmp_path, monkeypatch
     def work(*arguments, **settings):
         raise AssertionError("worked")
 
-    monkeypatch.setattr(render, "simulated", work)
+    monkeypatch.setattr(scene_film, "scene_motions", work)
     with pytest.raises(UserError):
         render_scene(SCENE, f"{tmp_path}/{name}", size=(321, 181), progress=False)
 
@@ -211,9 +210,9 @@ def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
         trajectory.force[-1] = np.nan
         return trajectory
 
-    monkeypatch.setattr(render, "solve", broken)
+    monkeypatch.setattr(scene_motion, "solve", broken)
     with pytest.raises(UserError, match="did not stay finite"):
-        simulated(SCENE, FPS)
+        scene_motions(SCENE, FPS)
 
 
 def test_a_missing_codec_is_refused(tmp_path, monkeypatch):
@@ -236,7 +235,7 @@ def test_an_error_while_drawing_leaves_the_old_file(tmp_path, name):
     if not name.endswith("/"):
         (tmp_path / name).write_text("old")
     with pytest.raises(ZeroDivisionError), open_film(f"{tmp_path}/{name}", SIZE, FPS) as sink:  # noqa: PT012
-        sink.add(sink.blank())
+        sink.add(sink.free_surface())
         raise ZeroDivisionError
     left = {path.name: path.read_text() for path in tmp_path.iterdir()}
     assert left == ({} if name.endswith("/") else {name: "old"})
@@ -251,10 +250,10 @@ def test_an_error_while_compressing_reaches_the_caller(tmp_path, monkeypatch, fa
             raise OSError("disk full")
         return codecs.frame_of(*arguments)
 
-    monkeypatch.setattr(film, "frame_of", broken)
+    monkeypatch.setattr(writer, "frame_of", broken)
     with pytest.raises(UserError, match="disk full"), open_film(tmp_path / "film.mp4", SIZE, FPS) as sink:  # noqa: PT012
         for _ in range(20):
-            sink.add(sink.blank())
+            sink.add(sink.free_surface())
     assert list(tmp_path.iterdir()) == []
 
 

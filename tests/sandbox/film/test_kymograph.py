@@ -8,9 +8,9 @@ from PIL import Image
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import FOREGROUND
-from softcradle.sandbox.film.kymograph import CAMERA_RATE, as_seen, camera_rate, in_si, render_kymograph
-from softcradle.sandbox.film.kymograph_camera import Camera, stacked, traced
-from softcradle.sandbox.film.scene_film import motion_end, simulated
+from softcradle.sandbox.film.kymograph import CAMERA_RATE, camera_rate, filmed_scene, in_si, render_kymograph
+from softcradle.sandbox.film.kymograph_camera import Camera, stacked
+from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
 from softcradle.scenes.library import parse
 
@@ -19,13 +19,24 @@ DARK = 60  # sum of red, green and blue below which a pixel is a marker's
 
 
 def filmed(name, rate, number=0, reach=REACH):
-    """The camera, the track and both kymographs of a lane."""
+    """The camera, the motion and both kymographs of a lane."""
     scene = load(name)
-    scene = as_seen(scene, motion_end(scene))
-    tracks = simulated(scene, rate)
-    camera = Camera(scene, number, scales_of(scene, tracks), reach)
-    track = tracks[number]
-    return camera, track, stacked(camera, track), traced(camera, track)
+    scene = filmed_scene(scene, motion_end(scene))
+    motions = scene_motions(scene, rate)
+    camera = Camera(scene, number, scales_of(scene, motions), reach)
+    motion = motions[number]
+    return camera, motion, stacked(camera, motion), traced(camera, motion)
+
+
+def traced(camera, motion):
+    """(T, REACH, 3) the kymograph from the motion alone: black where a marker covers a pixel, white elsewhere."""
+    edges = np.arange(camera.frame.get_width())
+    covered = np.zeros((len(motion.time), len(edges)))
+    for place in camera.markers(motion).T:
+        left, right = place[:, None] - camera.marker / 2, place[:, None] + camera.marker / 2
+        covered += np.clip(np.minimum(right, edges + 1.0) - np.maximum(left, edges), 0.0, 1.0)
+    shade = np.round(255.0 * (1.0 - np.minimum(covered, 1.0))).astype(np.uint8)
+    return np.repeat(shade[..., None], 3, axis=2)
 
 
 def middles(line):
@@ -49,9 +60,9 @@ def middles(line):
     ],
 )
 def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
-    camera, track, frames, direct = filmed(name, rate, number)
-    assert frames.shape == direct.shape == (len(track.time), REACH, 3)
-    places = camera.markers(track)
+    camera, motion, frames, direct = filmed(name, rate, number)
+    assert frames.shape == direct.shape == (len(motion.time), REACH, 3)
+    places = camera.markers(motion)
     moved = np.ptp(places, axis=0).max()
     assert moved > 20.0  # so that a camera that saw nothing move would be found out
     for seen, drawn, where in zip(frames, direct, places, strict=True):
@@ -62,10 +73,10 @@ def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
 
 
 def test_markers_move_at_the_velocities_of_the_beads():
-    camera, track, frames, _ = filmed("draft-gear-one-on-three", CAMERA_RATE, reach=900)
+    camera, motion, frames, _ = filmed("draft-gear-one-on-three", CAMERA_RATE, reach=900)
     first, last = (middles(frames[k]) for k in (-200, -1))
-    speed = (last - first) / camera.stage.scale / (track.time[-1] - track.time[-200])
-    assert speed == pytest.approx(track.velocity[-1], abs=0.01)
+    speed = (last - first) / camera.drawing.scale / (motion.time[-1] - motion.time[-200])
+    assert speed == pytest.approx(motion.velocity[-1], abs=0.01)
 
 
 def test_frames_show_bodies_and_the_traced_one_markers_alone():
@@ -86,10 +97,10 @@ velocity = [1.0, 0.0]
 contact = {law = "hertz", stiffness = 5.0}
 gap = 1.0
 """)
-    tracks = simulated(scene, 20.0)
-    camera = Camera(scene, 0, scales_of(scene, tracks), REACH)
-    assert camera.markers(tracks[0]).shape == (len(tracks[0].time), 1)
-    assert len(middles(camera.line(tracks[0], 0))) == 1
+    motions = scene_motions(scene, 20.0)
+    camera = Camera(scene, 0, scales_of(scene, motions), REACH)
+    assert camera.markers(motions[0]).shape == (len(motions[0].time), 1)
+    assert len(middles(camera.line(motions[0], 0))) == 1
 
 
 def test_the_paper_s_camera_where_units_are_the_paper_s():
@@ -97,8 +108,8 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
     assert {"draft-gear-one-on-three", "draft-gear-two-on-two"} <= si
     assert not {"one-on-four", "hooke-interface", "mixed"} & si
     scene = load("draft-gear-one-on-three")
-    assert camera_rate(as_seen(scene, 0.06), 0.06, 1137) == CAMERA_RATE
-    every = CAMERA_RATE / camera_rate(as_seen(scene, 6.0), 6.0, 1137)  # of so many frames one
+    assert camera_rate(filmed_scene(scene, 0.06), 0.06, 1137) == CAMERA_RATE
+    every = CAMERA_RATE / camera_rate(filmed_scene(scene, 6.0), 6.0, 1137)  # of so many frames one
     assert every == pytest.approx(round(every), rel=1e-12)
     assert camera_rate(load("one-on-four"), 3.0, 1000) == pytest.approx(1000 / (3.0 * 1.6))
 
@@ -121,8 +132,8 @@ def test_scale_bars_are_100_ms_and_12_cm(tmp_path):
     below, right = bar_lengths(picture)
     width = 1280 - 2 * 28 - 92
     assert below == pytest.approx(0.1 * CAMERA_RATE * width / report.frames, abs=2)
-    seen = as_seen(scene, motion_end(scene))
-    low, high = scales_of(seen, simulated(seen, CAMERA_RATE)).window
+    seen = filmed_scene(scene, motion_end(scene))
+    low, high = scales_of(seen, scene_motions(seen, CAMERA_RATE)).window
     tall = 720 - 80 - 58 - 24 - 14
     assert right == pytest.approx(0.12 / (high - low) * tall, abs=2)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.physics import METHODS
-from softcradle.sandbox.film.scene_film import simulated, simulated_quietly
+from softcradle.sandbox.film.scene_motion import scene_motions, scene_motions_quietly
 from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.inputs import AddBead, SetFriction
@@ -160,14 +160,14 @@ def test_a_look_ahead_leaves_the_warning_filters_alone(monkeypatch):
     """It runs on a thread; filters are those of all threads. What a film says of the same motion is not lost."""
     scene = scenes.load("one-on-four").model_copy(update={"method": "euler", "step": 1e-3})
     with pytest.warns(RuntimeWarning):
-        told = simulated(scene, 2000.0)
+        told = scene_motions(scene, 2000.0)
 
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("a thread has touched the warnings")
 
     for name in ("catch_warnings", "simplefilter", "filterwarnings", "warn"):
         monkeypatch.setattr(warnings, name, refuse)
-    tracks, sentences = simulated_quietly(scene, 2000.0)
+    tracks, sentences = scene_motions_quietly(scene, 2000.0)
     assert sentences
     assert np.array_equal(tracks[0].position, told[0].position)
     assert thumbnails.motion(scene)

@@ -1,0 +1,95 @@
+"""The motion of a scene for a film: a row for each frame, the same times for all lanes, free flight before and after."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from softcradle.physics.simulation import solve
+from softcradle.physics.trajectory import Trajectory
+from softcradle.sandbox.draw import longest_lead, motion_of
+from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes import Scene
+
+FILM_METHOD = "conserving"  # keeps energy to round-off, and its kernel is compiled in a few seconds
+LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a share of its motion
+AFTER = 0.35  # free flight after the end of a scene that does not say how much, as a share of its motion
+LONGEST_FILM = 100_000  # frames: beyond that, slow motion was probably mistyped
+
+
+def scene_motions(
+    scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None, end: float | None = None
+) -> list[Motion]:
+    """The motion of each lane of `scene`; what may be wrong with it is a RuntimeWarning.
+
+    Arguments:
+        scene: the Scene.
+        rows_per_second: rows for a second of motion.
+        method, step: None takes the scene's, else `conserving` with its default step.
+        end: when the last lane is over [s], where :func:`motion_end` has found it already.
+
+    Raises:
+        UserError: the method or the step does not suit the scene, or there would be too many rows.
+    """
+    motions, sentences = scene_motions_quietly(scene, rows_per_second, method, step, end)
+    for sentence in sentences:
+        warnings.warn(sentence, RuntimeWarning, stacklevel=2)
+    return motions
+
+
+def scene_motions_quietly(
+    scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None, end: float | None = None
+) -> tuple[list[Motion], tuple[str, ...]]:
+    """As :func:`scene_motions`, with the warnings as sentences: Python's warnings must not be used in threads."""
+    if end is None:
+        end = motion_end(scene, method, step)
+    times = _row_times(scene, end, rows_per_second)
+    moving = times[times >= 0.0]
+    trajectories = _solved(scene, method, step, duration=float(moving[-1]), samples=moving)
+    motions = [motion_of(trajectory, times[times < 0.0]) for trajectory in trajectories]
+    _require_finite(motions)
+    return motions, tuple(str(warning) for trajectory in trajectories for warning in trajectory.warnings)
+
+
+def motion_end(scene: Scene, method: str | None = None, step: float | None = None) -> float:
+    """When the last lane of `scene` is over [s], or its duration. Raises UserError as :func:`scene_motions`."""
+    if scene.duration is not None:
+        return scene.duration
+    return max(float(trajectory.time[-1]) for trajectory in _solved(scene, method, step, samples=2))
+
+
+def _solved(scene: Scene, method: str | None, step: float | None, **settings: Any) -> list[Trajectory]:
+    try:
+        settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step, **settings)
+        return [solve(lane.chain(), lane.velocity, **settings) for lane in scene.lanes]
+    except ValueError as error:
+        raise UserError(str(error)) from error
+
+
+def _row_times(scene: Scene, end: float, rows_per_second: float) -> Array:
+    """Times of all rows [s]; 0, the start, is one of them."""
+    chains = [lane.chain() for lane in scene.lanes]
+    lead = 0.0 if any(any(chain.gap) for chain in chains) else LEAD * end
+    for lane, chain in zip(scene.lanes, chains, strict=True):
+        lead = min(lead, longest_lead(chain, np.array(lane.velocity)))
+    after = AFTER * end if scene.view.after is None else scene.view.after
+    if scene.duration is not None:
+        after = 0.0
+    first, last = -math.floor(lead * rows_per_second), math.ceil((end + after) * rows_per_second)
+    if last - first > LONGEST_FILM:
+        raise UserError(f"the film would have {last - first} frames, more than {LONGEST_FILM}: choose less slow motion")
+    return np.arange(first, max(last, first + 1) + 1) / rows_per_second
+
+
+def _require_finite(motions: Sequence[Motion]) -> None:
+    if not all(np.isfinite(motion.position).all() and np.isfinite(motion.force).all() for motion in motions):
+        raise UserError(f"the motion by {motions[0].method} did not stay finite: choose a smaller step")
+
+
+def strongest_row(motions: Sequence[Motion]) -> int:
+    """The row with the greatest contact force of all lanes: the moment for a single picture."""
+    return int(np.argmax(np.max([motion.force.max(axis=1) for motion in motions], axis=0)))
