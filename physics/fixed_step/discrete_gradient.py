@@ -25,7 +25,7 @@ from softcradle.physics.numerics.contact_solve import (
     loses,
     solve_contacts,
 )
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import any_switched, copy_into
@@ -44,7 +44,7 @@ NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
 ROUND_OFF_LEFT = 1e-12  # of a step: a rest this short after cuts is round-off
 
 
-@jit
+@inlined
 def velocity_after(h, j, beads, bed):
     """Velocity of bead j at the end of the step."""
     if math.isnan(beads[FRICTION, j]):
@@ -52,7 +52,7 @@ def velocity_after(h, j, beads, bed):
     return beads[FREE_VELOCITY, j] + h * beads[FRICTION, j] if bed.size else beads[FREE_VELOCITY, j]
 
 
-@jit
+@inlined
 def first_event(h, dissipation, motion, beads, work):
     """Part of the step after which the first bead turns or contact with loss reverses, 1 where none does; an estimate."""
     first = 1.0
@@ -76,7 +76,7 @@ def first_event(h, dissipation, motion, beads, work):
     return first
 
 
-@jit
+@inlined
 def absorb(h, chain, dissipation, motion, beads, work):
     """Add what contacts and bed absorb in the step: what they take of the motion less what is stored."""
     law, overlap, end, bed = chain.law, motion.overlap, work[END], dissipation.bed
@@ -93,7 +93,7 @@ def absorb(h, chain, dissipation, motion, beads, work):
             motion.absorbed[1] += 0.5 * h * braked * (before + ended) / chain.inverse_mass[j]
 
 
-@jit
+@inlined
 def bead_acceleration(j, chain, force):
     """Acceleration of bead j by the contact forces (n,) and the push."""
     found = force[j - 1] * chain.inverse_mass[j] if j > 0 else 0.0
@@ -104,7 +104,7 @@ def bead_acceleration(j, chain, force):
     return found
 
 
-@jit
+@inlined
 def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
     """Rate of contact i at the end of the step by its finest formula, from the accelerations of its two beads.
 
@@ -125,7 +125,7 @@ def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
     return rate + h * (left - right + slide)
 
 
-@jit
+@inlined
 def move(h, chain, dissipation, motion, beads, work):
     """Put the end of the step into the motion."""
     n, overlap, rate, anchor, bead = motion.rate.size, motion.overlap, motion.rate, motion.anchor, chain.anchor_bead
@@ -148,7 +148,7 @@ def move(h, chain, dissipation, motion, beads, work):
         left = right
 
 
-@jit
+@inlined
 def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     """One step in place. Returns the iterations used, negative where they did not converge, and the part of the step at
     which it should be cut (1: nowhere). The motion stays as it was where it is not `forced` and did not converge, or where it
@@ -189,7 +189,7 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     return used, 1.0
 
 
-@jit
+@inlined
 def gradient_step(h, chain, dissipation, motion, beads, work):
     """One step in place, in shorter ones where it does not converge and cut where a bead stops or a contact reverses.
 

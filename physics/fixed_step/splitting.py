@@ -26,7 +26,7 @@ import numpy as np
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_law import force as law_force
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.switches import any_switched
 
 _OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
@@ -41,7 +41,7 @@ YOSHIDA4 = (
 )
 
 
-@jit
+@inlined
 def drift(part, chain, dissipation, motion):
     """Move on for the time `part` at the present rates; add what contacts with loss keep to what they absorbed."""
     law, overlap, rate = chain.law, motion.overlap, motion.rate
@@ -55,7 +55,7 @@ def drift(part, chain, dissipation, motion):
     motion.anchor[0] += part * motion.anchor[1]
 
 
-@jit
+@inlined
 def push(chain, dissipation, motion):
     """The contact forces at the present overlaps."""
     law, force = chain.law, motion.force
@@ -65,7 +65,7 @@ def push(chain, dissipation, motion):
             force[i] *= 1.0 - dissipation.loss[i]
 
 
-@jit
+@inlined
 def kick(part, chain, motion):
     """Change the rates by all forces during `part`, by way of the bead accelerations: w_i += h (a_i - a_(i+1))."""
     n, inverse_mass, outside = motion.rate.size, chain.inverse_mass, chain.push
@@ -85,7 +85,7 @@ def kick(part, chain, motion):
     rate[n - 1] += part * (left - force[n - 1] * inverse_mass[n])
 
 
-@jit
+@inlined
 def kick_and_brake(part, chain, dissipation, motion, beads):
     """Change bead velocities by all forces during `part`, then brake them on the bed; `beads` (2 or more, n+1) scratch."""
     n, inverse_mass, bed = motion.rate.size, chain.inverse_mass, dissipation.bed

@@ -14,7 +14,7 @@ from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.splitting import split_steps
 from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
@@ -38,7 +38,7 @@ STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-of
 MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
-@jit
+@inlined
 def take_steps(most, h, kind, drifts, kicks, chain, dissipation, motion, log, beads, work):
     """Up to `most` steps of this kind, until a contact switches or all beads rest on a bed. Returns the steps taken."""
     if kind == DISCRETE_GRADIENT:
@@ -52,7 +52,7 @@ def take_steps(most, h, kind, drifts, kicks, chain, dissipation, motion, log, be
     return taken
 
 
-@jit
+@inlined
 def log_switches(before, time, motion, log):
     """Log every contact that has left the state of its flag since `before`. Returns the number of closed contacts.
 
@@ -72,7 +72,7 @@ def log_switches(before, time, motion, log):
     return closed
 
 
-@jit
+@inlined
 def flight_time(overlap, rate, still):
     """Time until the first contact closes if none pushes; inf when none closes faster than `still`."""
     first = math.inf
@@ -90,7 +90,7 @@ def sliding_path(velocity, deceleration):
     return math.copysign(math.inf, velocity) if velocity != 0.0 else 0.0
 
 
-@jit
+@inlined
 def closes_again(chain, dissipation, motion, still, velocity):
     """Whether two beads that are apart will meet if no contact pushes; rates up to `still` are round-off.
 
@@ -120,7 +120,7 @@ def take_samples(time, h, kind, drifts, kicks, chain, dissipation, motion, spare
         take_sample(samples, log, spare)
 
 
-@jit
+@inlined
 def fly(steps, h, motion):
     """Take whole steps of free flight at once."""
     for i in range(motion.overlap.size):

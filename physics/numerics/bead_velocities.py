@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.resolvent import EPSILON
 
 
@@ -22,7 +22,7 @@ def bead_velocities(rate, anchor_bead, anchor_velocity, velocity):
             velocity[j] = 0.0
 
 
-@jit
+@inlined
 def at_rest(motion):
     """Whether no bead moves."""
     resting = motion.anchor[1] == 0.0

@@ -29,7 +29,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.contact_law import power
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.resolvent import EPSILON, mean_force, resolvent
 from softcradle.physics.numerics.switches import copy_into
 
@@ -82,13 +82,13 @@ def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahea
     return resolvent(kept * preload, kept * stiffness, exponent, start, start_power, weight, start + s, guess)
 
 
-@jit
+@inlined
 def loses(loss, start, rate):
     """Whether a contact can lose energy in this step: it has loss, and it is loaded or about to be."""
     return loss > 0.0 and (start > 0.0 or (start == 0.0 and rate > 0.0))
 
 
-@jit
+@inlined
 def solve_contact(h, i, law, dissipation, diagonal, start, rate, overlap, force, work):
     """Put overlap, force and slope dg/ds of contact i at its s into their rows."""
     weight = 0.5 * h * h * diagonal[i]
@@ -103,7 +103,7 @@ def solve_contact(h, i, law, dissipation, diagonal, start, rate, overlap, force,
         )  # fmt: skip
 
 
-@jit
+@inlined
 def slide(h, j, coupling, push, bed, force, beads):
     """Put u and the friction of bead j, as an acceleration, into `beads`, from the contact forces."""
     before, after = force[j - 1] if j > 0 else 0.0, force[j] if j < force.size else 0.0
@@ -116,7 +116,7 @@ def slide(h, j, coupling, push, bed, force, beads):
     beads[FRICTION, j] = 0.0 if bed[j] == 0.0 else (STICKS if stuck else math.copysign(bed[j], -u))
 
 
-@jit
+@inlined
 def row_residual(h, i, dissipation, coupling, push, free, start, rate, force, beads, work):
     """What row i lacks, s_i - lambda_i g_i - (d1_i by the motion), and the sum of its terms without sign."""
     half = 0.5 * h * h
@@ -149,7 +149,7 @@ def row_residual(h, i, dissipation, coupling, push, free, start, rate, force, be
     return s - own - base - (left + right), abs(s) + own + abs(base) + abs(left + right)
 
 
-@jit
+@inlined
 def solve_all(h, law, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work):
     """Contacts, then beads on a bed, at the present unknowns."""
     for i in range(start.size):
@@ -207,7 +207,7 @@ def sweep(h, law, dissipation, diagonal, coupling, push, free, start, rate, over
             s[i] = 0.5 * (low + high)
 
 
-@jit
+@inlined
 def newton_shift(h, law, dissipation, diagonal, coupling, start, rate, largest, beads, work):
     """Newton's correction of s, (I - half offdiagonal(L) slope) shift = -residual, by Thomas' elimination."""
     residual, slope, upper, shift = work[RESIDUAL], work[SLOPE], work[UPPER], work[SHIFT]
@@ -239,7 +239,7 @@ def newton_shift(h, law, dissipation, diagonal, coupling, start, rate, largest, 
         shift[i] += upper[i] * shift[i + 1]
 
 
-@jit
+@inlined
 def begin_solve(h, law, dissipation, diagonal, coupling, free, start, rate, overlap, force, work):
     """Rows that one step needs, and the first s: by the neighbours' forces, or by a contact's own with dissipation."""
     half = 0.5 * h * h
@@ -261,7 +261,7 @@ def begin_solve(h, law, dissipation, diagonal, coupling, free, start, rate, over
         work[UNKNOWN, i] = overlap[i] - work[OFFSET, i] + half * diagonal[i] * force[i]
 
 
-@jit
+@inlined
 def begin_again(h, dissipation, coupling, free, start, pressed, work):
     """Unknowns as if all neighbours pushed with the force `pressed`."""
     half = 0.5 * h * h

@@ -30,10 +30,10 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
         """The function itself, uncompiled."""
         return function
 
-    inlined = jit
+    inlined = fused = jit
 
 else:
-    COUNTED = False  # references to arrays: no kernel makes any, and counting those of views took half of the time
+    COUNTED = False  # references to arrays: kernels make no array, and counting references to views took half of the time
     _FOLDER = str(cache_folder())
 
     def _compiled(function: Kernel, **options: object) -> Kernel:
@@ -55,5 +55,9 @@ else:
         return _compiled(function)
 
     def inlined(function: Kernel) -> Kernel:
-        """`jit`, put into the loop of its caller, so that the loop can be vectorised; products and sums may be fused."""
+        """`jit`, put into its caller: a call that passes whole records costs as much as a step of a few contacts."""
+        return _compiled(function, forceinline=True)
+
+    def fused(function: Kernel) -> Kernel:
+        """`inlined`, in which products and sums may be fused to one operation; loops of it become vector code."""
         return _compiled(function, forceinline=True, fastmath={"contract"})

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.float_bits import bits_of, float_of
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import fused, jit
 
 HEAD = -(1 << 27)  # keeps 26 significant bits of a float
 HALF_ROOT = 0x3FE6A09E667F3BCD  # bits of sqrt(1/2)
@@ -45,13 +45,13 @@ E1, E2, E3, E4, E5, E6, E7, E8, E9, E10, E11, E12, E13 = (
 )
 
 
-@inlined
+@fused
 def head(number):
     """The first 26 significant bits of a float."""
     return float_of(bits_of(number) & HEAD)
 
 
-@inlined
+@fused
 def plain_power(base, exponent):
     """``base**exponent`` for 0 < base < inf and exponent >= 0, without a branch."""
     small = base < TINY

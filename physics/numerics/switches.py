@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.records import SAMPLE, SWITCH
 
 
-@jit
+@inlined
 def is_closed(overlap, force):
     """Whether a contact pushes: it overlaps, or it touches and carries a force."""
     return overlap > 0.0 or (overlap == 0.0 and force > 0.0)
 
 
-@jit
+@inlined
 def log_switch(log, i, now, time):
     """Log that contact i closes (`now` true) or opens at `time`; what the log has no row for is counted all the same."""
     log.closed[i] = 1 if now else 0
@@ -22,7 +22,7 @@ def log_switch(log, i, now, time):
     log.counter[SWITCH] = k + 1
 
 
-@jit
+@inlined
 def any_switched(motion, closed):
     """Whether a contact has left the state that its flag in `closed` (n,) says."""
     switched = False
@@ -31,14 +31,14 @@ def any_switched(motion, closed):
     return switched
 
 
-@jit
+@inlined
 def copy_into(target, source):
     """``target[:] = source`` of arrays (k,): a slice that takes an array might overlap it, so numba would allocate."""
     for i in range(source.size):
         target[i] = source[i]
 
 
-@jit
+@inlined
 def copy_motion(target, source):
     """Copy overlaps, rates, forces, anchor and absorbed energy of one Motion into another."""
     copy_into(target.overlap, source.overlap)
@@ -48,7 +48,7 @@ def copy_motion(target, source):
     copy_into(target.absorbed, source.absorbed)
 
 
-@jit
+@inlined
 def take_sample(samples, log, motion):
     """Copy `motion` into the next sample row."""
     k = log.counter[SAMPLE]
