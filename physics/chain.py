@@ -114,13 +114,8 @@ class Chain:
 
     @cached_property
     def dissipative(self) -> bool:
-        """Whether anything rubs: the bed, or a contact with loss."""
+        """Whether anything dissipates energy: friction on the bed, or a contact with loss."""
         return self.friction > 0.0 or bool(self.loss.any())
-
-    @property
-    def dry(self) -> bool:
-        """The same under the name by which the fixed-step runner still reads it."""
-        return self.dissipative
 
     @cached_property
     def drive_force(self) -> Array | None:

@@ -24,8 +24,9 @@ def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[An
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
+    law, inverse_mass = chain.parameters
+    law, inverse_mass = law.copy(), inverse_mass.copy()
     dissipation = (chain.loss.copy(), chain.bed.copy()) if chain.dissipative else None
-    law, inverse_mass = (array.copy() for array in chain.parameters)
     push = state.external(chain)
     if push is None:
         return (law, inverse_mass, NOTHING, NOTHING, chain.anchor), dissipation

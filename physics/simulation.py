@@ -133,7 +133,7 @@ def move(
     _require(not chain.dissipative or chosen.dissipative, refusal(chosen))
     _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
     _require(most_steps > 0, f"most_steps must be at least 1, not {most_steps!r}")
-    length = _step(chain, state.velocity(chain), chosen, step)
+    length = _step(chain, state, chosen, step)
     fineness = tolerance if chosen.adaptive else 0.0
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
@@ -163,14 +163,14 @@ def _require(condition: bool | np.bool_, sentence: str) -> None:
         raise ValueError(sentence)
 
 
-def _step(chain: Chain, velocity: ArrayLike, method: Method, step: float | None) -> float:
+def _step(chain: Chain, state: State, method: Method, step: float | None) -> float:
     if step is not None:
         _require(math.isfinite(step) and step > 0.0, f"step must be a finite time > 0, not {step!r}")
         _require(
             not method.adaptive, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step"
         )
         return float(step)
-    return 0.0 if method.adaptive else default_step(chain, velocity)
+    return 0.0 if method.adaptive else default_step(chain, state.velocity(chain))
 
 
 def _problem(
@@ -196,7 +196,7 @@ def _problem(
         state=state,
         method=method.name,
         duration=duration,
-        step=_step(chain, velocity, method, step),
+        step=_step(chain, state, method, step),
         tolerance=tolerance if method.adaptive else 0.0,
         samples=_samples(samples, duration),
     )

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import OPEN, TOUCHING
 
 MARGIN = 4  # contacts around those that push: a wave front runs one or two a step
 
 
-@jit
+@inlined
 def is_active(i, h, inactive, chain, motion):
     """False for a contact that closes no faster than `inactive` [m/s], and neither now nor at the end of a step at this rate
     holds more energy or changes velocities by more. A contact that touches passes on at once what pushes it: it is active."""

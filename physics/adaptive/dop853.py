@@ -23,7 +23,7 @@ from softcradle.physics.adaptive.dop853_tableau import (
     WEIGHTS_SQUARE,
 )
 from softcradle.physics.numerics.contact_law import power
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, signed_force, slope_at
 from softcradle.physics.numerics.records import LOADED, TOUCHING
@@ -134,7 +134,7 @@ def dop853_step(h, inactive, chain, motion, trial, scratch):
     return worst
 
 
-@jit
+@inlined
 def step_of_range(h, first, last, chain, motion, trial, scratch):
     """The step of contacts [first, last): the forces of their end stay in scratch. Returns the error as `dop853_step`."""
     overlap, rate, mode = motion.overlap, motion.rate, motion.mode
@@ -172,7 +172,7 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
     return worst
 
 
-@jit
+@inlined
 def error_of_range(h, first, last, chain, motion, trial, force):
     """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins or ceases to push in it.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.contact_solve import solve_contacts
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, cubic, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
@@ -100,7 +100,7 @@ def first_crossing(y0, y1, y2, y3, upwards, most):
     return 2.0
 
 
-@jit
+@inlined
 def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     """True where a contact closes so slowly, and has so little energy at the end, that its closing may be passed over.
 
@@ -113,7 +113,7 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     return push * end_overlap <= inactive * inactive
 
 
-@jit
+@inlined
 def find_event(chain, motion, trial, skip, inactive):
     """The earliest change of mode within the step: (contact, kind, part of the step); contact -1 where there is none.
 
@@ -153,7 +153,7 @@ def find_event(chain, motion, trial, skip, inactive):
     return contact, kind, part
 
 
-@jit
+@inlined
 def passing_yield(chain, motion, trial):
     """The part of the step at which a touching contact comes near to its preload, perhaps beyond it, and goes back again; 1
     where none does. The nodes of a long step may lie on either side of the peak, and the cubic is not fine enough to tell."""
@@ -178,7 +178,7 @@ def passing_yield(chain, motion, trial):
     return part
 
 
-@jit
+@inlined
 def miss_of(chain, motion, trial, i, kind, h):
     """By how much time the end of the step misses the event of contact i: one Newton step on its overlap or its force."""
     if motion.mode[i] != TOUCHING:

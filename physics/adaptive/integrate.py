@@ -21,7 +21,7 @@ from softcradle.physics.adaptive.step_control import (
 )
 from softcradle.physics.adaptive.step_records import DOP853, LAST, NEXT, RADAU, Scratch, Trial
 from softcradle.physics.adaptive.switch_log import find_openings, log_switches
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import flow_into
 from softcradle.physics.numerics.records import (
     DONE,
@@ -48,7 +48,7 @@ FALLBACK_PART = 0.25  # of a step that does not converge: the longest fallback s
 AFTER_FALLBACK = 4.0  # of the fallback step: the longest next step
 
 
-@jit
+@inlined
 def nothing_pushes(chain, motion, negligible):
     """True where no contact pushes, or only with what gives less than `negligible` [m/s]."""
     for i in range(motion.mode.size):
@@ -62,7 +62,7 @@ def nothing_pushes(chain, motion, negligible):
     return chain.external.size == 0
 
 
-@jit
+@inlined
 def accept_step(kind, motion, trial, past):
     """Make the end of the trial the motion; its stages become the guess for the next step of radau."""
     if kind == RADAU:
@@ -102,7 +102,7 @@ def stop_rate(i, chain, motion):
     rate[i] = 0.0
 
 
-@jit
+@inlined
 def open_passed(landing, chain, motion, slow):
     """Open the contacts that the step has carried past d = 0; returns True where there are any."""
     any_passed = False
@@ -123,7 +123,7 @@ def open_passed(landing, chain, motion, slow):
     return any_passed
 
 
-@jit
+@inlined
 def switch(landing, event, time, chain, motion, wanted, slow, scratch, log):
     """Carry out the event of contact `landing`; the forces of all touching contacts are solved anew."""
     control = scratch.control
@@ -182,7 +182,7 @@ def take_fallback_step(time, tried, chain, motion, wanted, slow, trial, scratch,
     return time + h
 
 
-@jit
+@inlined
 def begin(time, chain, motion, wanted, slow, scratch, log):
     """Modes, first step and log at the start of a run."""
     first = math.inf

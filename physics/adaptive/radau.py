@@ -12,7 +12,7 @@ import math
 
 from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
 from softcradle.physics.numerics.records import LOADED, OPEN
 
@@ -22,7 +22,7 @@ FORCE_PRECISION = 1e-3  # of the largest force: no correction of a force is larg
 VERTICAL = 1e200  # slope of the law beyond which a contact counts as touching
 
 
-@jit
+@inlined
 def directions(h, chain, mode, trial, scratch):
     """Direction (dd, df) = (along, across) z of the curve at every stage, scaled so that both terms of a row are alike."""
     law, inverse_mass, along, across = chain.law, chain.inverse_mass, scratch.along, scratch.across
@@ -44,7 +44,7 @@ def directions(h, chain, mode, trial, scratch):
                 across[k, i] = slope * along[k, i]
 
 
-@jit
+@inlined
 def eliminate(h, chain, motion, trial, scratch):
     """Newton correction z (3, n) of all stages: block Thomas with M = D'^-1 kept in `scratch.block` (n, 9).
 
@@ -108,7 +108,7 @@ def eliminate(h, chain, motion, trial, scratch):
         z[2, i] += right * (m[6] * r0 + m[7] * r1 + m[8] * r2)
 
 
-@jit
+@inlined
 def solve_stages(h, chain, motion, precision, trial, scratch):
     """Newton on all stages from the guess in `trial`; `precision` is the velocity [m/s] to converge to.
 
@@ -155,7 +155,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     return 0
 
 
-@jit
+@inlined
 def stage_rates(h, chain, motion, trial):
     """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
 
@@ -185,7 +185,7 @@ def stage_rates(h, chain, motion, trial):
                 )
 
 
-@jit
+@inlined
 def move_anchor(h, chain, anchor, trial):
     """Position and velocity of the anchor bead at the end of the step."""
     inverse_mass, external, anchor_bead = chain.inverse_mass, chain.external, chain.anchor_bead

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.contact_law import power
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
@@ -17,7 +17,7 @@ LEAST_LEFT = 0.01  # of an overlap that shrinks, in a guess
 MOST_GROWTH = math.log(3.0)  # of a guessed force
 
 
-@jit
+@inlined
 def first_guess(h, chain, motion, past_step, past, trial):
     """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
 

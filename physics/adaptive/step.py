@@ -18,7 +18,7 @@ from softcradle.physics.adaptive.radau import MOST_NEWTON, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
 from softcradle.physics.adaptive.radau_guess import NO_GUESS
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import EVALUATION, LOADED, OPEN, REJECTED, STEP, TOUCHING
 
 NEWTON_PART = 1e-2  # of a step's error bound: precision to which the stages are solved
@@ -48,7 +48,7 @@ def try_step(h, kind, chain, motion, precision, past_step, trial, scratch, log):
     return embedded_error(h, chain, motion, trial, scratch.work) if used > 0 else -1.0
 
 
-@jit
+@inlined
 def turned_back(landing, kind, motion, trial):
     """True where the contact moves the other way at what looked, from further off, like its event."""
     if motion.mode[landing] == TOUCHING:
@@ -57,7 +57,7 @@ def turned_back(landing, kind, motion, trial):
     return speed > 0.0 if kind == OPENS else speed < 0.0
 
 
-@jit
+@inlined
 def opened_early(h, chain, motion, trial, wanted):
     """The part of the step at which a contact opens that still pushes enough to matter; 1 where none does.
 

@@ -23,7 +23,7 @@ from softcradle.physics.adaptive.step_records import (
     REACH,
     UNLIMITED,
 )
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import slope_at
 from softcradle.physics.numerics.records import LOADED, OPEN
 
@@ -43,7 +43,7 @@ BEFORE_OPENING_ALONE = 0.9  # of the time left to an opening: the step of dop853
 FIRST_PART = 0.01  # of the fastest local period or crossing: the first step where no onset gives one
 
 
-@jit
+@inlined
 def restart_control(control, h):
     """Forget the past; the next step is `h` at the most (inf: not known)."""
     control[NEXT], control[RADAU_NEXT], control[LAST] = h, h, 0.0
@@ -78,7 +78,7 @@ def first_step(chain, motion, scale):
     return FIRST_PART / fastest if fastest > 0.0 else 1.0
 
 
-@jit
+@inlined
 def soft_contacts(chain, motion, wanted):
     """(reach, left, push): longest step of dop853, beyond which a soft contact is stiff; time to the next opening of a soft
     contact if its rate stays, inf where none is near, and what this contact pushes until then [m/s]."""
@@ -108,7 +108,7 @@ def before_opening(left, push, wanted):
     return left * (0.9 if push > 1e3 * wanted else 0.99 if push > 10.0 * wanted else 0.999)
 
 
-@jit
+@inlined
 def propose_step(control, rest, allowed, chain, motion, wanted):
     """(kind, h, near): the kind of the next step, its length, `rest` at the most, and whether a near opening limits it.
 
@@ -133,7 +133,7 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
     return kind, h, False
 
 
-@jit
+@inlined
 def update_control(control, h, kind, error, near, landing, rejected, wanted):
     """Set the next step from the error of this one, of length `h`. One that an opening or an event cut short predicts little.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.events import is_continued
 from softcradle.physics.adaptive.step import NEWTON_PART, try_step
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import cubic, flow_into
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
@@ -20,7 +20,7 @@ OPENING_PART = 0.1  # of a step's error bound times its length: the overlap to w
 OPENING_TRIES = 4  # steps of the method that locate one opening
 
 
-@jit
+@inlined
 def log_switches(before, time, motion, opening, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
