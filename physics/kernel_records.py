@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.numerics.records import COUNTERS, SWITCH, SwitchLog
+from softcradle.physics.numerics.records import COUNTERS, SWITCH, Dissipation, SwitchLog
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
@@ -19,14 +19,14 @@ NOTHING = np.zeros(0)
 NO_FLAGS = np.zeros(0, dtype=np.int8)
 
 
-def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...] | None]:
-    """The fields of ChainData, and those of Dissipation or None; forces from outside are those of `state` now.
+def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], Dissipation | None]:
+    """The fields of ChainData, and a Dissipation or None; forces from outside are those of `state` now.
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
     law, inverse_mass = chain.parameters
     law, inverse_mass = law.copy(), inverse_mass.copy()
-    dissipation = (chain.loss.copy(), chain.bed.copy()) if chain.dissipative else None
+    dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if chain.dissipative else None
     push = state.external(chain)
     if push is None:
         return (law, inverse_mass, NOTHING, NOTHING, chain.anchor), dissipation

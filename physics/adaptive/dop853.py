@@ -26,7 +26,7 @@ from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, signed_force, slope_at
-from softcradle.physics.numerics.records import LOADED, TOUCHING
+from softcradle.physics.numerics.records import LOADED, TOUCHING, ZERO
 
 KINK = (
     0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
@@ -111,7 +111,7 @@ def dop853_step(h, inactive, chain, motion, trial, scratch):
         touching |= mode[i] == TOUCHING
     for s in range(STAGES):
         of_anchor[s] = anchor_acceleration(chain, force)
-    last = 0
+    last = ZERO
     while last < n:
         first, last = next_range(last, h, inactive, chain, motion)
         if first == n:
@@ -130,7 +130,7 @@ def dop853_step(h, inactive, chain, motion, trial, scratch):
         for k in range(2):
             for i in range(n):
                 trial.force[k, i] = 0.0
-            accelerate(0, n, chain, mode, trial.overlap[k], trial.force[k], stage, upper)
+            accelerate(ZERO, n, chain, mode, trial.overlap[k], trial.force[k], stage, upper)
     return worst
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from softcradle.physics.numerics.contact_solve import solve_contacts
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, cubic, flow_into, signed_force
-from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # kinds of event; a touching contact yields where its force reaches its preload
-NOTHING, CLOSES, OPENS, YIELDS = 0, 1, 2, 3
+NOTHING, CLOSES, OPENS, YIELDS = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches
 ROUND_OFF = 1e-13  # of the acceleration by the preload: a smaller one is none, and its contact stays touching
 POSSIBLE_YIELD = 0.5  # of the preload: a force at a node from which on a peak between the nodes is sought
@@ -121,7 +122,7 @@ def find_event(chain, motion, trial, skip, inactive):
     """
     law, overlap, rate, force, mode = chain.law, motion.overlap, motion.rate, motion.force, motion.mode
     d, f = trial.overlap, trial.force
-    contact, kind, part = -1, NOTHING, 1.0
+    contact, kind, part = NO_CONTACT, NOTHING, 1.0
     for i in range(mode.size):
         if i == skip:
             continue
@@ -153,7 +154,7 @@ def find_event(chain, motion, trial, skip, inactive):
     return contact, kind, part
 
 
-@inlined
+@jit
 def passing_yield(chain, motion, trial):
     """The part of the step at which a touching contact comes near to its preload, perhaps beyond it, and goes back again; 1
     where none does. The nodes of a long step may lie on either side of the peak, and the cubic is not fine enough to tell."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.fixed_step.discrete_gradient import gradient_step
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import EVALUATION, FALLBACK, STEP, Motion
 from softcradle.physics.numerics.switches import copy_motion
 
@@ -22,9 +22,9 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
     for _ in range(SHRINKS):
         copy_motion(whole, motion)
         copy_motion(halves, motion)
-        take_step(h, chain, whole, scratch, log)
-        for _ in range(2):
-            take_step(0.5 * h, chain, halves, scratch, log)
+        for k in range(3):
+            part, moved = (h, whole) if k == 0 else (0.5 * h, halves)
+            log.counter[EVALUATION] += abs(gradient_step(part, chain, None, moved, scratch.work, scratch.work))
         agree = True  # where a rate is not a number, it is not the same as nothing
         for i in range(motion.mode.size):
             agree &= abs(whole.rate[i] - halves.rate[i]) <= wanted
@@ -40,13 +40,7 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
     return h
 
 
-@jit
+@inlined
 def as_motion(rows, anchor, motion):
     """A Motion whose overlaps, rates and forces are `rows` (3, n)."""
     return Motion(rows[0], rows[1], anchor, rows[2], motion.absorbed, motion.mode, motion.held)
-
-
-@jit
-def take_step(h, chain, motion, scratch, log):
-    """One step of the discrete gradient, in place."""
-    log.counter[EVALUATION] += abs(gradient_step(h, chain, None, motion, scratch.work, scratch.work))

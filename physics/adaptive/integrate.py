@@ -26,6 +26,7 @@ from softcradle.physics.numerics.law_curve import flow_into
 from softcradle.physics.numerics.records import (
     DONE,
     LOADED,
+    NO_CONTACT,
     OPEN,
     OUT_OF_STEPS,
     REJECTED,
@@ -123,7 +124,7 @@ def open_passed(landing, chain, motion, slow):
     return any_passed
 
 
-@inlined
+@jit
 def switch(landing, event, time, chain, motion, wanted, slow, scratch, log):
     """Carry out the event of contact `landing`; the forces of all touching contacts are solved anew."""
     control = scratch.control
@@ -142,13 +143,13 @@ def switch(landing, event, time, chain, motion, wanted, slow, scratch, log):
 @jit
 def fly(time, end, motion, negligible, samples, log):
     """Free flight to the first closing or to `end`. Returns the time and the contact that closes (-1: none, ever)."""
-    flight, closing = math.inf, -1
+    flight, closing = math.inf, NO_CONTACT
     for i in range(motion.mode.size):
         if motion.rate[i] > negligible and -motion.overlap[i] / motion.rate[i] < flight:
             flight, closing = max(-motion.overlap[i] / motion.rate[i], 0.0), i
     until = min(time + flight, end)
     if until == math.inf:
-        return time, -1
+        return time, NO_CONTACT
     sample_flight(time, until, motion, samples, log)
     for i in range(motion.mode.size):
         motion.overlap[i] = flown(motion.overlap[i], motion.rate[i], until - time)
@@ -173,16 +174,6 @@ def fly_to_closing(time, end, stop, chain, motion, wanted, slow, negligible, scr
 
 
 @jit
-def take_fallback_step(time, tried, chain, motion, wanted, slow, trial, scratch, log):
-    """A small step of the discrete gradient where radau does not converge. Returns the time reached."""
-    h = fallback_step(FALLBACK_PART * tried, chain, motion, wanted, trial, scratch, log)
-    set_modes(chain, motion, slow, scratch.work)
-    log_switches(time, time + h, motion, scratch.opening, log)
-    restart_control(scratch.control, AFTER_FALLBACK * h)
-    return time + h
-
-
-@inlined
 def begin(time, chain, motion, wanted, slow, scratch, log):
     """Modes, first step and log at the start of a run."""
     first = math.inf
@@ -198,13 +189,21 @@ def begin(time, chain, motion, wanted, slow, scratch, log):
 
 @jit
 def integrate(
-    allowed, start, end, stop, most_steps, scale, tolerance, chain, motion, trial, look, scratch, samples, log
+    allowed, start, end, stop, most_steps, scale, tolerance, chain_fields, motion_fields, trial_fields, look_fields,
+    scratch_fields, sample_fields, log_fields,
 ):  # fmt: skip
     """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
 
-    `allowed` is a kind of step or EITHER, `scale` the velocity [m/s] that `tolerance` is relative to; `look` is a second
-    Trial, for what happens inside a step. Returns the status and the time reached.
+    `allowed` is a kind of step or EITHER, `scale` the velocity [m/s] that `tolerance` is relative to. Records come as plain
+    tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status and the time reached.
     """
+    chain, motion, samples = ChainData(*chain_fields), Motion(*motion_fields), Samples(*sample_fields)
+    trial, look, scratch, log = (
+        Trial(*trial_fields),
+        Trial(*look_fields),
+        Scratch(*scratch_fields),
+        SwitchLog(*log_fields),
+    )
     wanted = TOLERANCE_PART * tolerance * scale
     slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, ROUND_OFF * scale)
     time, past_step, control, counter = start, 0.0, scratch.control, log.counter
@@ -233,8 +232,11 @@ def integrate(
         if h == 0.0:
             if counter[STEP] + counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
-            time = take_fallback_step(time, proposed, chain, motion, wanted, slow, trial, scratch, log)
-            past_step = 0.0
+            h = fallback_step(FALLBACK_PART * proposed, chain, motion, wanted, trial, scratch, log)
+            set_modes(chain, motion, slow, scratch.work)
+            log_switches(time, time + h, motion, scratch.opening, log)
+            restart_control(control, AFTER_FALLBACK * h)
+            time, past_step = time + h, 0.0
             continue
         update_control(control, h, kind, error, near and h == proposed, landing, rejected, wanted)
         find_openings(h, kind, chain, motion, wanted, past_step, trial, look, scratch, log)
@@ -251,14 +253,3 @@ def integrate(
         if landing >= 0:
             past_step = 0.0
             switch(landing, event, time, chain, motion, wanted, slow, scratch, log)
-
-
-@jit
-def integrate_records(
-    allowed, start, end, stop, most_steps, scale, tolerance, chain, motion, trial, look, scratch, samples, log
-):  # fmt: skip
-    """`integrate` for Python: the records come as plain tuples."""
-    return integrate(
-        allowed, start, end, stop, most_steps, scale, tolerance, ChainData(*chain), Motion(*motion), Trial(*trial),
-        Trial(*look), Scratch(*scratch), Samples(*samples), SwitchLog(*log),
-    )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.integrate import integrate_records
+from softcradle.physics.adaptive.integrate import integrate
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
     DOP853,
@@ -108,7 +108,7 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int 
 def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: Memory) -> Any:
     """Run the kernel on `state`. Returns its status and the time reached."""
     data, _ = chain_records(problem.chain, state)
-    return integrate_records(
+    return integrate(
         ALLOWED[problem.method], state.time, end, stop, problem.most_steps or MOST_STEPS, _scale(problem.chain, state),
         problem.tolerance, data, motion_record(state, memory.mode, memory.held), tuple(memory.trial), tuple(memory.look),
         tuple(memory.scratch), tuple(memory.samples), tuple(memory.log),

@@ -19,7 +19,7 @@ from softcradle.physics.adaptive.radau_error import embedded_error
 from softcradle.physics.adaptive.radau_guess import NO_GUESS
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.records import EVALUATION, LOADED, OPEN, REJECTED, STEP, TOUCHING
+from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, TOUCHING
 
 NEWTON_PART = 1e-2  # of a step's error bound: precision to which the stages are solved
 INACTIVE_PART = 10.0  # of that precision: a velocity below which a contact is inactive
@@ -82,18 +82,18 @@ def find_step(time, h, kind, alone, chain, motion, wanted, past_step, trial, scr
     length of the last step rejected for its error (inf: none).
     """
     rejected, inactive, counter = math.inf, INACTIVE_PART * NEWTON_PART * wanted, log.counter
-    landing, event, tries, failures, ceiling, peaked, least = -1, NOTHING, 0, 0, h, False, AT_ONCE * h
+    landing, event, tries, failures, ceiling, peaked, least = NO_CONTACT, NOTHING, 0, 0, h, False, AT_ONCE * h
     while counter[STEP] + counter[REJECTED] < most_steps:
         error = try_step(h, kind, chain, motion, NEWTON_PART * wanted, past_step, trial, scratch, log)
         if error < 0.0 or not math.isfinite(error):
             counter[REJECTED] += 1
             failures += 1
-            landing, h = -1, 0.25 * h
+            landing, h = NO_CONTACT, 0.25 * h
             if failures > MOST_FAILURES or time + h <= time:
-                return 0.0, 0.0, -1, NOTHING, rejected
+                return 0.0, 0.0, NO_CONTACT, NOTHING, rejected
             continue
         if landing >= 0 and turned_back(landing, event, motion, trial):
-            landing, tries = -1, tries + 1
+            landing, tries = NO_CONTACT, tries + 1
         found, its_event, part = find_event(chain, motion, trial, landing, inactive)
         if landing >= 0:
             miss = miss_of(chain, motion, trial, landing, event, h)
@@ -118,14 +118,14 @@ def find_step(time, h, kind, alone, chain, motion, wanted, past_step, trial, scr
         if (error <= wanted and early == 1.0) or time + h <= time:
             peak = 1.0 if peaked else passing_yield(chain, motion, trial)
             if peak < 1.0:  # the step ends there: a multiplier at the end of a step is exact
-                peaked, landing, tries, h = True, -1, 0, peak * h
+                peaked, landing, tries, h = True, NO_CONTACT, 0, peak * h
                 continue
             return h, error, landing, event, rejected
         counter[REJECTED] += 1
         if early < 1.0 and error <= 10.0 * wanted:
-            h, landing = 0.9 * early * h, -1
+            h, landing = 0.9 * early * h, NO_CONTACT
             continue
         rejected = h if early == 1.0 else rejected
         h *= max(LEAST_SHRINK, SAFETY * (wanted / error) ** ERROR_EXPONENT[kind])
-        landing = -1
-    return 0.0, 0.0, -1, NOTHING, rejected
+        landing = NO_CONTACT
+    return 0.0, 0.0, NO_CONTACT, NOTHING, rejected

@@ -48,10 +48,20 @@ def find_openings(h, kind, chain, motion, wanted, past_step, trial, look, scratc
         if opens and not is_continued(chain.law, i):
             opening[i], by_stages = opening_of_quintic(i, h, chain, motion, trial)
             doubtful |= abs(by_stages) > QUINTIC_GAIN * allowed
-    if doubtful:
-        for i in range(motion.mode.size):
-            if opening[i] >= 0.0:
-                locate_opening(i, h, allowed, kind, chain, motion, NEWTON_PART * wanted, past_step, look, scratch, log)
+    if not doubtful:
+        return
+    precision = NEWTON_PART * wanted
+    for i in range(motion.mode.size):
+        for _ in range(OPENING_TRIES):  # Newton on the time at which contact i opens
+            part = opening[i]
+            if part <= 0.0 or try_step(part, kind, chain, motion, precision, past_step, look, scratch, log) < 0.0:
+                break
+            miss, speed = look.overlap[2, i], look.rate[2, i]
+            if speed >= 0.0:
+                break
+            opening[i] = min(max(part - miss / speed, 0.5 * part), h)
+            if abs(miss) <= allowed:
+                break
 
 
 @jit
@@ -70,18 +80,3 @@ def opening_of_quintic(i, h, chain, motion, trial):
         else:
             high = x
     return low * h, cubic(low, d0, trial.overlap[0, i], trial.overlap[1, i], d1)
-
-
-@jit
-def locate_opening(i, h, allowed, kind, chain, motion, precision, past_step, look, scratch, log):
-    """Newton on the time at which contact i opens, with a step of the method for its overlap there."""
-    for _ in range(OPENING_TRIES):
-        part = scratch.opening[i]
-        if part <= 0.0 or try_step(part, kind, chain, motion, precision, past_step, look, scratch, log) < 0.0:
-            return
-        miss, speed = look.overlap[2, i], look.rate[2, i]
-        if speed >= 0.0:
-            return
-        scratch.opening[i] = min(max(part - miss / speed, 0.5 * part), h)
-        if abs(miss) <= allowed:
-            return

@@ -189,7 +189,7 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     return used, 1.0
 
 
-@inlined
+@jit
 def gradient_step(h, chain, dissipation, motion, beads, work):
     """One step in place, in shorter ones where it does not converge and cut where a bead stops or a contact reverses.
 

@@ -16,8 +16,7 @@ from softcradle.physics.fixed_step.step_loop import (
     DISCRETE_GRADIENT,
     SPLITTING,
     SPLITTING_SIMD,
-    march_frictionless,
-    march_records,
+    march,
 )
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
@@ -48,8 +47,7 @@ Array = NDArray[np.float64]
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
 MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
-_march: Any = march_records  # their arguments are unpacked from tuples, which type checkers cannot count
-_march_frictionless: Any = march_frictionless
+_march: Any = march  # its arguments are unpacked from tuples, which type checkers cannot count
 _loaded: set[tuple[str, bool]] = set()  # (method, dissipative) whose kernels are in memory
 
 
@@ -121,20 +119,12 @@ def _march_chain(problem: Problem, state: State, end: float, stop: bool, scratch
     """Run the kernel on `state`. Returns its status and the time reached."""
     chain = problem.chain
     data, dissipation = chain_records(chain, state)
-    ahead = (
-        _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method], problem.step, state.time, end, stop, MOST_STEPS, data
+    method = _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method]
+    records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log)
+    status, time = _march(
+        *method, problem.step, state.time, end, stop, MOST_STEPS, data, dissipation, *records, scratch.beads, scratch.work
     )  # fmt: skip
-    memory = (
-        motion_record(state),
-        tuple(scratch.spare),
-        tuple(scratch.samples),
-        tuple(scratch.log),
-        scratch.beads,
-        scratch.work,
-    )
-    if dissipation is None:
-        return _march_frictionless(*ahead, *memory)  # type: ignore[no-any-return]
-    return _march(*ahead, dissipation, *memory)  # type: ignore[no-any-return]
+    return status, time
 
 
 def _kind(method: str, chain: Chain) -> int:

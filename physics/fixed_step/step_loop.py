@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.splitting import split_steps
 from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
@@ -18,12 +19,13 @@ from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
+    ONE,
     OUT_OF_STEPS,
     SAMPLE,
     SEPARATED,
     STEP,
+    ZERO,
     ChainData,
-    Dissipation,
     Motion,
     Samples,
     SwitchLog,
@@ -36,20 +38,6 @@ SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
 GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
 STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
 MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
-
-
-@inlined
-def take_steps(most, h, kind, drifts, kicks, chain, dissipation, motion, log, beads, work):
-    """Up to `most` steps of this kind, until a contact switches or all beads rest on a bed. Returns the steps taken."""
-    if kind == DISCRETE_GRADIENT:
-        return gradient_steps(most, h, chain, dissipation, motion, log.closed, beads, work, log.counter)
-    taken = 0
-    if kind == SPLITTING:
-        taken = split_steps(most, h, drifts, kicks, chain, dissipation, motion, log.closed, beads)
-    elif dissipation is None:
-        taken = simd_split_steps(most, h, drifts, kicks, chain, motion, log.closed)
-    log.counter[EVALUATION] += taken * kicks.size
-    return taken
 
 
 @inlined
@@ -70,6 +58,15 @@ def log_switches(before, time, motion, log):
                 when = min(max(before, time - overlap[i] / rate[i]), time)
             log_switch(log, i, now, when)
     return closed
+
+
+@inlined
+def largest(values):
+    """The largest absolute value."""
+    found = 0.0
+    for i in range(values.size):
+        found = max(found, abs(values[i]))
+    return found
 
 
 @inlined
@@ -108,18 +105,6 @@ def closes_again(chain, dissipation, motion, still, velocity):
     return False
 
 
-@jit
-def take_samples(time, h, kind, drifts, kicks, chain, dissipation, motion, spare, samples, log, beads, work):
-    """Fill the sample rows up to the next step, between steps by one shorter step of `spare`."""
-    wanted, counter = samples.time, log.counter
-    while counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE):
-        copy_motion(spare, motion)
-        length = wanted[counter[SAMPLE]] - time
-        if length > h * GRID_TOLERANCE:
-            take_steps(1, length, kind, drifts, kicks, chain, dissipation, spare, log, beads, work)
-        take_sample(samples, log, spare)
-
-
 @inlined
 def fly(steps, h, motion):
     """Take whole steps of free flight at once."""
@@ -130,67 +115,66 @@ def fly(steps, h, motion):
 
 @jit
 def march(
-    kind, drifts, kicks, h, start, end, stop, most_steps, chain, dissipation, motion, spare, samples, log, beads, work
+    kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
+    sample_fields, log_fields, beads, work,
 ):  # fmt: skip
     """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
 
-    `spare` is a second Motion for samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) scratch memory.
-    Returns the status and the time reached.
+    Records come as plain tuples of their fields, `dissipation` as a Dissipation or None; `spare` is a second Motion for
+    samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
     """
+    chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
+    motion, spare = Motion(*motion_fields), Motion(*spare_fields)
     counter, wanted = log.counter, samples.time
     bed = dissipation is not None and dissipation.bed.size > 0
-    still = 0.0
-    for i in range(motion.rate.size):
-        still = max(still, STANDSTILL * abs(motion.rate[i]))
-    closed, rests = log_switches(start, start, motion, log), False
+    still = STANDSTILL * largest(motion.rate)
+    closed, rests, time = log_switches(start, start, motion, log), False, start
     while True:
-        time = start + counter[STEP] * h
-        take_samples(time, h, kind, drifts, kicks, chain, dissipation, motion, spare, samples, log, beads, work)
-        if time > end - h * GRID_TOLERANCE:
-            return DONE, end
-        free = closed == 0 and chain.push.size == 0
-        if stop and (rests or (free and not closes_again(chain, dissipation, motion, still, beads[0]))):
-            return SEPARATED, time
-        if counter[STEP] >= most_steps:
-            return OUT_OF_STEPS, time
-        until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
-        if rests or (free and not bed):
-            flight = math.inf if rests else flight_time(motion.overlap, motion.rate, still)
-            whole = math.floor(min(flight, until - time) / h) - 1.0
-            if whole >= 1.0:
-                fly(whole, h, motion)
-                counter[STEP] += int(whole)
-                continue
-        whole_step = end - time >= h * (1.0 - GRID_TOLERANCE)
-        length = h if whole_step else end - time
-        most = 1 if not whole_step else int(min(max(1.0, (until - time) / h), MOST_AT_ONCE, most_steps - counter[STEP]))
-        rests = bed and at_rest(motion)
-        counter[STEP] += take_steps(most, length, kind, drifts, kicks, chain, dissipation, motion, log, beads, work)
+        sampling = counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
+        most, length, last = ONE, 0.0, False
+        if sampling:
+            copy_motion(spare, motion)
+            length = wanted[counter[SAMPLE]] - time
+        else:
+            if time > end - h * GRID_TOLERANCE:
+                return DONE, end
+            free = closed == 0 and chain.push.size == 0
+            if stop and (rests or (free and not closes_again(chain, dissipation, motion, still, beads[0]))):
+                return SEPARATED, time
+            if counter[STEP] >= most_steps:
+                return OUT_OF_STEPS, time
+            until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
+            if rests or (free and not bed):
+                flight = math.inf if rests else flight_time(motion.overlap, motion.rate, still)
+                whole = math.floor(min(flight, until - time) / h) - 1.0
+                if whole >= 1.0:
+                    fly(whole, h, motion)
+                    counter[STEP] += int(whole)
+                    time = start + counter[STEP] * h
+                    continue
+            last = end - time < h * (1.0 - GRID_TOLERANCE)
+            length = end - time if last else h
+            if not last:
+                most = np.int64(min(max(1.0, (until - time) / h), MOST_AT_ONCE, most_steps - counter[STEP]))
+            rests = bed and at_rest(motion)
+        taken = ZERO
+        if not sampling or length > h * GRID_TOLERANCE:
+            moved = spare if sampling else motion
+            if kind == DISCRETE_GRADIENT:
+                taken = gradient_steps(most, length, chain, dissipation, moved, log.closed, beads, work, counter)
+            elif kind == SPLITTING:
+                taken = split_steps(most, length, drifts, kicks, chain, dissipation, moved, log.closed, beads)
+            elif dissipation is None:
+                taken = simd_split_steps(most, length, drifts, kicks, chain, moved, log.closed)
+            if kind != DISCRETE_GRADIENT:
+                counter[EVALUATION] += taken * kicks.size
+        if sampling:
+            take_sample(samples, log, spare)
+            continue
         rests = rests and at_rest(motion)
-        time = min(end, start + counter[STEP] * h)
-        before = start + (counter[STEP] - 1) * h  # the switch is in the last step: with it a run of steps ends
-        closed = log_switches(before, time, motion, log)
-        if not whole_step:
+        counter[STEP] += taken
+        before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
+        closed = log_switches(before, now, motion, log)  # a run of steps ends with the first switch
+        if last:
             return DONE, end
-
-
-@jit
-def march_records(
-    kind, drifts, kicks, h, start, end, stop, most_steps, chain, dissipation, motion, spare, samples, log, beads, work
-):  # fmt: skip
-    """`march` for Python: the records come as plain tuples."""
-    return march(
-        kind, drifts, kicks, h, start, end, stop, most_steps, ChainData(*chain), Dissipation(*dissipation), Motion(*motion),
-        Motion(*spare), Samples(*samples), SwitchLog(*log), beads, work,
-    )  # fmt: skip
-
-
-@jit
-def march_frictionless(
-    kind, drifts, kicks, h, start, end, stop, most_steps, chain, motion, spare, samples, log, beads, work
-):  # fmt: skip
-    """`march_records` for a chain that nothing dissipates."""
-    return march(
-        kind, drifts, kicks, h, start, end, stop, most_steps, ChainData(*chain), None, Motion(*motion), Motion(*spare),
-        Samples(*samples), SwitchLog(*log), beads, work,
-    )  # fmt: skip
+        time = start + counter[STEP] * h

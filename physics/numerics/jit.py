@@ -33,7 +33,9 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
     inlined = fused = jit
 
 else:
-    COUNTED = False  # references to arrays: kernels make no array, and counting references to views took half of the time
+    COUNTED = (
+        False  # references to arrays: kernels make no array, and counting references to views took half of the time
+    )
     _FOLDER = str(cache_folder())
 
     def _compiled(function: Kernel, **options: object) -> Kernel:

@@ -1,7 +1,6 @@
 """Records that all kernels share: what does not move, what moves, samples, the log of contact switches, codes and counters.
 
-A kernel that Python calls takes them as plain tuples, which cost less to pass, and names their fields at once:
-``ChainData(*chain)``.
+A kernel that Python calls takes their fields as plain tuples, which cost less to pass, and makes records of them at once.
 """
 
 from __future__ import annotations
@@ -13,6 +12,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.int8]
+
+# whole numbers with a type: kernels would be compiled once more for a literal among their arguments
+ZERO, ONE, NO_CONTACT = np.int64(0), np.int64(1), np.int64(-1)
 
 # how a kernel ended; physics.status gives them names for everybody else
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, State, Trajectory, advance, hooke, power_law, simulate
-from softcradle.physics.adaptive.integrate import integrate_records as integrate
-from softcradle.physics.fixed_step.step_loop import march_frictionless as march
+from softcradle.physics.adaptive.integrate import integrate
+from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.scales import speed_scale
 from softcradle.scenes import SceneError
 
