@@ -172,7 +172,7 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
     return worst
 
 
-@inlined
+@jit
 def error_of_range(h, first, last, chain, motion, trial, force):
     """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins or ceases to push in it.
 

@@ -101,7 +101,7 @@ def first_crossing(y0, y1, y2, y3, upwards, most):
     return 2.0
 
 
-@inlined
+@jit
 def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     """True where a contact closes so slowly, and has so little energy at the end, that its closing may be passed over.
 
@@ -114,7 +114,7 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     return push * end_overlap <= inactive * inactive
 
 
-@inlined
+@jit
 def find_event(chain, motion, trial, skip, inactive):
     """The earliest change of mode within the step: (contact, kind, part of the step); contact -1 where there is none.
 

@@ -57,9 +57,12 @@ else:
         return _compiled(function)
 
     def inlined(function: Kernel) -> Kernel:
-        """`jit`, put into its caller: a call that passes whole records costs as much as a step of a few contacts."""
-        return _compiled(function, forceinline=True)
+        """`jit`, put into its caller: a call that passes whole records costs as much as a step of a few contacts.
+
+        Python cannot call it; code for that would take a tenth of the time to compile.
+        """
+        return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
     def fused(function: Kernel) -> Kernel:
-        """`inlined`, in which products and sums may be fused to one operation; loops of it become vector code."""
+        """`jit`, put into its caller, in which products and sums may be fused to one operation; loops of it become vector code."""
         return _compiled(function, forceinline=True, fastmath={"contract"})
