@@ -1,4 +1,4 @@
-"""Films read back frame by frame; refusals before any work; whole files or none."""
+"""Films read back frame by frame, what is refused before any work, and files that are complete or not there."""
 
 import av
 import numpy as np
@@ -151,7 +151,7 @@ def test_slow_motion_stretches_the_motion_only(tmp_path):
     assert slow.frames - still == pytest.approx(2 * (plain.frames - still), abs=3)
 
 
-def test_the_script_waits_for_the_reader_and_at_the_end():
+def test_the_first_frame_stays_for_the_text_and_the_last_for_a_moment():
     shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
     assert shots[0] == Shot(0, 1.0)
