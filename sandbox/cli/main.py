@@ -105,18 +105,18 @@ def _load_claims() -> CommandModule:
 
 
 COMMANDS = (
-    Command("play", "open the window; softcradle without a command does it too", _load_play),
-    Command("scenes", "list the scenes, or print one to start your own from", _load_scenes),
-    Command("check", "say whether scene files are right, and what is wrong with them", _load_check),
-    Command("run", "compute a scene: table of results, .npz or .csv", _load_run),
-    Command("render", "make a film or pictures of a scene", _load_render),
-    Command("compare", "set chains side by side: one film, one report, all numbers", _load_compare),
+    Command("play", "open the window, as softcradle without a command does", _load_play),
+    Command("scenes", "list the scenes, or print the file of one", _load_scenes),
+    Command("check", "check scene files and report every problem", _load_check),
+    Command("run", "compute a scene: tables of results, .npz or .csv", _load_run),
+    Command("render", "write a film, pictures or a kymograph of a scene", _load_render),
+    Command("compare", "compare chains side by side: a film, a report and numbers", _load_compare),
     Command("figures", "draw the paper's figures, and write their numbers", _load_figures),
-    Command("chart", "speed against accuracy, beside other integrators", _load_chart),
-    Command("stability", "map where each method breaks, and how", _load_stability),
+    Command("chart", "chart cost against error, beside other integrators", _load_chart),
+    Command("stability", "map where each method fails, and how", _load_stability),
     Command("maps", "map where a struck cluster moves like a rigid body", _load_maps),
-    Command("experiment", "fit the bed of the paper's experiment to what it lost", _load_experiment),
-    Command("claims", "check what the paper states: claims and measurements", _load_claims),
+    Command("experiment", "fit bed friction to the losses of the paper's experiment", _load_experiment),
+    Command("claims", "measure what the paper claims, and judge each claim", _load_claims),
 )
 
 

@@ -121,14 +121,14 @@ def _print(found: Measured) -> None:
     from softcradle.sandbox.studies.precision.chart_cases import REACHES
     from softcradle.sandbox.studies.precision.precision_table import auto_sentence, how, ratio_sentence, rows
 
-    made = table(f"ms to an error of {found.quantity} of", *(f"{reach:g}" for reach in REACHES), "by")
+    grid = table(f"ms to an error of {found.quantity} of", *(f"{reach:g}" for reach in REACHES), "by")
     measured = rows(found)
     for row in measured:
         cells = ["-" if best is None else f"{1e3 * best.seconds:.3g}" for best in row.best]
-        made.add_row(row.name, *cells, "; ".join(how(best) for best in row.best))
+        grid.add_row(row.name, *cells, "; ".join(how(best) for best in row.best))
     output = console()
     output.print(f"{found.case.label}; truth: {found.case.origin}", style="bold")
-    output.print(made)
+    output.print(grid)
     output.print(ratio_sentence(measured))
     output.print(auto_sentence(measured))
     if cut := [row.name for row in measured if row.ended.startswith("a ")]:
