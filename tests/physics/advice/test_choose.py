@@ -27,12 +27,12 @@ from softcradle.physics.advice import step_cost as cost
 from softcradle.physics.advice.step_cost import Cost
 from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.precision.chart_cases import RECIPES
+from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 from softcradle.scenes import load, names
 from softcradle.scenes.library import SceneError
 
 ERRORS = tuple(10.0**-k for k in range(3, 10))
-CASES = {recipe.name: recipe for recipe in RECIPES}
+CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
 # what this machine would say is left out of most tests: the choice, and with it the digits, is to be the same everywhere
 EVEN = {key: Cost(3e-8, 1e-8) if key[0] != "accurate" else Cost(3e-6, 1e-6) for key in cost.TIMED}
 
@@ -44,7 +44,7 @@ def even_costs(monkeypatch):
 
 @pytest.fixture(scope="module", params=list(CASES))
 def case(request):
-    return CASES[request.param].cook()
+    return CASES[request.param].solve()
 
 
 @pytest.mark.parametrize("error", ERRORS)
@@ -58,13 +58,13 @@ def test_the_wanted_error_holds_on_every_case_of_the_chart(case, error):
 def test_the_error_holds_whatever_is_cheapest(case, method, error):
     """Each candidate is made the cheapest: its own estimate of its error must hold, not that of the usual choice."""
     price = {key: Cost(1e-12 if key[0] == method else 1.0, 0.0) for key in cost.TIMED}
-    choice = auto.choose(case.chain, case.velocity, case.span, error, price)
-    if choice.method != method or case.span / (choice.step or 1.0) > 3e5:
+    choice = auto.choose(case.chain, case.velocity, case.run_duration, error, price)
+    if choice.method != method or case.run_duration / (choice.step or 1.0) > 3e5:
         pytest.skip("no candidate here, or one of minutes")
     starts = case.starts([0.0, 0.4 * choice.step]) if choice.step else case.starts([0.0])
     for start in starts:
         fineness = {"step": choice.step} if choice.step else {"tolerance": choice.tolerance}
-        found = simulate(start.chain, start.velocity, case.span + start.early, method, samples=2, **fineness)
+        found = simulate(start.chain, start.velocity, case.run_duration + start.early, method, samples=2, **fineness)
         assert case.error(found.final_velocity) <= 3.0 * error
 
 
@@ -170,10 +170,10 @@ def test_the_choice_follows_the_costs():
 
 
 def test_a_smaller_error_never_costs_less():
-    for recipe in RECIPES:
-        chain = recipe.build()
+    for definition in CASE_DEFINITIONS:
+        chain = definition.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0]
-        prices = [auto.choose(chain, velocity, recipe.duration, error, EVEN).seconds for error in ERRORS]
+        prices = [auto.choose(chain, velocity, definition.duration, error, EVEN).seconds for error in ERRORS]
         assert prices == sorted(prices)
 
 
