@@ -53,6 +53,14 @@ def test_the_wanted_error_holds_on_every_case_of_the_chart(case, error):
     assert case.error(found.final_velocity) <= 3.0 * error
 
 
+def test_the_wanted_error_holds_at_every_tight_tolerance():
+    """One on 5 bounces six times at the end: a run that nothing checks misses a bounce at one tolerance in some hundred."""
+    case = CASES["one-on-5"].solve()
+    for error in np.geomspace(5e-10, 5e-9, 60):
+        found = simulate(case.chain, case.velocity, method="auto", tolerance=error, samples=2)
+        assert case.error(found.final_velocity) <= 3.0 * error
+
+
 @pytest.mark.parametrize("method", ["verlet", "yoshida4", "conserving", "accurate"])
 @pytest.mark.parametrize("error", [1e-3, 1e-4, 1e-5])
 def test_the_error_holds_whatever_is_cheapest(case, method, error):
