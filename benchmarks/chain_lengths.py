@@ -26,6 +26,8 @@ LENGTHS = (4, 16, 64, 256, 1000, 10_000, 100_000, 1_000_000)  # contacts
 CONTACT_STEPS = 100_000  # contacts times steps in a round: shorter than a time slice of the scheduler
 ENSEMBLE_CHAINS = 500
 ENSEMBLE_CONTACTS = 2000  # of each chain
+ENSEMBLE_STEPS = 100  # in a round
+ENSEMBLE_ROUNDS = 5
 POWER_AIM = 2.0  # our powers take at most so many times as long as the best others, from
 POWER_AIM_LENGTH = 64  # contacts on
 
@@ -93,20 +95,20 @@ def _arrays(part: Any) -> list[Array]:
     return [array for each in inner for array in _arrays(each)]
 
 
-def measure_ensemble(chains: int, contacts: int, threads: int, steps: int = 100, rounds: int = 5) -> float:
+def measure_ensemble(threads: int) -> float:
     """Contact-steps a second of many chains by `advance` in `threads` threads."""
-    pairs = [loaded_alike(contacts) for _ in range(chains)]
+    pairs = [loaded_alike(ENSEMBLE_CONTACTS) for _ in range(ENSEMBLE_CHAINS)]
 
     def move(pair: tuple[Chain, State]) -> None:
-        advance(*pair, steps * STEP, method="verlet", step=STEP)
+        advance(*pair, ENSEMBLE_STEPS * STEP, method="verlet", step=STEP)
 
     seconds = []
     with ThreadPoolExecutor(threads) as pool:
-        for _ in range(rounds + 1):
+        for _ in range(ENSEMBLE_ROUNDS + 1):
             began = perf_counter()
-            list(pool.map(move, pairs, chunksize=max(1, chains // (8 * threads))))
+            list(pool.map(move, pairs, chunksize=max(1, ENSEMBLE_CHAINS // (8 * threads))))
             seconds.append(perf_counter() - began)
-    return chains * contacts * steps / min(seconds[1:])
+    return ENSEMBLE_CHAINS * ENSEMBLE_CONTACTS * ENSEMBLE_STEPS / min(seconds[1:])
 
 
 def length_rows(lengths: tuple[int, ...] = LENGTHS, rounds: int = ROUNDS) -> Iterator[dict[str, Any]]:
@@ -149,7 +151,7 @@ def _length_texts(row: dict[str, Any]) -> list[str]:
 
 def _ensemble_report() -> Report:
     threads = sorted({1, cores()})
-    rates = {count: measure_ensemble(ENSEMBLE_CHAINS, ENSEMBLE_CONTACTS, count) for count in threads}
+    rates = {count: measure_ensemble(count) for count in threads}
     data = [{"threads": count, "contact_steps_a_second": rate} for count, rate in rates.items()]
     rows = [[str(count), f"{rate:.3g}"] for count, rate in rates.items()]
     title = f"{ENSEMBLE_CHAINS} chains of {ENSEMBLE_CONTACTS} contacts at once, verlet"

@@ -15,7 +15,6 @@ from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
 
-QUANTITIES = ("velocities", "forces", "overlaps")
 ERROR_LEVELS = (1e-3, 1e-6, 1e-9)  # errors of final velocities, over the closing speed, at which methods are compared
 TRUTH_TOLERANCE = 1e-12  # of radau, whose outcome is the truth where none is known better
 CHECK_TOLERANCE = 3e-12  # of accurate, whose distance from the truth is its uncertainty

@@ -32,7 +32,7 @@ def frontier(series: Sequence[Series], cost: str = "seconds") -> list[Point]:
 
 
 def fastest(series: Sequence[Series], error: float) -> Point | None:
-    """The fastest point that reaches `error` together with the next finer one: an error that is small by chance is none."""
+    """The fastest point that reaches `error` as its next finer one does: errors that are small by chance do not count."""
     reaching = [
         point
         for one in series

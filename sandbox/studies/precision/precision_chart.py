@@ -36,7 +36,7 @@ ERROR_LABELS = {
     "overlaps": "relative error of overlaps (App. B), r.m.s.",
 }
 
-# Our methods have filled markers and solid lines, peers hollow markers and broken lines: without colour both can be told.
+# Our methods have filled markers and solid lines, peers hollow markers and broken lines: they differ without colour.
 MARKERS = "osD^vPX*p<>hd8H"
 OUR_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED, SKY, BLACK, "#8c6d31", GREY, "#6a0dad")
 PEER_COLOURS = (

@@ -16,6 +16,8 @@ from softcradle.sandbox.studies.precision.cases import Case, Start
 Array = NDArray[np.float64]
 
 NO_SAMPLES = np.zeros(0)  # sample times of a run whose final velocities alone are compared
+FEWEST_STEPS = 30  # of the coarsest run of a fixed-step method
+MOST_STEPS = 8e6  # of the finest
 START_PHASES = 4  # lead times, evenly over one step, over which the error of a fixed step is averaged
 
 
@@ -76,9 +78,9 @@ def tolerances(finest: float = 1e-12) -> list[float]:
     return [float(10.0 ** (-0.5 * k)) for k in range(4, round(-2.0 * np.log10(finest)) + 1)]
 
 
-def step_counts(most: float = 8e6) -> list[float]:
-    """Numbers of steps from 30 up to `most`, by factors of 2."""
-    return [30.0 * 2**k for k in range(1 + int(np.log2(most / 30)))]
+def step_counts() -> list[float]:
+    """Numbers of steps by factors of 2."""
+    return [FEWEST_STEPS * 2.0**k for k in range(1 + int(np.log2(MOST_STEPS / FEWEST_STEPS)))]
 
 
 def our_solvers(case: Case) -> list[Solver]:

@@ -32,7 +32,7 @@ def test_errors_average_over_the_start_phase(case):
     solver, steps = our_solver(case, "verlet"), 120.0
     (point,) = measure_series(case, our_solver(case, "verlet", steps), limits=SHORT_LIMITS).points
     errors = [case.error(solver.run(steps, start, NO_SAMPLES).velocity) for start in solver.starts(case, steps)]
-    assert np.ptp(errors) > 0.1 * point.error  # one phase alone would be chance
+    assert np.ptp(errors) > 0.1 * point.error  # the error at one phase alone is a matter of chance
     assert point.error == pytest.approx(np.sqrt(np.mean(np.square(errors))))
     assert point.evaluations == pytest.approx(120, abs=3)
 
