@@ -74,16 +74,16 @@ def _start(environment: dict[str, str]) -> float:
 def frames(seconds: float) -> dict[str, Any]:
     """Milliseconds of the frames in `seconds` of playing; restarted whenever the collision is over."""
     from softcradle.sandbox.window.app import App
-    from softcradle.sandbox.window.scene.scene_page import Play
+    from softcradle.sandbox.window.scene.scene_page import ScenePage
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fifty.toml"
         path.write_text(SCENE)
         app = App(start=str(path))
-    app.warmer.complete.wait()
+    app.warmup.complete.wait()
     app.frame(FRAME)
     page = app.page
-    assert isinstance(page, Play)
+    assert isinstance(page, ScenePage)
     page.session.play()
     took, busy, physics = [], [], []
     for k in range(round(seconds / FRAME)):
