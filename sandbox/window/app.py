@@ -53,7 +53,7 @@ class App:
             "smaller": partial(self.rescale, -1),
             "normal": partial(self.rescale, 0),
             "quit": self.quit,
-            "open": self.ask_for_file,
+            "open": self.ask_path,
         }
         self.page: Page = self._gallery()
         self._build()
@@ -121,7 +121,7 @@ class App:
 
         return ScenePage(self, Session(load(name_or_path)), self.show_gallery)
 
-    def ask_for_file(self) -> None:
+    def ask_path(self) -> None:
         """Ask for the path of a file to open."""
         self.ask("Open", "a scene (.toml), a session (.npz), or the name of a scene", "", self.open)
 
