@@ -1,4 +1,4 @@
-"""Scales of a chain, from energy alone: speeds, and how deep and how long each contact can be pressed."""
+"""Scales of a chain, from energy alone: speeds, depth and time of each contact, and the default step."""
 
 from __future__ import annotations
 

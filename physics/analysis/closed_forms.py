@@ -1,4 +1,4 @@
-"""Closed forms: exact results for one contact, rigid clusters, draft gears and linear chains, to test methods against."""
+"""Closed forms: one contact, rigid clusters, the critical speed of draft gears, linear chains. Methods are tested by them."""
 
 from __future__ import annotations
 
