@@ -13,7 +13,7 @@ from typing import Any
 
 from rich.console import Console
 
-from benchmarks.report import Report, against
+from benchmarks.reports import Report, at_least, at_most
 
 PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk", "CyRK", "numbalsoda", "heyoka", "scikit-sundae")
 
@@ -25,49 +25,32 @@ def steps() -> Iterator[Report]:
     return reports()
 
 
-def floor() -> Iterator[Report]:
-    """Steps of verlet against the bare powers that they take, up to a million contacts; ensembles."""
-    from benchmarks.floor import reports
+def chain_lengths() -> Iterator[Report]:
+    """Steps of verlet against the powers that they take, up to a million contacts; many chains at once."""
+    from benchmarks.chain_lengths import reports
 
     return reports()
 
 
-def precision() -> Iterator[Report]:
-    """Time to reach an accuracy, and the same of the peers."""
-    from benchmarks.precision import reports
+def work_precision() -> Iterator[Report]:
+    """Time to reach an error, of our methods and of the peers."""
+    from benchmarks.work_precision import reports
 
     return reports()
 
 
-def errors() -> Iterator[Report]:
+def tolerances() -> Iterator[Report]:
     """Error against tolerance, over all scenes."""
-    from benchmarks.errors import reports
+    from benchmarks.tolerances import reports
 
     return reports()
 
 
 def callbacks() -> Iterator[Report]:
     """Contacts in pymunk, compiled and in Python."""
-    from softcradle.physics.pymunk_contacts import compiled_force as native
+    from benchmarks.callbacks import reports
 
-    from benchmarks import callbacks
-
-    if native.unavailable():
-        yield Report(f"no compiled pymunk callbacks here: {native.unavailable()}", [], [])
-        return
-    found = [callbacks.measure(contacts, turns) for contacts in callbacks.CONTACTS for turns in callbacks.ITERATIONS]
-    rows = [
-        [
-            f"{row['contacts']} contacts, {row['iterations']} iterations",
-            f"{row['compiled_microseconds']:.2f}",
-            f"{row['python_microseconds']:.2f}",
-            f"{row['ratio']:.1f}" + (_at_least(row["ratio"], 3.0) if row["contacts"] == 4 else ""),
-        ]
-        for row in found
-    ]
-    columns = ["", "compiled [us]", "Python [us]", "ratio (aim)"]
-    note = f"least of {callbacks.ROUNDS} rounds of {callbacks.STEPS} steps"
-    yield Report("One step of a pymunk Space, contacts as callbacks", columns, rows, [note], found)
+    return reports()
 
 
 def render() -> Iterator[Report]:
@@ -75,9 +58,10 @@ def render() -> Iterator[Report]:
     from benchmarks.render import measure
 
     found = measure("one-on-four", (1280, 720))
+    percent = 100 * found["share"]
     rows = [[name, f"{found[name]:.0f}"] for name in ("drawing", "encoder", "render")]
-    rows.append(["render, % of the encoder alone", f"{100 * found['share']:.0f}" + _at_least(100 * found["share"], 60)])
-    rows.append(["first frame [s]", against(found["first_frame_seconds"], 3.0)])
+    rows.append(["render, % of the encoder alone", at_least(f"{percent:.0f}", percent, 60)])
+    rows.append(["first frame [s]", at_most(found["first_frame_seconds"], 3.0)])
     note = f"median of 5 rounds of {found['frames']} frames"
     yield Report("one-on-four as mp4, 1280x720", ["", "frames a second (aim)"], rows, [note], found)
 
@@ -96,13 +80,36 @@ def window() -> Iterator[Report]:
     yield Report("The window, 50 beads at 1280x720", ["", ""], rows, [note], {"start": start, "frame": frame})
 
 
-PARTS: dict[str, Callable[[], Iterator[Report]]] = {
-    part.__name__: part for part in (steps, floor, precision, errors, callbacks, render, window)
+BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
+    "steps": steps,
+    "chain-lengths": chain_lengths,
+    "work-precision": work_precision,
+    "tolerances": tolerances,
+    "callbacks": callbacks,
+    "render": render,
+    "window": window,
 }
 
 
-def _at_least(value: float, aim: float) -> str:
-    return f" (at least {aim:g})" + ("" if value >= aim else " missed")
+def main(arguments: list[str] | None = None) -> int:
+    """Run the benchmarks of those names, or all; print tables, and write JSON if wanted."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; default: all")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write every number there")
+    args = parser.parse_args(arguments)
+    unknown = [name for name in args.names if name not in BENCHMARKS]
+    if unknown:
+        parser.error(f"there is no benchmark {unknown[0]!r}; there are {', '.join(BENCHMARKS)}")
+    console = Console()
+    found: dict[str, Any] = {"versions": _versions()}
+    for name in args.names or BENCHMARKS:
+        data = found.setdefault(name, [])
+        for report in BENCHMARKS[name]():
+            report.show(console)
+            data.append(report.data)
+            if args.json:  # after every table, because all take minutes
+                _write(args.json, found)
+    return 0
 
 
 def _versions() -> dict[str, str | None]:
@@ -115,32 +122,11 @@ def _versions() -> dict[str, str | None]:
     return found
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the parts named, or all; print tables, write JSON where asked to."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(PARTS)}; all where none is given")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write every number there")
-    args = parser.parse_args(arguments)
-    unknown = [name for name in args.names if name not in PARTS]
-    if unknown:
-        parser.error(f"unknown part {unknown[0]!r}; there are {', '.join(PARTS)}")
-    console = Console()
-    found: dict[str, Any] = {"versions": _versions()}
-    for name in args.names or PARTS:
-        reports = found.setdefault(name, [])
-        for report in PARTS[name]():
-            report.show(console)
-            reports.append(report.data)
-            if args.json:  # kept after every table: the whole takes minutes
-                _write(args.json, found)
-    return 0
-
-
 def _write(path: Path, content: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    whole = path.with_suffix(".part")
-    whole.write_text(json.dumps(content, indent=1) + "\n")
-    whole.replace(path)
+    temporary = path.with_suffix(".part")
+    temporary.write_text(json.dumps(content, indent=1) + "\n")
+    temporary.replace(path)
 
 
 if __name__ == "__main__":

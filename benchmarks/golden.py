@@ -270,11 +270,11 @@ def random_problems(seed: int) -> Iterator[Problem]:
         ("both", lossy, braked),
     ):
         chain = Chain(plain.mass, contacts, plain.gap, plain.drive, friction)
-        endless = plain.drive is None and (not chain.dry or seed % 8 == 0)
+        endless = plain.drive is None and (not chain.dissipative or seed % 8 == 0)
         live = seed < LIVE_SEEDS and seed % 4 == ("plain", "bed", "loss", "both").index(name)
         yield Problem(
             f"random/{seed}/{name}", chain, velocity, None if endless else wanted, float(times.min()) / PARTS,
-            random_methods(seed, name), live, RANDOM_LIMIT, wanted / 3.0 if chain.dry and seed % 16 else None,
+            random_methods(seed, name), live, RANDOM_LIMIT, wanted / 3.0 if chain.dissipative and seed % 16 else None,
         )  # fmt: skip
 
 

@@ -4,89 +4,101 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from softcradle.physics import Chain, State, advance, one_on, power_law
 
-from benchmarks.report import Report, against
+from benchmarks.reports import Report, at_most
 
 ROUNDS = 9
 ALPHA = 0.1
-FRAME = 1.0 / 60.0
-MIDDLE = 0.8  # [s] less than half the time of contact
-PRESSED = 0.01  # [m] overlap of all contacts alike
-WORK = 400_000  # contacts times steps in a measurement
+FRAME = 1.0 / 60.0  # [s] step of the live simulation
+COLLISION_TIME = 0.8  # [s] less than half the contact time of one on many
+OVERLAP = 0.01  # [m] of all contacts that are loaded alike
+CONTACT_STEPS = 400_000  # contacts times steps in a round
 
-# method, step [s], contacts, all contacts pressed alike (True) or amid a collision, aim [ns]
-CASES: tuple[tuple[str, float, int, bool, float | None], ...] = (
-    ("verlet", 1e-6, 4, True, 20.0),
-    ("verlet", 1e-6, 4, False, 20.0),
-    ("verlet", 1e-6, 1000, True, 15.0),
-    ("verlet", 1e-6, 1000, False, 15.0),
-    ("conserving", 1e-3, 4, False, 1500.0),
-    ("conserving", FRAME, 4, False, 1500.0),
-    ("conserving", 1e-3, 1000, False, 1000.0),
-    ("conserving", FRAME, 1000, False, 1000.0),
-    ("conserving", FRAME, 10_000, False, 1000.0),
-    ("conserving", FRAME, 100_000, False, 1000.0),
+
+class StepCase(NamedTuple):
+    """A method and step [s] on a chain whose contacts are all loaded alike or amid a collision; the aim [ns]."""
+
+    method: str
+    step: float
+    contacts: int
+    alike: bool
+    aim: float
+
+
+CASES = (
+    StepCase("verlet", 1e-6, 4, True, 20.0),
+    StepCase("verlet", 1e-6, 4, False, 20.0),
+    StepCase("verlet", 1e-6, 1000, True, 15.0),
+    StepCase("verlet", 1e-6, 1000, False, 15.0),
+    StepCase("conserving", 1e-3, 4, False, 1500.0),
+    StepCase("conserving", FRAME, 4, False, 1500.0),
+    StepCase("conserving", 1e-3, 1000, False, 1000.0),
+    StepCase("conserving", FRAME, 1000, False, 1000.0),
+    StepCase("conserving", FRAME, 10_000, False, 1000.0),
+    StepCase("conserving", FRAME, 100_000, False, 1000.0),
 )
 
 
-def amid(contacts: int) -> tuple[Chain, State]:
-    """One on many soft beads, some way into the collision."""
+def colliding(contacts: int) -> tuple[Chain, State]:
+    """One on many soft beads, some time after the first touch."""
     chain = one_on(contacts, power_law(1.0, ALPHA))
     state = State.at_start(chain, np.eye(1, contacts + 1)[0])
-    advance(chain, state, MIDDLE, method="conserving", step=FRAME)
+    advance(chain, state, COLLISION_TIME, method="conserving", step=FRAME)
     return chain, state
 
 
-def pressed(contacts: int) -> tuple[Chain, State]:
-    """Beads between two walls, every contact pressed alike and at rest: no contact is spared its power."""
+def loaded_alike(contacts: int) -> tuple[Chain, State]:
+    """Beads at rest between two walls, all contacts loaded alike: every contact evaluates its power in every step."""
     chain = Chain([np.inf, *np.ones(contacts - 1), np.inf], power_law(1.0, ALPHA))
     state = State.at_start(chain, np.zeros(contacts + 1))
-    state.overlap[:] = PRESSED
+    state.overlap[:] = OVERLAP
     return chain, state
 
 
-def nanoseconds(method: str, step: float, contacts: int, alike: bool, work: int = WORK, rounds: int = ROUNDS) -> Any:
-    """Least time a step and contact of some rounds, each from the same state."""
-    chain, state = (pressed if alike else amid)(contacts)
-    steps = int(np.clip(work // contacts, 4, 0.5 / step))
-    spent = []
+def measure(case: StepCase, contact_steps: int = CONTACT_STEPS, rounds: int = ROUNDS) -> dict[str, Any]:
+    """Least time of a step and contact over the rounds, each from the same state."""
+    chain, state = (loaded_alike if case.alike else colliding)(case.contacts)
+    steps = int(np.clip(contact_steps // case.contacts, 4, 0.5 / case.step))
+    seconds = []
     closed = int((state.overlap > 0.0).sum())
-    start = state.overlap.copy(), state.rate.copy(), state.anchor.copy(), state.force.copy()
-    for _ in range(rounds + 1):  # the first finds its scratch memory
-        for now, then in zip((state.overlap, state.rate, state.anchor, state.force), start, strict=True):
-            now[:] = then
+    arrays = state.overlap, state.rate, state.anchor, state.force
+    start = [array.copy() for array in arrays]
+    for _ in range(rounds + 1):  # the first round allocates work arrays and does not count
+        for array, value in zip(arrays, start, strict=True):
+            array[:] = value
         state.time = 0.0
         began = perf_counter()
-        advance(chain, state, steps * step, method=method, step=step)
-        spent.append(perf_counter() - began)
+        advance(chain, state, steps * case.step, method=case.method, step=case.step)
+        seconds.append(perf_counter() - began)
     return {
-        "method": method,
-        "step": step,
-        "contacts": contacts,
-        "state": "pressed alike" if alike else "amid a collision",
+        "method": case.method,
+        "step": case.step,
+        "contacts": case.contacts,
+        "state": "loaded alike" if case.alike else "amid a collision",
         "closed": closed,
         "steps": steps,
-        "nanoseconds": min(spent[1:]) / (steps * contacts) * 1e9,
+        "nanoseconds": min(seconds[1:]) / (steps * case.contacts) * 1e9,
+        "aim": case.aim,
     }
 
 
 def reports() -> Iterator[Report]:
     """The one table."""
-    found = [{**nanoseconds(*case[:4]), "aim": case[4]} for case in CASES]
+    found = [measure(case) for case in CASES]
     rows = [
         [
-            str(row["method"]),
+            row["method"],
             f"{row['step']:.2g}",
             str(row["contacts"]),
             f"{row['state']}, {row['closed']} closed",
-            against(row["nanoseconds"], row["aim"]),
+            at_most(row["nanoseconds"], row["aim"]),
         ]
         for row in found
     ]
     columns = ["method", "step [s]", "contacts", "state", "ns a contact and step (aim)"]
-    note = f"alpha = 1/10; least of {ROUNDS} rounds of about {WORK} contact steps"
+    note = f"alpha = 1/10; least of {ROUNDS} rounds of about {CONTACT_STEPS} contact steps"
     yield Report("Cost of a step", columns, rows, [note], found)

@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.contact import Contact
+from softcradle.physics.contact import Contact, stored_energy
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.80665  # m/s², standard: what presses a bead on its bed
+GRAVITY = 9.80665  # [m/s²], the standard value: bed friction is proportional to it
 
 
 class Parameters(NamedTuple):
-    """What a kernel needs of a chain, as plain contiguous arrays."""
+    """Laws and masses of a chain as the contiguous arrays that kernels take."""
 
     law: Array  # (n, 3): preload, stiffness, exponent of each contact
     inverse_mass: Array  # (n+1,) [1/kg]; 0 for a wall
@@ -35,7 +35,7 @@ class Chain:
             contact is pressed from the start, by the overlap -gap.
         drive: (n+1,) steady external force on each bead [N], or None; it acts from t = 0 on.
         friction: Coulomb coefficient >= 0 of the bed: it holds a bead at rest with up to ``friction * mass * GRAVITY``
-            and brakes a sliding one with that. Walls are not rubbed.
+            and brakes a sliding one with that. It does not act on walls.
 
     Raises:
         ValueError: a number out of range, a wrong length, or two walls side by side.
@@ -79,12 +79,12 @@ class Chain:
 
     @cached_property
     def anchor(self) -> int:
-        """Index of the heaviest bead (a wall if there is one): the one whose position and velocity the State keeps."""
+        """Index of the heaviest bead (a wall if there is one): the bead whose position and velocity are in the State."""
         return int(np.argmax(self.mass))
 
     @cached_property
     def parameters(self) -> Parameters:
-        """The same chain as arrays for the kernels; made once."""
+        """Laws and masses as read-only arrays."""
         law = np.array([(c.preload, c.stiffness, c.exponent) for c in self.contact])
         inverse_mass = 1.0 / np.array(self.mass)
         for array in (law, inverse_mass):
@@ -93,10 +93,15 @@ class Chain:
 
     def stored_energy(self, overlap: ArrayLike) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`."""
-        preload, stiffness, exponent = self.parameters.law.T
-        depth = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
-        stored: Array = preload * depth + stiffness * depth ** (1.0 + exponent) / (1.0 + exponent)
-        return stored
+        return stored_energy(*self.parameters.law.T, overlap)
+
+    @cached_property
+    def inverse_reduced_mass(self) -> Array:
+        """(n,) 1/m_i + 1/m_(i+1) of the two beads of each contact [1/kg]: the diagonal of L = B M^-1 B^T."""
+        inverse_mass = self.parameters.inverse_mass
+        found: Array = inverse_mass[:-1] + inverse_mass[1:]
+        found.setflags(write=False)
+        return found
 
     @cached_property
     def loss(self) -> Array:
@@ -107,19 +112,19 @@ class Chain:
 
     @cached_property
     def bed(self) -> Array:
-        """(n+1,) deceleration [m/s²] of a bead that slides, 0 for a wall; empty where the bed does not rub."""
+        """(n+1,) deceleration [m/s²] of a bead that slides, 0 for a wall; empty without friction."""
         bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.friction else np.zeros(0)
         bed.setflags(write=False)
         return bed
 
     @cached_property
     def dissipative(self) -> bool:
-        """Whether anything dissipates energy: friction on the bed, or a contact with loss."""
+        """Whether the bed has friction or a contact has loss."""
         return self.friction > 0.0 or bool(self.loss.any())
 
     @cached_property
     def drive_force(self) -> Array | None:
-        """(n+1,) the drive as an array [N], made once; None for a chain that is not driven."""
+        """(n+1,) the drive as a read-only array [N]; None for a chain that is not driven."""
         if self.drive is None:
             return None
         force = np.array(self.drive)
@@ -188,3 +193,28 @@ def cluster_on_cluster(m: int, n: int, contact: Contact | Sequence[Contact], mas
     if len(masses) != m + n:
         raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {len(masses)}")
     return Chain(masses, contact)
+
+
+def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
+    """(n,) mass [kg] that each contact accelerates, seen from the contact `struck`: all beads beyond it, Eq. (4).
+
+    The contact `struck` itself accelerates the beads to its right.
+    """
+    masses = np.asarray(mass, dtype=np.float64)
+    right, left = np.cumsum(masses[::-1])[::-1][1:], np.cumsum(masses)[:-1]
+    return np.concatenate((left[:struck], right[struck:]))
+
+
+def mass_shares(mass: ArrayLike, struck: int) -> Array:
+    """(n,) force of each contact as a part of that of `struck` while both sides move as rigid bodies, Eq. (4).
+
+    A contact with a wall beyond it passes on all of the force: its share is 1.
+
+    >>> mass_shares([1.0, 1.0, 1.0, 1.0, 1.0], 0)
+    array([1.  , 0.75, 0.5 , 0.25])
+    """
+    masses = np.asarray(mass, dtype=np.float64)
+    beyond = accelerated_mass(masses, struck)
+    side = np.where(np.arange(beyond.size) < struck, np.cumsum(masses)[struck], beyond[struck])
+    shares: Array = np.divide(beyond, side, out=np.ones(beyond.size), where=np.isfinite(beyond))
+    return shares

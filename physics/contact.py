@@ -4,8 +4,10 @@ overlap d < 0   open      f = 0
 overlap d = 0   touching  f anywhere in [0, F]   (set-valued; fixed by the motion)
 overlap d > 0   loaded    f = F + K * d**a
 
-A gear with friction gives back less than it took: with `loss` l it pushes with f while it is pressed in, with (1 - l) f
-while it comes out, and with anything between where it stands still.
+A contact is closed where it touches with a force > 0 or is loaded, else open.
+
+A gear with friction inside gives back less energy than it stores: with `loss` l it pushes with f while it is pressed in, with
+(1 - l) f while it comes out, and with anything between while it is held at one overlap.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+Numbers = NDArray[np.float64] | float
+
 
 @dataclass(frozen=True, slots=True)
 class Contact:
@@ -25,7 +29,7 @@ class Contact:
         preload: force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
         stiffness: factor K of the power [N / m**exponent]; 0 for the step force.
         exponent: power a > 0 of the overlap; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
-        loss: part l in [0, 1) of the stored energy that the contact keeps for itself when it comes out; 0 is elastic.
+        loss: part l in [0, 1) of the stored energy that the contact absorbs when it comes out; 0 is elastic.
 
     Raises:
         ValueError: a number is negative, not finite, preload and stiffness are both 0, or the loss is not below 1.
@@ -52,22 +56,20 @@ class Contact:
         if self.loss >= 1.0:
             raise ValueError(f"contact loss must be below 1, not {self.loss!r}: the contact would never come out again")
 
-    def force(self, overlap: ArrayLike) -> NDArray[np.float64] | float:
-        """Force [N] at `overlap` [m] while pressed in, any shape; Eq. (2), Eq. (C1). At 0 the set's smallest value, 0."""
+    def force(self, overlap: ArrayLike) -> Numbers:
+        """Force [N] at `overlap` [m] while pressed in, any shape; Eq. (2), Eq. (C1). At overlap 0 it is 0."""
         pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
         force = np.where(pressed > 0.0, self.preload + self.stiffness * pressed**self.exponent, 0.0)
         return _like(overlap, force)
 
-    def energy(self, overlap: ArrayLike) -> NDArray[np.float64] | float:
-        """Energy taken up [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
+    def energy(self, overlap: ArrayLike) -> Numbers:
+        """Energy stored [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
 
-        A contact with loss gives back (1 - loss) times what this falls by, and absorbs the rest.
+        When this falls, a contact with loss gives back (1 - loss) of the difference and absorbs the rest.
         """
-        pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
-        power = 1.0 + self.exponent
-        return _like(overlap, self.preload * pressed + self.stiffness * pressed**power / power)
+        return _like(overlap, stored_energy(self.preload, self.stiffness, self.exponent, overlap))
 
-    def overlap(self, force: ArrayLike) -> NDArray[np.float64] | float:
+    def overlap(self, force: ArrayLike) -> Numbers:
         """Overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
 
         0 for a force that the preload alone carries; inf for one that a step force can never reach.
@@ -78,7 +80,26 @@ class Contact:
         return _like(force, (excess / self.stiffness) ** (1.0 / self.exponent))
 
 
-def _like(argument: ArrayLike, result: NDArray[np.float64]) -> NDArray[np.float64] | float:
+def stored_energy(preload: Numbers, stiffness: Numbers, exponent: Numbers, overlap: ArrayLike) -> NDArray[np.float64]:
+    """Energy [J] that contacts of these laws store at `overlap` [m]; the arguments are broadcast together."""
+    pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
+    power = 1.0 + exponent
+    stored: NDArray[np.float64] = preload * pressed + stiffness * pressed**power / power
+    return stored
+
+
+def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:
+    """Whether contacts at `overlap` [m] that push with `force` [N] are closed, any shape: loaded, or touching with a force.
+
+    >>> is_closed([-1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 2.0, 3.0])
+    array([False, False,  True,  True])
+    """
+    overlaps = np.asarray(overlap)
+    closed: NDArray[np.bool_] = (overlaps > 0.0) | ((overlaps == 0.0) & (np.asarray(force) > 0.0))
+    return closed
+
+
+def _like(argument: ArrayLike, result: NDArray[np.float64]) -> Numbers:
     """`result` as an array, or as a plain float where `argument` was a scalar."""
     return float(result) if np.ndim(argument) == 0 else result
 

@@ -19,8 +19,8 @@ def console() -> Console:
 
 def table(*columns: str, numbers: bool = False) -> Table:
     """An empty table; with `numbers`, all columns after the first are aligned right and not broken."""
-    made = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    grid = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for i, name in enumerate(columns):
         numeric = numbers and i > 0
-        made.add_column(name, justify="right" if numeric else "left", no_wrap=numeric)
-    return made
+        grid.add_column(name, justify="right" if numeric else "left", no_wrap=numeric)
+    return grid

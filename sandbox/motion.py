@@ -53,7 +53,7 @@ class Motion:
     @cached_property
     def stored(self) -> Array:
         """(T,) energy in all contacts [J]."""
-        energy: Array = stored_energy(self.chain.parameters.law, self.overlap).sum(axis=1)
+        energy: Array = self.chain.stored_energy(self.overlap).sum(axis=1)
         return energy
 
     @cached_property
@@ -92,13 +92,6 @@ class Motion:
     def _mass(self) -> Array:
         mass = np.array(self.chain.mass)
         return np.where(np.isfinite(mass), mass, 0.0)
-
-
-def stored_energy(law: Array, overlap: Array) -> Array:
-    """(..., n) energy [J] in contacts with the law table (n, 3) at `overlap` (..., n)."""
-    pressed = np.maximum(overlap, 0.0)
-    energy: Array = (law[:, 0] + law[:, 1] * pressed ** law[:, 2] / (1.0 + law[:, 2])) * pressed
-    return energy
 
 
 def _worst_so_far(value: Array, unit: float) -> Array:

@@ -1,4 +1,4 @@
-"""How far an explicit method can be trusted on a chain: an estimate of its step, and the signs of its failure."""
+"""Limits of explicit methods on a chain: the longest stable step, and the warnings of runs beyond it."""
 
 from __future__ import annotations
 
@@ -11,33 +11,37 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-TRUSTED_ERROR = 1e-2  # of the closing speed: what a step beyond `stable_step` may get wrong before it is reported
-LEAST_STEPS = 6  # to the shortest contact, for `conserving`: at five its velocities are off by a hundredth
-SHORT_STEPS = 8  # a contact that switches twice within so many steps chatters; a true bounce takes longer
-MOST_SHORT = 10  # such switches a run may have unreported
+TRUSTED_ERROR = 1e-2  # of the closing speed: a step that is expected to err by more gives a warning
+LEAST_STEPS = 6  # of `conserving` in the shortest contact time: at five its velocities are off by a hundredth
+CHATTER_STEPS = 8  # two switches of a contact within so many steps are chatter: a true bounce takes longer
+MOST_CHATTER = 10  # switches by chatter that a run may have without a warning
 
 
 def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float:
     """Longest step [s] at which euler, verlet and yoshida4 stay within `error` of the closing speed: an estimate.
 
     Explicit steps h have no strict limit of stability for an exponent a < 1: h² L a K d**(a-1) exceeds 4 as d -> 0, and
-    the contact chatters at the overlap d where it does. Four things bound the step, of which the shortest is returned:
+    the contact chatters at the overlap d where it does. The shortest of four steps is returned:
 
         stiffness    h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
         chatter      the same at the overlap whose energy gives the velocity `error`, for a < 1
         onset        the impulse of a step after the touch, h L K (v h)**a, is `error`
         preload      the impulse of a step, h L F, is `error`
 
-    Arguments: `velocity` (n+1,) [m/s] at the start; `error` relative to the closing speed. It is within a factor of a few,
-    and an error of the velocities, not of deep overlaps; a chain that collides many times adds its errors up.
+    The estimate is right within a factor of a few, for errors of velocities, not of deep overlaps. The errors of successive
+    collisions add up.
+
+    Arguments:
+        chain: the Chain.
+        velocity: (n+1,) start velocities [m/s].
+        error: wanted error, relative to the closing speed.
 
     >>> from softcradle import hertz, one_on, stable_step
     >>> 0.001 < stable_step(one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]) < 1.0
     True
     """
     preload, stiffness, exponent = chain.parameters.law.T
-    inverse_mass = chain.parameters.inverse_mass
-    weight = inverse_mass[:-1] + inverse_mass[1:]
+    weight = chain.inverse_reduced_mass
     speed = speed_scale(chain, velocity)
     small = error * speed
     depth = contact_scales(chain, velocity)[0]
@@ -52,7 +56,7 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
 
 
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:
-    """What shows that an explicit method has failed on `problem`, with what to use instead."""
+    """Warnings where the step of an explicit method is too long for `problem`, or where its contacts chatter."""
     found = []
     limit = stable_step(problem.chain, problem.state.velocity(problem.chain), TRUSTED_ERROR)
     if problem.step > limit:
@@ -61,10 +65,10 @@ def explicit_warnings(problem: Problem, record: Record) -> Warnings:
             "take a smaller step, or method 'conserving' or 'accurate'"
         )
         found.append(CodedWarning(WarningCode.STEP_LIMIT, sentence, {"step": problem.step, "limit": limit}))
-    short = short_switches(record, SHORT_STEPS * problem.step)
-    if short > MOST_SHORT:
+    short = short_switches(record, CHATTER_STEPS * problem.step)
+    if short > MOST_CHATTER:
         sentence = (
-            f"contacts chatter: {short} switches within {SHORT_STEPS} steps of {problem.method}; take method "
+            f"contacts chatter: {short} switches within {CHATTER_STEPS} steps of {problem.method}; take method "
             "'conserving' or 'accurate', for which touching is a state of its own"
         )
         found.append(CodedWarning(WarningCode.CHATTER, sentence, {"switches": short}))
@@ -72,7 +76,7 @@ def explicit_warnings(problem: Problem, record: Record) -> Warnings:
 
 
 def coarse_warnings(problem: Problem) -> Warnings:
-    """A warning where a fixed step that is always stable is too long to see the shortest contact."""
+    """A warning where the step of a method that is always stable is too long to resolve the shortest contact."""
     limit = float(contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].min()) / LEAST_STEPS
     if problem.step <= limit:
         return ()
@@ -84,7 +88,7 @@ def coarse_warnings(problem: Problem) -> Warnings:
 
 
 def short_switches(record: Record, span: float) -> int:
-    """Switches that follow the one before of the same contact within `span` [s]."""
+    """Number of switches within `span` [s] of the switch of the same contact before."""
     order = np.argsort(record.switch_contact, kind="stable")
     contact, time = record.switch_contact[order], record.switch_time[order]
     return int(np.count_nonzero((np.diff(contact) == 0) & (np.diff(time) < span)))

@@ -1,4 +1,4 @@
-"""Closed forms: what a few chains do exactly. Tests and charts measure the methods against them."""
+"""Closed forms: one contact, rigid clusters, the critical speed of draft gears, linear chains. Methods are tested by them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize, special
+from softcradle.physics.chain import mass_shares
 from softcradle.physics.contact import Contact
 
 Array = NDArray[np.float64]
@@ -73,30 +74,29 @@ def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array
 
 
 def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float = 1.0) -> Stroke:
-    """The struck contact while each side stays one rigid body: :func:`one_on_one` with the reduced mass of the two.
+    """The struck contact while each side stays one rigid body: :func:`one_on_one` with the reduced mass of the two sides.
 
     Exact for the step force, contact time ``2n/(n+1) m v / f0`` for one on n, and for draft gears below
-    :func:`critical_speed`.
+    :func:`critical_speed`. A side may have a wall in it.
     """
     first, second = rigid_masses(mass, strikers)
-    return one_on_one(contact, first * second / (first + second), speed)
+    return one_on_one(contact, 1.0 / (1.0 / first + 1.0 / second), speed)
 
 
 def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
     """Largest speed [m/s] at which no contact but the struck one yields, so that both clusters stay exactly rigid.
 
-    While it only touches, the next contact carries ``f (1 - m_struck / M2)``, on the striking side likewise, and the
-    peak of f is ``sqrt(F^2 + K mu v^2)``; it reaches F at ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2),
-    D = F / K, r = max(1 - m_struck / M2, 1 - m_striking / M1). Infinite for one on one.
+    While contact i inside a cluster only touches, it carries the share r_i of the struck contact's force f, Eq. (4), and the
+    peak of f is ``sqrt(F^2 + K mu v^2)``. With r the largest share, the first contact reaches F at
+    ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. Infinite for one on one.
 
     Raises:
         ValueError: the contact is no preloaded spring (exponent 1, stiffness > 0).
     """
     if gear.exponent != 1.0 or gear.stiffness == 0.0:
         raise ValueError("a critical speed needs draft gears: exponent 1, stiffness > 0")
-    masses = np.asarray(mass, dtype=np.float64)
-    first, second = rigid_masses(masses, strikers)
-    carried = max(1.0 - masses[strikers] / second, 1.0 - masses[strikers - 1] / first)
+    first, second = rigid_masses(mass, strikers)
+    carried = float(np.delete(mass_shares(mass, strikers - 1), strikers - 1).max(initial=0.0))
     if carried == 0.0:
         return math.inf
     frequency = math.sqrt(gear.stiffness * (1.0 / first + 1.0 / second))
@@ -122,7 +122,7 @@ class LinearChain:
         scaled = np.sqrt(np.broadcast_to(stiffness, (n,)))[:, None] * difference / root
         squares, modes = np.linalg.eigh(scaled.T @ scaled)
         self._frequency = np.sqrt(np.maximum(squares, 0.0))
-        self._frequency[0] = 0.0  # the motion of the whole, left with round-off by eigh
+        self._frequency[0] = 0.0  # the uniform motion, whose eigenvalue eigh finds to round-off
         self._shape = modes / root[:, None]
         self._amplitude = modes.T @ (root * np.asarray(velocity, dtype=np.float64))
 
@@ -153,7 +153,7 @@ class LinearChain:
 
 
 def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float, float]:
-    """Striker of very many linear beads: velocity that it keeps, as a part of its own before, and contact time [s].
+    """Striker of very many linear beads: its final velocity as a part of its velocity before, and contact time [s].
 
     ``v0(t) = J1(2wt) / (wt)``, w^2 = k/m; the force ``~ J2(2wt) / t`` first vanishes at 2wt = j_(2,1), where
     J1(x) / (x/2) = J0(x): J0(j_(2,1)) = -0.1322795 after 2.56781 sqrt(m/k).

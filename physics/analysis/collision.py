@@ -1,4 +1,4 @@
-"""What a collision came to, in numbers: how rigid the struck cluster is, what it passes on, what stays inside it.
+"""Measures of a collision: rigidity of the struck cluster, restitution, energy left inside, and what each contact did.
 
 The beads before the struck contact are the strikers, those behind it the target cluster. *Detachment* is the last
 opening of the struck contact: "the detachment of the hitting particle", after which "the finite overlaps ... cause the
@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.analysis.measures import (
-    at,
     cluster_beads,
     dwell,
     energy_inside,
     impulses,
+    interpolated,
     restitution,
     rigidity,
 )
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, accelerated_mass
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import simulate
 from softcradle.physics.trajectory import Trajectory
@@ -31,9 +31,7 @@ Array = NDArray[np.float64]
 
 
 def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> Any:
-    """A field of a table of measures: its title, its unit, what it means, and whether it tells something of chains
-    that rub alone.
-    """
+    """A field of a table of measures: its title, unit and meaning, and whether it is of use for dissipative chains alone."""
     return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dissipative})
 
 
@@ -41,7 +39,7 @@ def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> 
 class ContactMeasures:
     """What one contact did; ``fields`` gives title, unit and meaning of every number as metadata.
 
-    None: a mass that has a wall in it, and what is divided by it.
+    A mass that includes a wall is None, and so is the force per mass.
     """
 
     peak_force: float = _measure("peak force", "N", "greatest force")
@@ -65,9 +63,9 @@ class ContactMeasures:
 
 @dataclass(frozen=True)
 class CollisionMeasures:
-    """What a collision came to; ``fields`` gives title, unit and meaning of every number as metadata.
+    """Measures of one collision; ``fields`` gives title, unit and meaning of every number as metadata.
 
-    None: a mean that is 0, a detachment that never happens, a side that is a wall alone.
+    A number is None where it does not exist: over a mean of 0, without detachment, or for a side that is a wall alone.
 
     Attributes:
         struck: index of the contact where strikers meet targets.
@@ -154,9 +152,9 @@ def collide(
     tolerance: float = 1e-9,
     samples: int = 2001,
 ) -> Trajectory:
-    """:func:`physics.simulate`, sampled as :func:`measured` likes it: evenly, also while contacts are closed, at switches.
+    """:func:`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches.
 
-    `method` None is "accurate", where that carries the chain, else "conserving".
+    `method` None is "accurate" where that carries the chain, else "conserving".
     """
     if method is None:
         method = "conserving" if chain.dissipative and not find_method("accurate").dissipative else "accurate"
@@ -170,7 +168,7 @@ def collide(
 
 
 def measured(trajectory: Trajectory) -> CollisionMeasures:
-    """The measures of a collision; what happens at detachment is interpolated between samples (see :func:`collide`).
+    """The measures of a collision; values at detachment are interpolated between samples (see :func:`collide`).
 
     Raises:
         ValueError: no two neighbours approach each other at the start.
@@ -181,7 +179,6 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
     targets = slice(struck + 1, None)
     inside = energy_inside(trajectory, struck)
     deficits = _deficits(trajectory, intervals[0][0], opened) if opened is not None else (None, None)
-    taken = trajectory.absorbed_by_contacts[-1], trajectory.absorbed_by_bed[-1]
     whole = float(trajectory.kinetic_energy[0] + trajectory.contact_energy[0]) or math.nan
     contacts = tuple(_contact_measures(trajectory, struck))
     own = contacts[struck]
@@ -192,15 +189,15 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
         contact_time=None if opened is None else sum(end - start for start, end in intervals),
         rigidity_at_detachment=None
         if opened is None
-        else _rigidity(trajectory.chain, targets, at(trajectory, trajectory.velocity, opened)),
+        else _rigidity(trajectory.chain, targets, interpolated(trajectory, trajectory.velocity, opened)),
         rigidity=_rigidity(trajectory.chain, targets, trajectory.final_velocity),
         restitution=None if opened is None else restitution(trajectory, struck, intervals[0][0], opened),
-        energy_inside_at_detachment=None if opened is None else _finite(at(trajectory, inside, opened)),
+        energy_inside_at_detachment=None if opened is None else _finite(interpolated(trajectory, inside, opened)),
         energy_inside=_finite(inside[-1]),
         momentum_deficit=deficits[0],
         energy_deficit=deficits[1],
-        absorbed_by_contacts=_finite(taken[0] / whole),
-        absorbed_by_bed=_finite(taken[1] / whole),
+        absorbed_by_contacts=_finite(trajectory.absorbed_by_contacts[-1] / whole),
+        absorbed_by_bed=_finite(trajectory.absorbed_by_bed[-1] / whole),
         peak_force=own.peak_force,
         peak_acceleration=own.peak_acceleration,
         momentum=own.momentum,
@@ -209,9 +206,7 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
 
 
 def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasures]:
-    mass = np.array(trajectory.chain.mass)
-    beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
-    accelerated = np.where(np.arange(trajectory.chain.contacts) >= struck, beyond, before)
+    accelerated = accelerated_mass(trajectory.chain.mass, struck)
     peak, passed, times = trajectory.force.max(axis=0), impulses(trajectory, struck), dwell(trajectory, struck)
     return [
         ContactMeasures(
@@ -231,7 +226,7 @@ def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[fl
     """Shares of momentum and of kinetic energy at `touched` that are missing at `opened` [s]."""
     found = []
     for values in (trajectory.momentum, trajectory.kinetic_energy):
-        before, after = (float(at(trajectory, values, time)) for time in (touched, opened))
+        before, after = (float(interpolated(trajectory, values, time)) for time in (touched, opened))
         found.append(1.0 - after / before if before else None)
     return found[0], found[1]
 

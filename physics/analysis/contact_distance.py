@@ -1,4 +1,4 @@
-"""How far two contacts are apart in one collision: by the force of the struck contact over time, or by the outcome.
+"""Distance of two contacts in one collision: by the force of the struck contact over time, or by the outcome.
 
     force     sqrt(integral (f - g)^2 dt / integral f^2 dt) over the force of the struck contact, from the first touch
               until both collisions are over
@@ -27,15 +27,16 @@ Array = NDArray[np.float64]
 Distance = Literal["force", "outcome"]
 
 DISTANCES: tuple[Distance, ...] = ("force", "outcome")
-TOLERANCE = 1e-6  # far below any distance; very soft chains need thousands of steps for more
-FAR = 1e3  # distance of what cannot be simulated
-# places of samples within a contact time, dense at both ends, where forces leap; the very ends belong to no one
+TOLERANCE = 1e-6  # of the collisions: far below any distance; very soft chains need thousands of steps for less
+FAR = 1e3  # distance of a contact whose collision cannot be simulated
+# times of samples, in contact times: dense at both ends, where forces jump, and short of the ends themselves, where the force
+# has two values
 GRADED = np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 801)), 1e-9, 1.0 - 1e-9)
 
 
 def _solved(chain: Chain, velocity: Array, duration: float | None, samples: int | Array) -> Trajectory:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # a candidate that fails is far from anything
+        warnings.simplefilter("ignore", RuntimeWarning)  # a contact whose run fails gets the distance FAR
         return simulate(chain, velocity, duration, "accurate", None, samples, TOLERANCE)
 
 
@@ -43,14 +44,8 @@ def _with(chain: Chain, contact: Contact) -> Chain:
     return replace(chain, contact=(contact,) * chain.contacts)
 
 
-def _stay(trajectory: Trajectory, struck: int) -> tuple[float, float]:
-    """First touch of the struck contact [s], and for how long it is closed."""
-    spans = trajectory.contact_intervals[struck]
-    return spans[0][0], sum(opened - closed for closed, opened in spans)
-
-
 def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
-    """How far the collision with another contact is from that of `chain`, by the force of its contact `struck`."""
+    """A function of a contact: how far the collision with it is from that of `chain`, by the force of contact `struck`."""
 
     def curve(contact: Contact) -> tuple[Array, Array]:
         """Force of the struck contact from its first touch to its last opening, and the times since that touch."""
@@ -72,7 +67,7 @@ def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Cont
 
 
 def squared_difference(time: Array, curve: Array, other_time: Array, other: Array) -> float:
-    """Integral of (f - g)^2 of two curves over times (T,), (S,) from 0 on; each falls to 0 at once at its end.
+    """Integral of (f - g)^2 of two curves over times (T,), (S,) from 0 on; each curve is 0 after its last time.
 
     >>> one = np.ones(2)
     >>> squared_difference(np.array([0.0, 2.0]), one, np.array([0.0, 3.0]), 2.0 * one)
@@ -89,18 +84,20 @@ def squared_difference(time: Array, curve: Array, other_time: Array, other: Arra
 
 
 def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
-    """The same by final velocities and contact time."""
+    """A function of a contact: how far the collision with it is from that of `chain`, by final velocities and contact time."""
     closing = float(velocity[struck] - velocity[struck + 1])
 
     def outcome(contact: Contact) -> tuple[Array, float]:
         found = _solved(_with(chain, contact), velocity, None, 2)
-        return found.final_velocity / closing, math.log(_stay(found, struck)[1])
+        closed = sum(opened - touched for touched, opened in found.contact_intervals[struck])
+        return found.final_velocity / closing, math.log(closed)
 
-    speeds, lasted = outcome(chain.contact[0])
+    speeds, logarithm = outcome(chain.contact[0])
 
     def apart(contact: Contact) -> float:
-        others, time = outcome(contact)
-        found = math.sqrt(float(np.mean((others - speeds) ** 2)) + (time - lasted) ** 2)
+        other_speeds, other_logarithm = outcome(contact)
+        off = float(np.mean((other_speeds - speeds) ** 2)) + (other_logarithm - logarithm) ** 2
+        found = math.sqrt(off)
         return found if math.isfinite(found) else FAR
 
     return apart

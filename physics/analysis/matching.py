@@ -1,8 +1,9 @@
-"""Matching: the power law nearest to a given draft gear in a given collision, and the draft gear nearest to a power law.
+"""Matching: the power law nearest to a given draft gear in one collision, and the draft gear nearest to a power law.
 
 "The above form of f(delta) resembles the power-law form, f0 delta^alpha, with alpha << 1" (Appendix C): how nearly, and
-with which f0 and alpha, depends on the collision, and on what is to be alike (softcradle.physics.analysis.contact_distance). Where both clusters
-move as rigid bodies the outcome alone hardly tells one small alpha from another; the force does.
+with which f0 and alpha, depends on the collision, and on the distance of two contacts that is made small
+(softcradle.physics.analysis.contact_distance). Where both clusters move as rigid bodies the outcome is nearly the same for all
+small alpha; the force is not.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
-from softcradle.physics.analysis.closed_forms import one_on_one, rigid_masses
+from softcradle.physics.analysis.closed_forms import rigid_stroke
 from softcradle.physics.analysis.collision import struck_contact
 from softcradle.physics.analysis.contact_distance import DISTANCES, Distance, force_distance, outcome_distance
 from softcradle.physics.chain import Chain
@@ -24,12 +25,17 @@ from softcradle.physics.contact import Contact, draft_gear, power_law
 Array = NDArray[np.float64]
 Family = Literal["power_law", "draft_gear"]
 
-NEAR = 0.1  # a distance that counts as near: forces that differ by 10 %
-ALPHAS = (1.0 / 50.0, 3.0)  # exponents that are searched
-PRESSED = (1e-4, 1e4)  # precompressions that are searched, in largest overlaps of the given contact
-STRENGTHS = (1e-3, 1e3)  # forces that are searched, in that of the first guess
-FINE = 1e-5  # in the logarithms of the numbers sought
-END = 1e-3  # logarithms: as near to the end of its range a number counts as lying there
+NEAR = 0.1  # largest distance that counts as near: forces that differ by 10 %
+ALPHAS = (1.0 / 50.0, 3.0)  # range of the exponents that are searched
+PRECOMPRESSIONS = (
+    1e-4,
+    1e4,
+)  # range of the precompressions that are searched, in largest overlaps of the given contact
+FORCES = (1e-3, 1e3)  # range of the forces that are searched, in that of the first guess
+LOGARITHM_TOLERANCE = 1e-5  # of the logarithms of the two numbers, at which the search ends
+AT_END = 1e-3  # of a logarithm: a number this near to an end of its range counts as lying there
+SIMPLEX_SIZES = (0.3, 0.1, 0.03)  # of the logarithms: the search begins again with each until nothing changes
+MOST_COLLISIONS = 150  # of one search; two numbers need about 60
 
 
 @dataclass(frozen=True)
@@ -38,10 +44,10 @@ class Match:
 
     Attributes:
         given, contact: the contact that was given, and the nearest of the other family.
-        distance: what was made small; see softcradle.physics.analysis.contact_distance.
-        residual: how small it became; 0.1 for force curves that differ by 10 % in the root mean square.
-        near: whether that is at most NEAR.
-        ends: numbers of the nearest that lie at an end of the range searched: beyond it there may be a nearer one.
+        distance: name of the distance that was made small; see softcradle.physics.analysis.contact_distance.
+        residual: the least distance found; 0.1 for force curves that differ by 10 % in the root mean square.
+        near: whether the residual is at most NEAR.
+        ends: names of the numbers that lie at an end of the range searched: beyond it there may be a nearer contact.
         evaluations: collisions computed.
     """
 
@@ -68,7 +74,7 @@ def match(
         velocity: (n+1,) start velocities [m/s].
         distance: "force" or "outcome".
         family: "power_law" or "draft_gear"; None takes the other one.
-        start: where the search begins; None takes what pushes alike at half and at full depth.
+        start: contact at which the search begins; None takes the one with the same force at half and at full depth.
 
     Raises:
         ValueError: contacts of several kinds, or of neither family; nothing collides; a drive or two walls.
@@ -83,7 +89,7 @@ def match(
     speeds = np.asarray(velocity, dtype=np.float64)
     struck = struck_contact(speeds)
     sought: Family = family or ("power_law" if given.preload > 0.0 else "draft_gear")
-    guess = start or _alike(given, sought, _depth(chain, speeds, struck))
+    guess = start or _first_guess(given, sought, _depth(chain, speeds, struck))
     apart = (force_distance if distance == "force" else outcome_distance)(chain, speeds, struck)
     return _search(given, sought, guess, _depth(chain, speeds, struck), distance, apart)
 
@@ -91,7 +97,7 @@ def match(
 def _search(
     given: Contact, family: Family, guess: Contact, depth: float, distance: Distance, apart: Callable[[Contact], float]
 ) -> Match:
-    """Nelder and Mead in the logarithms of the two numbers, begun again at what was found until nothing changes."""
+    """The nearest contact by Nelder and Mead in the logarithms of the two numbers, restarted until nothing changes."""
     low, high = np.log(_ranges(family, guess, depth)).T
     evaluations = 0
 
@@ -101,25 +107,31 @@ def _search(
         return apart(_contact(family, np.exp(np.clip(logarithms, low, high)), depth))
 
     place, least = np.clip(np.log(_numbers(guess, family, depth)), low, high), math.inf
-    for size in (0.3, 0.1, 0.03):
+    for size in SIMPLEX_SIZES:
+        simplex = _simplex(place, size, low, high)
         found = optimize.minimize(
             objective,
             place,
             method="Nelder-Mead",
             bounds=list(zip(low, high, strict=True)),
-            options={"initial_simplex": _simplex(place, size, low, high), "xatol": FINE, "fatol": 1e-9, "maxfev": 150},
+            options={
+                "initial_simplex": simplex,
+                "xatol": LOGARITHM_TOLERANCE,
+                "fatol": 1e-9,
+                "maxfev": MOST_COLLISIONS,
+            },
         )
-        settled = least - found.fun < 1e-4 * found.fun + 1e-7
+        unchanged = least - found.fun < 1e-4 * found.fun + 1e-7
         place, least = (found.x, float(found.fun)) if found.fun < least else (place, least)
-        if settled:
+        if unchanged:
             break
     names = ("f0", "alpha") if family == "power_law" else ("stiffness", "precompression")
-    ends = tuple(n for n, x, a, b in zip(names, place, low, high, strict=True) if min(x - a, b - x) < END)
+    ends = tuple(n for n, x, a, b in zip(names, place, low, high, strict=True) if min(x - a, b - x) < AT_END)
     return Match(given, _contact(family, np.exp(place), depth), distance, least, least <= NEAR, ends, evaluations)
 
 
 def _simplex(place: Array, size: float, low: Array, high: Array) -> Array:
-    """(3, 2) corners about `place`, turned inwards where they would lie outside."""
+    """(3, 2) corners of a simplex about `place`, turned inwards where they would lie outside the range."""
     corners = np.tile(place, (3, 1))
     for k in range(2):
         corners[k + 1, k] += size if place[k] + size <= high[k] else -size
@@ -135,7 +147,7 @@ def only_contact(chain: Chain) -> Contact:
     if not (given.preload == 0.0 or (given.exponent == 1.0 and given.stiffness > 0.0)):
         raise ValueError("matching is between power laws (preload 0) and draft gears (exponent 1)")
     if chain.dissipative:
-        raise ValueError("matching needs elastic contacts and a bed that does not rub")
+        raise ValueError("matching needs elastic contacts and a bed without friction")
     if chain.walls > 1 or chain.drive is not None:
         raise ValueError("matching needs a collision that ends: no drive and no second wall")
     return given
@@ -143,13 +155,12 @@ def only_contact(chain: Chain) -> Contact:
 
 def _depth(chain: Chain, velocity: Array, struck: int) -> float:
     """Largest overlap of the struck contact if both sides were rigid [m]."""
-    first, second = rigid_masses(chain.mass, struck + 1)
-    reduced = 1.0 / (1.0 / first + 1.0 / second)
-    return one_on_one(chain.contact[0], reduced, float(velocity[struck] - velocity[struck + 1])).largest_overlap
+    speed = float(velocity[struck] - velocity[struck + 1])
+    return rigid_stroke(chain.contact[0], chain.mass, struck + 1, speed).largest_overlap
 
 
-def _alike(given: Contact, family: Family, depth: float) -> Contact:
-    """The contact of `family` that pushes as `given` does at half of `depth` and at all of it."""
+def _first_guess(given: Contact, family: Family, depth: float) -> Contact:
+    """The contact of `family` with the force of `given` at half of `depth` and at all of it."""
     half, full = (float(given.force(part * depth)) for part in (0.5, 1.0))
     if family == "power_law":
         alpha = min(max(math.log2(full / half), 2.0 * ALPHAS[0]), ALPHAS[1])
@@ -159,9 +170,10 @@ def _alike(given: Contact, family: Family, depth: float) -> Contact:
 
 
 def _numbers(contact: Contact, family: Family, depth: float) -> tuple[float, float]:
-    """What the search moves: the force at half of `depth`, and alpha, or the precompression.
+    """The two numbers of the search: the force at half of `depth`, and alpha or the precompression.
 
-    The force is known well whatever the other number; beside f0 or the stiffness it would be a narrow valley.
+    The force there hardly depends on the second number. With f0 or the stiffness in its place the minimum would lie in a
+    narrow valley.
     """
     force = float(contact.force(0.5 * depth))
     return force, contact.exponent if family == "power_law" else contact.preload / contact.stiffness
@@ -178,5 +190,5 @@ def _contact(family: Family, numbers: Array, depth: float) -> Contact:
 def _ranges(family: Family, guess: Contact, depth: float) -> Array:
     """(2, 2) least and greatest of the two :func:`_numbers`."""
     force = float(guess.force(0.5 * depth))
-    second = ALPHAS if family == "power_law" else tuple(depth * factor for factor in PRESSED)
-    return np.array([[force * factor for factor in STRENGTHS], second])
+    second = ALPHAS if family == "power_law" else tuple(depth * factor for factor in PRECOMPRESSIONS)
+    return np.array([[force * factor for factor in FORCES], second])

@@ -1,4 +1,4 @@
-"""Measures of a motion that the paper speaks of: depth law, loads, separation of time scales, rigid-like behaviour."""
+"""Measures of a motion, from the paper: depth law, loads, separation of time scales, rigidity, energy inside a cluster."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-LEAST_OVERLAP = 1e-9  # of the deepest in the chain: below it a contact with preload counts as touching, not as loaded
+LEAST_OVERLAP = (
+    1e-9  # of the deepest overlap: a contact with preload and less overlap counts as touching, not as loaded
+)
 
 
 def depth_law(n: int, alpha: float) -> Array:
@@ -47,12 +49,9 @@ def loads(chain: Chain, struck: int = 0) -> Array:
     >>> loads(one_on(4, power_law(1.0, 0.1)))
     array([1.  , 0.75, 0.5 , 0.25])
     """
-    mass = np.array(chain.mass)
-    strength = np.array([contact.preload + contact.stiffness for contact in chain.contact])
-    beyond, before = np.cumsum(mass[::-1])[::-1][1:], np.cumsum(mass)[:-1]
-    right = np.arange(chain.contacts) >= struck
-    share = np.where(right, beyond / beyond[struck], before / before[struck])
-    found: Array = share * strength[struck] / strength
+    preload, stiffness, _ = chain.parameters.law.T
+    strength = preload + stiffness
+    found: Array = mass_shares(chain.mass, struck) * strength[struck] / strength
     return found
 
 
@@ -61,12 +60,11 @@ def response_times(trajectory: Trajectory) -> Array:
 
     The paper's tau_(i,i+1) before Eq. (10), with masses. 0 for a contact that never loads, inf for a step force.
     """
-    law, inverse_mass = trajectory.chain.parameters
-    _, stiffness, exponent = law.T
+    _, stiffness, exponent = trajectory.chain.parameters.law.T
     deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
     with np.errstate(divide="ignore"):
         slope = exponent * stiffness * deepest ** (exponent - 1.0)
-        times: Array = 1.0 / np.sqrt((inverse_mass[:-1] + inverse_mass[1:]) * slope)
+        times: Array = 1.0 / np.sqrt(trajectory.chain.inverse_reduced_mass * slope)
     return times
 
 
@@ -101,8 +99,8 @@ def rigidity(velocity: ArrayLike) -> Array:
     return spread
 
 
-def at(trajectory: Trajectory, values: Array, time: float) -> Array:
-    """(...) the row of `values` (T, ...) at `time` [s], between samples on a straight line."""
+def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:
+    """(...) the row of `values` (T, ...) at `time` [s], linearly interpolated between samples."""
     right = min(max(int(np.searchsorted(trajectory.time, time)), 1), len(trajectory.time) - 1)
     before, after = trajectory.time[right - 1], trajectory.time[right]
     share = 0.0 if after == before else min(max((time - before) / (after - before), 0.0), 1.0)
@@ -113,10 +111,10 @@ def at(trajectory: Trajectory, values: Array, time: float) -> Array:
 def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: float) -> float | None:
     """Speed of parting at `detachment` over speed of approach at the `touch` [s]; None where the sides do not approach.
 
-    Nothing but the bed or a wall changes the centres of mass after the detachment.
+    After the detachment only bed friction and walls change the velocities of the centres of mass.
     """
     chain, sides = trajectory.chain, (slice(None, struck + 1), slice(struck + 1, None))
-    rows = (at(trajectory, trajectory.velocity, time) for time in (touch, detachment))
+    rows = (interpolated(trajectory, trajectory.velocity, time) for time in (touch, detachment))
     before, after = ([_side_velocity(chain, side, row) for side in sides] for row in rows)
     approach = before[0] - before[1]
     return (after[1] - after[0]) / approach if approach > 0.0 else None
@@ -128,18 +126,17 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
     beads = cluster_beads(chain, slice(struck + 1, None))
     mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
     own = velocity - (velocity @ mass / mass.sum())[:, None] if beads.size else velocity
-    stored = [np.asarray(chain.contact[k].energy(trajectory.overlap[:, k])) for k in range(struck + 1, chain.contacts)]
+    stored = chain.stored_energy(trajectory.overlap)[:, struck + 1 :].sum(axis=1)
     total = trajectory.kinetic_energy[0] + trajectory.contact_energy[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share: Array = (0.5 * own**2 @ mass + sum(stored, np.zeros(len(trajectory.time)))) / (total or math.nan)
+    share: Array = (0.5 * own**2 @ mass + stored) / (total or math.nan)
     return share
 
 
 def impulses(trajectory: Trajectory, struck: int) -> Array:
     """(n,) momentum that each contact has passed from left to right [N s], from the balance of the beads on one side.
 
-    Between two walls, or on a bed that rubs, there is no such balance: there the force is summed up over the samples from
-    the first touch of the contact `struck` on, for what beads at rest on a bed press on each other is not determined.
+    Between two walls, and with bed friction, there is no such balance: there the force is integrated over the samples from
+    the first touch of the contact `struck` on, because the forces between beads that friction holds are not determined.
     """
     chain, time = trajectory.chain, trajectory.time
     mass = np.array(chain.mass)
@@ -164,7 +161,7 @@ def first_touch(trajectory: Trajectory, struck: int) -> float:
 def dwell(trajectory: Trajectory, struck: int) -> Array:
     """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch of `struck` to the end.
 
-    Closings and openings are exact, the change between touching and loaded is found to a sample.
+    Closings and openings are exact; the change between touching and loaded is known to within a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
     begin = first_touch(trajectory, struck)
@@ -181,14 +178,14 @@ def dwell(trajectory: Trajectory, struck: int) -> Array:
 
 
 def cluster_beads(chain: Chain, side: slice) -> NDArray[np.int_]:
-    """Indices of the beads of a side that are no walls."""
+    """Indices of the beads of a side, walls left out."""
     numbers = np.arange(len(chain.mass))[side]
     found: NDArray[np.int_] = numbers[np.isfinite(np.array(chain.mass)[side])]
     return found
 
 
 def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:
-    """Velocity of a side's centre of mass [m/s]: its wall's, where it has one."""
+    """Velocity of a side's centre of mass [m/s]: that of its wall, if it has one."""
     mass, speeds = np.array(chain.mass)[side], velocity[side]
     walls = np.isinf(mass)
     return float(speeds[walls][0] if walls.any() else speeds @ mass / mass.sum())

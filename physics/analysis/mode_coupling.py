@@ -22,7 +22,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.simulation import simulate
 from softcradle.physics.state import checked_velocity, from_anchor
 from softcradle.physics.trajectory import Trajectory
@@ -84,15 +84,10 @@ class Reduction:
 
     @cached_property
     def share(self) -> Array:
-        """(n,) force of each contact as a part of its carrier's, Eq. (4): masses beyond it over those beyond that."""
-        mass = np.array(self.chain.mass)
-        share = np.ones(self.chain.contacts)
+        """(n,) force of each contact as a part of its carrier's, Eq. (4); 1 for the modes themselves."""
         first, last = self.modes[0], self.modes[-1]
-        beyond = np.cumsum(mass[::-1])[::-1][1:]  # contact i: masses to its right
-        before = np.cumsum(mass)[:-1]  # and to its left
-        share[last:] = beyond[last:] / beyond[last]
-        share[: first + 1] = before[: first + 1] / before[first]
-        return share
+        before, beyond = mass_shares(self.chain.mass, first), mass_shares(self.chain.mass, last)
+        return np.concatenate((before[:first], np.ones(last - first), beyond[last:]))
 
     def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
         """(T, n) overlaps and rates of the whole chain from (T, r) of the reduced one, Eqs. (6), (A1).
@@ -110,7 +105,7 @@ class Reduction:
 
     @cached_property
     def profile(self) -> tuple[Array, Array]:
-        """(n,) C and r of Eq. (A1), ``overlap = C * mode**r``; the depth law of the cluster."""
+        """(n,) C and r of Eq. (A1), ``overlap = C * mode**r``: the depth law of the cluster."""
         exponent = np.array([c.exponent for c in self.chain.contact])
         stiffness = np.array([c.stiffness for c in self.chain.contact])
         carrier = self.carrier + self.modes[0]

@@ -32,91 +32,91 @@ class Command(NamedTuple):
     load: Callable[[], CommandModule]
 
 
-def _play() -> CommandModule:
+def _load_play() -> CommandModule:
     from softcradle.sandbox.cli.commands import play
 
     return play
 
 
-def _scenes() -> CommandModule:
+def _load_scenes() -> CommandModule:
     from softcradle.sandbox.cli.commands import scenes
 
     return scenes
 
 
-def _check() -> CommandModule:
+def _load_check() -> CommandModule:
     from softcradle.sandbox.cli.commands import check
 
     return check
 
 
-def _run() -> CommandModule:
+def _load_run() -> CommandModule:
     from softcradle.sandbox.cli.commands import run
 
     return run
 
 
-def _render() -> CommandModule:
+def _load_render() -> CommandModule:
     from softcradle.sandbox.cli.commands import render
 
     return render
 
 
-def _compare() -> CommandModule:
+def _load_compare() -> CommandModule:
     from softcradle.sandbox.cli.commands import compare
 
     return compare
 
 
-def _figures() -> CommandModule:
+def _load_figures() -> CommandModule:
     from softcradle.sandbox.cli.commands import figures
 
     return figures
 
 
-def _chart() -> CommandModule:
+def _load_chart() -> CommandModule:
     from softcradle.sandbox.cli.commands import chart
 
     return chart
 
 
-def _stability() -> CommandModule:
+def _load_stability() -> CommandModule:
     from softcradle.sandbox.cli.commands import stability
 
     return stability
 
 
-def _maps() -> CommandModule:
+def _load_maps() -> CommandModule:
     from softcradle.sandbox.cli.commands import maps
 
     return maps
 
 
-def _experiment() -> CommandModule:
+def _load_experiment() -> CommandModule:
     from softcradle.sandbox.cli.commands import experiment
 
     return experiment
 
 
-def _claims() -> CommandModule:
+def _load_claims() -> CommandModule:
     from softcradle.sandbox.cli.commands import claims
 
     return claims
 
 
 COMMANDS = (
-    Command("play", "open the window; softcradle without a command does it too", _play),
-    Command("scenes", "list the scenes, or print one to start your own from", _scenes),
-    Command("check", "say whether scene files are right, and what is wrong with them", _check),
-    Command("run", "compute a scene: table of results, .npz or .csv", _run),
-    Command("render", "make a film or pictures of a scene", _render),
-    Command("compare", "set chains side by side: one film, one report, all numbers", _compare),
-    Command("figures", "draw the paper's figures, and write their numbers", _figures),
-    Command("chart", "speed against accuracy, beside other integrators", _chart),
-    Command("stability", "map where each method breaks, and how", _stability),
-    Command("maps", "map where a struck cluster moves like a rigid body", _maps),
-    Command("experiment", "fit the bed of the paper's experiment to what it lost", _experiment),
-    Command("claims", "check what the paper states: claims and measurements", _claims),
+    Command("play", "open the window, as softcradle without a command does", _load_play),
+    Command("scenes", "list the scenes, or print the file of one", _load_scenes),
+    Command("check", "check scene files and report every problem", _load_check),
+    Command("run", "compute a scene: tables of results, .npz or .csv", _load_run),
+    Command("render", "write a film, pictures or a kymograph of a scene", _load_render),
+    Command("compare", "compare chains side by side: a film, a report and numbers", _load_compare),
+    Command("figures", "draw the paper's figures, and write their numbers", _load_figures),
+    Command("chart", "chart cost against error, beside other integrators", _load_chart),
+    Command("stability", "map where each method fails, and how", _load_stability),
+    Command("maps", "map where a struck cluster moves like a rigid body", _load_maps),
+    Command("experiment", "fit bed friction to the losses of the paper's experiment", _load_experiment),
+    Command("claims", "measure what the paper claims, and judge each claim", _load_claims),
 )
 
 

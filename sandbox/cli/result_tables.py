@@ -39,19 +39,19 @@ def _print_lane(output: Console, summary: Summary) -> None:
 
 
 def _beads(summary: Summary) -> Table:
-    made = table("bead", "mass [kg]", "velocity at start [m/s]", "final velocity [m/s]", numbers=True)
+    grid = table("bead", "mass [kg]", "velocity at start [m/s]", "final velocity [m/s]", numbers=True)
     for i, bead in enumerate(summary.beads):
         mass = "wall" if bead.mass is None else f"{bead.mass:g}"
-        made.add_row(str(i), mass, f"{bead.start_velocity:.8f}", f"{bead.final_velocity:.8f}")
-    return made
+        grid.add_row(str(i), mass, f"{bead.start_velocity:.8f}", f"{bead.final_velocity:.8f}")
+    return grid
 
 
 def _contacts(summary: Summary) -> Table:
-    made = table(
+    grid = table(
         "contact", "closed [s]", "opened [s]", "times", "largest overlap [m]", "largest force [N]", numbers=True
     )
     for i, contact in enumerate(summary.contacts):
-        made.add_row(
+        grid.add_row(
             f"{i}-{i + 1}",
             _time(contact.closed),
             _time(contact.opened),
@@ -59,7 +59,7 @@ def _contacts(summary: Summary) -> Table:
             f"{contact.largest_overlap:.4g}",
             f"{contact.largest_force:.6g}",
         )
-    return made
+    return grid
 
 
 def _time(time: float | None) -> str:
@@ -67,20 +67,20 @@ def _time(time: float | None) -> str:
 
 
 def _cost(summary: Summary) -> Table:
-    made = Table.grid(padding=(0, 2))
+    grid = Table.grid(padding=(0, 2))
     resolution = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
-    made.add_row("method", f"{summary.method}, {resolution}")
+    grid.add_row("method", f"{summary.method}, {resolution}")
     if summary.choice:
-        made.add_row("chosen", summary.choice)
-    made.add_row(
+        grid.add_row("chosen", summary.choice)
+    grid.add_row(
         "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
     )
     if summary.absorbed_by_contacts or summary.absorbed_by_bed:
         taken = f"{summary.absorbed_by_contacts:.6g} J by contacts, {summary.absorbed_by_bed:.6g} J by the bed"
-        made.add_row("absorbed", taken)
-    made.add_row("momentum error", f"{_error(summary.momentum_error)} at most")
-    made.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")
-    return made
+        grid.add_row("absorbed", taken)
+    grid.add_row("momentum error", f"{_error(summary.momentum_error)} at most")
+    grid.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")
+    return grid
 
 
 def _error(relative: float | None) -> str:

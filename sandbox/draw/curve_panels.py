@@ -192,6 +192,6 @@ def spread(places: Sequence[float], gap: float, low: float, high: float) -> list
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:
     """Points of a curve, without those on the same fine pixel as the point before."""
-    keep = np.ones(len(across), dtype=bool)
-    keep[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
-    return list(zip(across[keep].tolist(), down[keep].tolist(), strict=True))
+    moved = np.ones(len(across), dtype=bool)
+    moved[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
+    return list(zip(across[moved].tolist(), down[moved].tolist(), strict=True))

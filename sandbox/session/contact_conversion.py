@@ -54,8 +54,7 @@ def _hertz(energy: float, soft_depth: float) -> Contact:
 
 def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]:
     """Energy [J] of two free beads that close at `speed` [m/s], and the depth [m] at which contact `index` stores it."""
-    inverse_mass = chain.parameters.inverse_mass
-    energy = 0.5 * speed**2 / float(inverse_mass[index] + inverse_mass[index + 1])
+    energy = 0.5 * speed**2 / float(chain.inverse_reduced_mass[index])
     low, high = 0.0, float(contact_scales(chain, np.array([0.0, speed]))[0][index])  # an upper bound of the depth
     for _ in range(HALVINGS):
         depth = 0.5 * (low + high)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.contact import is_closed
 from softcradle.sandbox.session.history import Block, History
 
 Array = NDArray[np.float64]
@@ -98,12 +99,6 @@ class _LaneRows(NamedTuple):
     overlap: Array
     rate: Array
     closed: Mask
-
-
-def is_closed(overlap: Array, force: Array) -> Mask:
-    """Whether contacts are closed: loaded (overlap > 0) or touching (overlap 0, force > 0)."""
-    closed: Mask = (overlap > 0.0) | ((overlap == 0.0) & (force > 0.0))
-    return closed
 
 
 def _lane_rows(block: Block, before: Block | None, lane: int) -> _LaneRows:

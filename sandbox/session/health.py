@@ -67,7 +67,7 @@ def health_of(
     if warning and level != BAD:
         level, sentence = BAD, warning
     if level == GOOD and pacer.clock_ratio < ON_TIME:
-        level, sentence = FAIR, f"{_percent(pacer.clock_ratio)} of the speed asked for: a frame takes too long"
+        level, sentence = FAIR, f"{_percent(pacer.clock_ratio)} of the set speed: a frame takes too long"
     return Health(energy, momentum, chatter, steps, pacer.milliseconds, level, sentence)
 
 

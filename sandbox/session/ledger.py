@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import State
-from softcradle.sandbox.motion import stored_energy
 
 Array = NDArray[np.float64]
 
@@ -34,11 +33,10 @@ def new_ledger(chain: Chain, state: State) -> Array:
 
 def measure(chain: Chain, state: State, ledger: Array) -> None:
     """Write the energies and the momentum of `state` into `ledger`, and let their scales grow."""
-    law, inverse_mass = chain.parameters
-    mass = np.where(inverse_mass > 0.0, chain.mass, 0.0)
+    mass = np.where(np.isfinite(chain.mass), chain.mass, 0.0)
     momenta = mass * state.velocity(chain)
     ledger[KINETIC] = 0.5 * float(momenta @ state.velocity(chain))
-    ledger[STORED] = float(stored_energy(law, state.overlap).sum())
+    ledger[STORED] = float(chain.stored_energy(state.overlap).sum())
     ledger[MOMENTUM] = momenta.sum()
     ledger[ENERGY_SCALE] = max(ledger[ENERGY_SCALE], ledger[KINETIC] + ledger[STORED])
     ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(momenta).sum())

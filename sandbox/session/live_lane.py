@@ -10,7 +10,6 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.motion import Motion
-from softcradle.sandbox.session.contact_events import is_closed
 from softcradle.sandbox.session.edits import edited, edited_start
 from softcradle.sandbox.session.inputs import LaneInput, SetVelocity
 from softcradle.sandbox.session.lane_setup import LaneSetup
@@ -111,7 +110,7 @@ class LiveLane:
         BlownUpError, with a useless state, where a number is not finite or beyond LARGEST.
         """
         chain, state, setup = self.chain, self.state, self.setup
-        before, closed, switches = self.position, is_closed(state.overlap, state.force), state.switches
+        before, closed, switches = self.position, state.closed, state.switches
         absorbed = state.absorbed.copy()
         state.push = self._push(bead, pointer, frequency)
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
@@ -121,7 +120,7 @@ class LiveLane:
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
         book_frame(chain, self.ledger, ledger, self._external(before, duration, state.absorbed - absorbed))
-        seen = int(np.count_nonzero(closed != is_closed(state.overlap, state.force)))
+        seen = int(np.count_nonzero(closed != state.closed))
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from softcradle.physics.contact import is_closed
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
-from softcradle.sandbox.session.contact_events import ContactEvents, is_closed
+from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS

@@ -1,4 +1,4 @@
-"""The display: a window with a name and an icon."""
+"""The display: a window with a title and an icon."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from softcradle.sandbox.resources import resource
 
 
 def open_display(size: tuple[int, int]) -> pygame.Surface:
-    """A resizable window; of pygame only the display and the font are started, which is quick."""
+    """A resizable window; of pygame only the display and the fonts are initialised, which is quick."""
     os.environ.setdefault("SDL_VIDEO_CENTERED", "1")
     os.environ.setdefault("SDL_MOUSE_FOCUS_CLICKTHROUGH", "1")
     pygame.display.init()

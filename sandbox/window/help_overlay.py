@@ -7,9 +7,10 @@ from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.window.keys import Binding, groups
 
-LINE, TITLE = 21.0, 27.0  # design pixels
+LINE = 21.0  # design pixels
+TITLE = 27.0  # design pixels
 MOUSE = (
-    ("drag a bead", "pull it by a spring; let go to throw"),
+    ("drag a bead", "pull it by a spring; release to throw"),
     ("drag it, paused", "place it"),
     ("click", "select a bead or a contact"),
     ("wheel", "slow motion, over the beads"),
@@ -17,7 +18,7 @@ MOUSE = (
     ("over a plot", "read values at the cursor"),
     ("drop a file", "open a scene or a session"),
 )
-COLUMNS = (("Time", "Mouse"), ("Beads", "Window"), ("Plots", "View", "Keep"))
+COLUMNS = (("Time", "Mouse"), ("Beads", "Window"), ("Plots", "View", "Save"))
 
 
 def paint_help(surface: pygame.Surface, unit: float) -> None:
@@ -63,7 +64,7 @@ def _block(
 
 
 def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: float) -> None:
-    """Keys as caps: each on a small plate."""
+    """Keys, each on a small plate."""
     x, y = place
     for text in keys.split("  "):
         wide = width(text, 12 * unit, bold=True) + 10 * unit

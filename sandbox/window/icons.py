@@ -1,4 +1,4 @@
-"""Small pictures on buttons, drawn: fonts do not agree on them."""
+"""Icons on buttons, drawn as polygons: fonts differ in them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import pygame
 from softcradle.sandbox.draw.palette import Colour
+from softcradle.sandbox.draw.surface_cache import cached_surfaces
 
 Point = tuple[float, float]
 Shape = Sequence[Sequence[Point]]
@@ -30,7 +31,7 @@ SHAPES: dict[str, Shape] = {
 
 
 def _restart(fine: pygame.Surface, colour: Colour, centre: Point, size: float) -> None:
-    """An arrow that runs round."""
+    """An arrow along a circle."""
     box = pygame.Rect(0, 0, round(1.7 * size), round(1.7 * size))
     box.center = (round(centre[0]), round(centre[1]))
     pygame.draw.arc(fine, colour, box, 0.9, 6.6, max(2, round(0.26 * size)))
@@ -41,28 +42,23 @@ def _restart(fine: pygame.Surface, colour: Colour, centre: Point, size: float) -
 
 
 _DRAWN: dict[str, Callable[[pygame.Surface, Colour, Point, float], None]] = {"restart": _restart}
-_kept: dict[tuple[str, int, Colour], pygame.Surface] = {}
 
 
+@cached_surfaces(1)
 def icon(name: str, size: int, colour: Colour) -> pygame.Surface:
-    """The picture `name`, `size` pixels wide and high, on a transparent ground."""
-    key = (name, size, colour)
-    if key not in _kept:
-        if len(_kept) > 100:
-            _kept.clear()
-        fine = pygame.Surface((4 * size, 4 * size), pygame.SRCALPHA, 32)
-        fine.fill((*colour, 0))
-        half = 2.0 * size
-        if name in _DRAWN:
-            _DRAWN[name](fine, colour, (half, half), 0.92 * half)
-        else:
-            for polygon in SHAPES[name]:
-                pygame.draw.polygon(fine, colour, [(half * (1 + 0.92 * x), half * (1 + 0.92 * y)) for x, y in polygon])
-        _kept[key] = pygame.transform.smoothscale(fine, (size, size))
-    return _kept[key]
+    """The icon `name`, `size` pixels wide and high, on a transparent surface."""
+    fine = pygame.Surface((4 * size, 4 * size), pygame.SRCALPHA, 32)
+    fine.fill((*colour, 0))
+    half = 2.0 * size
+    if name in _DRAWN:
+        _DRAWN[name](fine, colour, (half, half), 0.92 * half)
+    else:
+        for polygon in SHAPES[name]:
+            pygame.draw.polygon(fine, colour, [(half * (1 + 0.92 * x), half * (1 + 0.92 * y)) for x, y in polygon])
+    return pygame.transform.smoothscale(fine, (size, size))
 
 
-def put_icon(surface: pygame.Surface, name: str, centre: Point, size: float, colour: Colour) -> None:
+def draw_icon(surface: pygame.Surface, name: str, centre: Point, size: float, colour: Colour) -> None:
     """Draw it about `centre`."""
     image = icon(name, max(6, round(size)), colour)
     surface.blit(image, image.get_rect(center=(round(centre[0]), round(centre[1]))))

@@ -1,4 +1,4 @@
-"""Warming up behind the window: load (or compile) the kernels, then run a queue of small jobs, on one thread."""
+"""The warm-up of kernels behind the window: on one thread they are loaded or compiled, then small jobs are done."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.window.gallery.thumbnails import QUICK as AHEAD
+from softcradle.sandbox.window import look_ahead
 
 if TYPE_CHECKING:
     from softcradle.physics.methods import Method
     from softcradle.sandbox.session.live_lane import LiveLane
 
-LOADED_LATER = ("pymunk", "scipy")  # no kernels of their own: they load when they are chosen
+WITHOUT_KERNELS = ("pymunk", "scipy")  # methods that are loaded when they are chosen
 
 
-class Warmer:
-    """A daemon thread that first readies the physics and then works off jobs; results are fetched, never pushed.
+class KernelWarmup:
+    """A daemon thread that loads the physics and then does jobs; results are fetched, never pushed.
 
     Attributes:
-        ready: set when scenes in which nothing rubs can be played without a wait.
+        ready: set when scenes without friction and loss can be played at once.
         complete: set when every method is loaded.
         problem: why a method cannot be loaded, or None.
     """
@@ -31,47 +31,47 @@ class Warmer:
         self.problem: str | None = None
         self._warm: set[tuple[str, bool]] = set()
         self._jobs: queue.SimpleQueue[tuple[Any, Callable[[], Any]] | None] = queue.SimpleQueue()
-        self._done: queue.SimpleQueue[tuple[Any, Any]] = queue.SimpleQueue()
-        self._thread = threading.Thread(target=self._run, name="warm", daemon=True)
+        self._results: queue.SimpleQueue[tuple[Any, Any]] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
 
     def start(self) -> None:
         """Begin."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Let the thread end after the job it is at."""
+        """End the thread after its present job."""
         self._jobs.put(None)
 
-    def ask(self, key: Any, job: Callable[[], Any]) -> None:
-        """Queue `job`; its result, or the exception it raised, comes out of :meth:`finished` under `key`."""
+    def submit(self, key: Any, job: Callable[[], Any]) -> None:
+        """Queue `job`; its result, or the exception it raised, comes out of :meth:`next_result` under `key`."""
         self._jobs.put((key, job))
 
-    def finished(self) -> tuple[Any, Any] | None:
-        """One (key, result) that is ready, or None; never waits."""
+    def next_result(self) -> tuple[Any, Any] | None:
+        """The next (key, result), or None where none is finished; never waits."""
         try:
-            return self._done.get_nowait()
+            return self._results.get_nowait()
         except queue.Empty:
             return None
 
-    def has(self, method: str, dissipative: bool = False) -> bool:
-        """Whether that method can run without a wait, on a chain that rubs if `dissipative`, which takes kernels of its own.
+    def is_warm(self, method: str, dissipative: bool = False) -> bool:
+        """Whether that method runs at once, on a chain with friction or loss if `dissipative`: it has kernels of its own.
 
-        Methods without any always can.
+        A method without kernels always does.
         """
-        return (method, dissipative) in self._warm or method in LOADED_LATER
+        return (method, dissipative) in self._warm or method in WITHOUT_KERNELS
 
     def can_move(self, lanes: Iterable[LiveLane], method: str | None = None) -> bool:
-        """Whether all `lanes` can be moved without a wait, by `method`; None: by their own, and by that of a look ahead."""
+        """Whether all `lanes` can be moved at once, by `method`; None: by their own methods and that of the look ahead."""
         return self.ready.is_set() and all(
-            self.has(name, lane.chain.dissipative)
+            self.is_warm(name, lane.chain.dissipative)
             for lane in lanes
-            for name in ((lane.setup.method, AHEAD) if method is None else (method,))
+            for name in ((lane.setup.method, look_ahead.METHOD) if method is None else (method,))
         )
 
     def _run(self) -> None:
         from softcradle.physics.methods import METHODS, Family
 
-        own = [method for method in METHODS if method.name not in LOADED_LATER]
+        own = [method for method in METHODS if method.name not in WITHOUT_KERNELS]
         first = [method for method in own if method.family is Family.FIXED_STEP]  # scenes are played with these
         rest = [method for method in own if method not in first]
         for method in first:
@@ -96,22 +96,22 @@ class Warmer:
             return False
         key, job = task
         try:
-            self._done.put((key, job()))
+            self._results.put((key, job()))
         except Exception as error:
-            self._done.put((key, error))
+            self._results.put((key, error))
         return True
 
     def _load(self, method: Method, dissipative: bool) -> None:
         try:
-            if method.dissipative or not dissipative:  # where it is refused, nobody has to wait for that
-                warm(method.name, dissipative)
+            if method.dissipative or not dissipative:  # a chain that the method refuses needs no kernels
+                call_kernels(method.name, dissipative)
         except Exception as error:
             self.problem = f"method {method.name} cannot be loaded: {error}"
         self._warm.add((method.name, dissipative))
 
 
-def warm(method: str, dissipative: bool) -> None:
-    """Call every compiled kernel of a method once, with the types that the window calls it with; see :meth:`Warmer.has`."""
+def call_kernels(method: str, dissipative: bool) -> None:
+    """Call every compiled kernel of a method once, with the types that the window calls it with."""
     from softcradle.physics import Chain, State, advance, power_law, simulate
 
     chain, velocity = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1 if dissipative else 0.0), [1.0, 0.0, 0.0]

@@ -1,4 +1,4 @@
-"""The one table of keys: it dispatches what is pressed, and the help overlay is made from it."""
+"""The one table of keys: pressed keys are looked up in it, and the help overlay is made from it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import pygame
 from softcradle.sandbox.draw.number_format import MINUS
+from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 
 CTRL, SHIFT, PLAIN = pygame.KMOD_CTRL, pygame.KMOD_SHIFT, 0
 _NAMES = {
@@ -43,7 +44,7 @@ class Key(NamedTuple):
 
 
 class Binding(NamedTuple):
-    """What some keys do: the action a page offers under this name, and the line of the help."""
+    """What some keys do: the name of the action, the keys, and the group and line of the help."""
 
     action: str
     keys: tuple[Key, ...]
@@ -55,17 +56,17 @@ def _keys(*keys: int | tuple[int, int]) -> tuple[Key, ...]:
     return tuple(Key(*key) if isinstance(key, tuple) else Key(key) for key in keys)
 
 
-BINDINGS: tuple[Binding, ...] = (
+_BINDINGS: tuple[Binding, ...] = (
     Binding("play_pause", _keys(pygame.K_SPACE), "Time", "play or pause"),
     Binding("forward", _keys(pygame.K_PERIOD), "Time", "one frame forward"),
     Binding("back", _keys(pygame.K_COMMA), "Time", "one frame back"),
     Binding("slower", _keys(pygame.K_MINUS, pygame.K_LEFTBRACKET), "Time", "slower motion (or wheel down)"),
     Binding("faster", _keys(pygame.K_EQUALS, pygame.K_RIGHTBRACKET), "Time", "faster motion (or wheel up)"),
     Binding("restart", _keys(pygame.K_r), "Time", "restart"),
-    Binding("first", _keys(pygame.K_HOME), "Time", "to the oldest moment remembered"),
-    Binding("last", _keys(pygame.K_END), "Time", "to the latest moment"),
-    Binding("previous_mark", _keys((pygame.K_COMMA, SHIFT)), "Time", "to the contact switch before"),
-    Binding("next_mark", _keys((pygame.K_PERIOD, SHIFT)), "Time", "to the next contact switch"),
+    Binding("first", _keys(pygame.K_HOME), "Time", "to the oldest frame"),
+    Binding("last", _keys(pygame.K_END), "Time", "to the latest frame"),
+    Binding("previous_event", _keys((pygame.K_COMMA, SHIFT)), "Time", "to the previous contact event"),
+    Binding("next_event", _keys((pygame.K_PERIOD, SHIFT)), "Time", "to the next contact event"),
     Binding("select_left", _keys(pygame.K_LEFT), "Beads", "select the neighbour on the left"),
     Binding("select_right", _keys(pygame.K_RIGHT), "Beads", "select the neighbour on the right"),
     Binding("add_bead", _keys(pygame.K_a), "Beads", "add a bead right of the selected"),
@@ -73,28 +74,21 @@ BINDINGS: tuple[Binding, ...] = (
     Binding("lock", _keys(pygame.K_l), "Beads", "lock or unlock the selected contact"),
     Binding("law", _keys(pygame.K_g), "Beads", "contact: power law or draft gear"),
     Binding("law_all", _keys((pygame.K_g, SHIFT)), "Beads", "all contacts: power law or draft gear"),
-    Binding("undo", _keys((pygame.K_z, CTRL)), "Beads", "forget all edits"),
-    Binding("velocities", _keys(pygame.K_1), "Plots", "velocities"),
-    Binding("forces", _keys(pygame.K_2), "Plots", "forces"),
-    Binding("overlaps", _keys(pygame.K_3), "Plots", "overlaps"),
-    Binding("energy", _keys(pygame.K_4), "Plots", "energy split"),
-    Binding("strip", _keys(pygame.K_5), "Plots", "space-time strip"),
-    Binding("kymograph", _keys(pygame.K_7), "Plots", "kymograph: markers of the beads over time"),
-    Binding("difference", _keys(pygame.K_6), "Plots", "difference of two lanes"),
-    Binding("logarithmic", _keys(pygame.K_o), "Plots", "overlaps: logarithmic or plain axis"),
+    Binding("undo", _keys((pygame.K_z, CTRL)), "Beads", "drop all edits"),
+    Binding("logarithmic", _keys(pygame.K_o), "Plots", "overlaps: logarithmic or linear axis"),
     Binding("plots", _keys(pygame.K_b), "Plots", "hide or show all plots"),
     Binding("fit", _keys(pygame.K_f), "View", "follow the beads or stand still"),
-    Binding("zoom_in", _keys(pygame.K_UP), "View", "nearer (or Ctrl and wheel)"),
-    Binding("zoom_out", _keys(pygame.K_DOWN), "View", "farther"),
+    Binding("zoom_in", _keys(pygame.K_UP), "View", "zoom in (or Ctrl and wheel)"),
+    Binding("zoom_out", _keys(pygame.K_DOWN), "View", "zoom out"),
     Binding("method", _keys(pygame.K_m), "View", "next method"),
     Binding("inspector", _keys(pygame.K_i), "View", "hide or show the panel on the right"),
     Binding("sound", _keys(pygame.K_n), "View", "click at impacts, on or off"),
-    Binding("save_scene", _keys((pygame.K_s, CTRL)), "Keep", "save the scene as a file"),
-    Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), "Keep", "save the session, to be replayed"),
-    Binding("export", _keys((pygame.K_e, CTRL)), "Keep", "export the history as .npz or .csv"),
-    Binding("screenshot", _keys(pygame.K_p, pygame.K_F12), "Keep", "screenshot"),
-    Binding("film", _keys((pygame.K_r, CTRL)), "Keep", "begin or end a film of the window"),
-    Binding("open", _keys((pygame.K_o, CTRL)), "Keep", "open a file (or drop it here)"),
+    Binding("save_scene", _keys((pygame.K_s, CTRL)), "Save", "save the scene as a file"),
+    Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), "Save", "save the session, to be replayed"),
+    Binding("export", _keys((pygame.K_e, CTRL)), "Save", "export the history as .npz or .csv"),
+    Binding("screenshot", _keys(pygame.K_p, pygame.K_F12), "Save", "screenshot"),
+    Binding("film", _keys((pygame.K_r, CTRL)), "Save", "begin or end a film of the window"),
+    Binding("open", _keys((pygame.K_o, CTRL)), "Save", "open a file (or drop it here)"),
     Binding("help", _keys(pygame.K_F1, pygame.K_h), "Window", "this help"),
     Binding("fullscreen", _keys(pygame.K_F11), "Window", "fullscreen"),
     Binding("larger", _keys((pygame.K_EQUALS, CTRL)), "Window", "everything larger"),
@@ -104,28 +98,32 @@ BINDINGS: tuple[Binding, ...] = (
     Binding("quit", _keys((pygame.K_q, CTRL)), "Window", "quit"),
 )
 
-_ACTIONS = {key: binding.action for binding in BINDINGS for key in binding.keys}
-_OF_ACTION = {binding.action: binding for binding in BINDINGS}
+
+def bindings() -> tuple[Binding, ...]:
+    """All bindings: those of the plots, and the others."""
+    plots = (Binding(kind.name, _keys(kind.key), "Plots", kind.help) for kind in PLOT_KINDS.values())
+    return (*plots, *_BINDINGS)
 
 
 def action_of(code: int, modifiers: int) -> str | None:
-    """The action bound to a pressed key, or None."""
+    """The action of a pressed key, or None. Signs count with Shift too: on some keyboards they need it."""
     held = CTRL if modifiers & (pygame.KMOD_CTRL | pygame.KMOD_META) else PLAIN
     held |= SHIFT if modifiers & pygame.KMOD_SHIFT else PLAIN
     if modifiers & pygame.KMOD_ALT:
         return None
-    return _ACTIONS.get(Key(code, held)) or (_ACTIONS.get(Key(code)) if held == SHIFT and code < pygame.K_a else None)
+    actions = {key: binding.action for binding in bindings() for key in binding.keys}
+    return actions.get(Key(code, held)) or (actions.get(Key(code)) if held == SHIFT and code < pygame.K_a else None)
 
 
 def hint(action: str) -> str:
-    """Text of a tooltip: what the action does, and its first key."""
-    binding = _OF_ACTION[action]
+    """The text of a tooltip: what the action does, and its first key."""
+    binding = next(binding for binding in bindings() if binding.action == action)
     return f"{binding.text} ({binding.keys[0]})"
 
 
 def groups() -> dict[str, list[Binding]]:
     """The bindings by group, in the order of the table."""
     found: dict[str, list[Binding]] = {}
-    for binding in BINDINGS:
+    for binding in bindings():
         found.setdefault(binding.group, []).append(binding)
     return found

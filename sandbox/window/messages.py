@@ -1,4 +1,4 @@
-"""Messages on screen: what was done, and what went wrong, for as long as it takes to read."""
+"""Messages on screen: what was done, and what went wrong, for as long as it takes to read them."""
 
 from __future__ import annotations
 
@@ -6,71 +6,71 @@ from dataclasses import dataclass
 
 import pygame
 from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, GOOD, WARNING
-from softcradle.sandbox.draw.text import wrapped, write
+from softcradle.sandbox.draw.text import width, wrapped, write
 
 MOST = 4  # on screen at once
-LEAST_SECONDS, SECONDS_A_WORD = 2.5, 0.35
-TROUBLE_FACTOR = 2.0  # trouble stays longer
+LEAST_SECONDS = 2.5  # that a message stays
+SECONDS_A_WORD = 0.35  # that a message stays
+WARNING_FACTOR = 2.0  # by which a warning stays longer
 
 
 @dataclass
 class Message:
-    """A sentence, whether it is trouble, and the seconds it still stays."""
+    """A sentence, whether it is a warning, and the seconds for which it still stays."""
 
     text: str
-    trouble: bool
-    left: float
+    warning: bool
+    seconds_left: float
 
 
 class Messages:
-    """The sentences on screen, the newest lowest."""
+    """The messages on screen, the newest lowest."""
 
     def __init__(self) -> None:
-        self.shown: list[Message] = []
+        self.visible: list[Message] = []
         self._places: list[tuple[pygame.Rect, Message]] = []
 
-    def say(self, text: str, trouble: bool = False) -> None:
-        """Show `text`; the same text again only stays longer."""
-        self.shown = [message for message in self.shown if message.text != text][-(MOST - 1) :]
-        seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (TROUBLE_FACTOR if trouble else 1.0)
-        self.shown.append(Message(text, trouble, seconds))
+    def show(self, text: str, warning: bool = False) -> None:
+        """Show `text`; a text that is on screen already stays longer."""
+        self.visible = [message for message in self.visible if message.text != text][-(MOST - 1) :]
+        seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if warning else 1.0)
+        self.visible.append(Message(text, warning, seconds))
 
     def handle(self, event: pygame.Event) -> bool:
-        """A click takes a message away."""
+        """Remove the message that is clicked."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             for rect, message in self._places:
-                if rect.collidepoint(event.pos) and message in self.shown:
-                    self.shown.remove(message)
+                if rect.collidepoint(event.pos) and message in self.visible:
+                    self.visible.remove(message)
                     return True
         return False
 
     def update(self, seconds: float) -> None:
         """Let time pass."""
-        for message in self.shown:
-            message.left -= seconds
-        self.shown = [message for message in self.shown if message.left > 0.0]
+        for message in self.visible:
+            message.seconds_left -= seconds
+        self.visible = [message for message in self.visible if message.seconds_left > 0.0]
 
     def paint(self, surface: pygame.Surface, bottom: float, unit: float) -> None:
         """Draw them above `bottom`, in the middle."""
         self._places = []
         y = bottom
-        for message in reversed(self.shown):
+        for message in reversed(self.visible):
             lines = wrapped(message.text, 14 * unit, min(720 * unit, 0.7 * surface.get_width()))
             y -= self._box(surface, message, lines, y, unit) + 6 * unit
 
     def _box(self, surface: pygame.Surface, message: Message, lines: list[str], bottom: float, unit: float) -> float:
-        from softcradle.sandbox.draw.text import width
-
-        high = (len(lines) * 20 + 14) * unit
+        """Draw one message; returns its height."""
+        height = (len(lines) * 20 + 14) * unit
         wide = max(width(line, 14 * unit) for line in lines) + 40 * unit
-        rect = pygame.Rect(0, 0, round(wide), round(high))
+        rect = pygame.Rect(0, 0, round(wide), round(height))
         rect.midbottom = (surface.get_width() // 2, round(bottom))
-        tint = WARNING if message.trouble else GOOD
+        tint = WARNING if message.warning else GOOD
         pygame.draw.rect(surface, BACKGROUND, rect, border_radius=round(6 * unit))
         pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
         x = rect.left + 13 * unit
-        write(surface, "!" if message.trouble else "✓", (x, rect.top + 7 * unit), 14 * unit, tint, bold=True)
+        write(surface, "!" if message.warning else "✓", (x, rect.top + 7 * unit), 14 * unit, tint, bold=True)
         for k, line in enumerate(lines):
             write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, FOREGROUND)
         self._places.append((rect, message))
-        return high
+        return height

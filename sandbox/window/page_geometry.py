@@ -1,4 +1,4 @@
-"""Where things are on the page on which a scene is played; rectangles in pixels, from sizes and what is shown."""
+"""The geometry of the page on which a scene is played: rectangles in pixels, from sizes and what is shown."""
 
 from __future__ import annotations
 
@@ -7,9 +7,16 @@ from dataclasses import dataclass
 
 from pygame import Rect
 
-TOP, FOOT, SIDE = 48.0, 92.0, 288.0  # design pixels: bar above, time below, panel on the right
-LOUPES, SHARES, GUTTER, MARGIN = 84.0, 36.0, 12.0, 14.0
-LEAST_STAGE = 120.0
+TOOLBAR = 48.0  # design pixels, its height
+FOOTER = 92.0  # design pixels, its height
+PANEL = 288.0  # design pixels, its width
+INSETS = 84.0  # design pixels, their height
+ENERGY_BARS = 36.0  # design pixels, their height
+GUTTER = 12.0  # design pixels between two plots
+MARGIN = 14.0  # design pixels around beads and plots
+LEAST_LANE = 120.0  # design pixels of the beads, below which insets and energy bars go
+PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6}  # of the height, for so many rows of plots
+MOST_PLOTS_SHARE = 0.62  # of the height, for more rows
 
 
 @dataclass(frozen=True)
@@ -17,69 +24,64 @@ class Geometry:
     """Rectangles of a page.
 
     Attributes:
-        top, foot: the bar above and the two rows of time controls below.
-        side: the panel on the right, or an empty rectangle.
-        stages: beads, one a lane.
-        loupes: below the only lane; empty where there are more or no room.
-        shares: energy and momentum bars of the only lane; empty likewise.
-        plots: one row a lane, one rectangle a plot.
+        toolbar, footer: above, and the two rows of time controls below.
+        panel: on the right; empty where it is hidden.
+        lanes: beads of each lane.
+        insets: below the only lane; empty where there are more lanes or no room.
+        energy_bars: of the only lane; empty likewise.
+        plots: rows of rectangles, one for each plot.
     """
 
-    top: Rect
-    foot: Rect
-    side: Rect
-    stages: tuple[Rect, ...]
-    loupes: Rect
-    shares: Rect
+    toolbar: Rect
+    footer: Rect
+    panel: Rect
+    lanes: tuple[Rect, ...]
+    insets: Rect
+    energy_bars: Rect
     plots: tuple[tuple[Rect, ...], ...]
 
 
-def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int], side: bool) -> Geometry:
-    """`plots` is the number of plots in each row."""
+def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int], panel: bool) -> Geometry:
+    """The page for a window of `size`; `plots` is the number of plots in each row."""
     width, height = size
-    top = Rect(0, 0, width, round(TOP * unit))
-    foot = Rect(0, height - round(FOOT * unit), width, round(FOOT * unit))
-    side_width = round(SIDE * unit) if side else 0
-    panel = Rect(width - side_width, top.bottom, side_width, foot.top - top.bottom)
-    main = Rect(0, top.bottom, width - side_width, foot.top - top.bottom)
+    toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
+    footer = Rect(0, height - round(FOOTER * unit), width, round(FOOTER * unit))
+    panel_width = round(PANEL * unit) if panel else 0
+    right = Rect(width - panel_width, toolbar.bottom, panel_width, footer.top - toolbar.bottom)
+    main = Rect(0, toolbar.bottom, width - panel_width, footer.top - toolbar.bottom)
     main = main.inflate(-2 * round(MARGIN * unit), -round(MARGIN * unit))
-    rows = sum(1 for count in plots if count)
-    share = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6}.get(rows, 0.62)
-    beads = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
-    stages, loupes, shares = _beads(beads, unit, lanes, rows < 2)
-    below = Rect(main.left, beads.bottom + round(8 * unit), main.width, main.bottom - beads.bottom - round(8 * unit))
-    return Geometry(top, foot, panel, stages, loupes, shares, _plots(below, unit, [n for n in plots if n]))
+    rows = [count for count in plots if count]
+    share = PLOTS_SHARE.get(len(rows), MOST_PLOTS_SHARE)
+    above = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
+    gap = round(8 * unit)
+    below = Rect(main.left, above.bottom + gap, main.width, main.bottom - above.bottom - gap)
+    beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2)
+    return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
 
 
 def _beads(rect: Rect, unit: float, lanes: int, roomy: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
-    none = Rect(rect.left, rect.bottom, rect.width, 0)
+    """Rectangles of the lanes, the insets and the energy bars."""
     if lanes > 1:
-        pitch = rect.height / lanes
-        gap = round(4 * unit)
-        stages = [Rect(rect.left, round(rect.top + k * pitch), rect.width, round(pitch) - gap) for k in range(lanes)]
-        return tuple(stages), none, none
-    shares = round(SHARES * unit) if roomy and rect.height > (LEAST_STAGE + SHARES) * unit else 0
-    loupes = round(LOUPES * unit) if rect.height - shares > (LEAST_STAGE + LOUPES) * unit else 0
-    stage = Rect(rect.left, rect.top, rect.width, rect.height - loupes - shares)
-    return (
-        (stage,),
-        Rect(rect.left, stage.bottom, rect.width, loupes),
-        Rect(rect.left, stage.bottom + loupes, rect.width, shares),
-    )
+        none = Rect(rect.left, rect.bottom, rect.width, 0)
+        pitch, gap = rect.height / lanes, round(4 * unit)
+        rects = [Rect(rect.left, round(rect.top + k * pitch), rect.width, round(pitch) - gap) for k in range(lanes)]
+        return tuple(rects), none, none
+    bars = round(ENERGY_BARS * unit) if roomy and rect.height > (LEAST_LANE + ENERGY_BARS) * unit else 0
+    insets = round(INSETS * unit) if rect.height - bars > (LEAST_LANE + INSETS) * unit else 0
+    lane = Rect(rect.left, rect.top, rect.width, rect.height - insets - bars)
+    below = Rect(rect.left, lane.bottom, rect.width, insets)
+    return (lane,), below, Rect(rect.left, below.bottom, rect.width, bars)
 
 
 def _plots(rect: Rect, unit: float, counts: Sequence[int]) -> tuple[tuple[Rect, ...], ...]:
+    """Rows of rectangles of equal height and, in a row, of equal width."""
     if not counts:
         return ()
-    gutter = GUTTER * unit
-    high = (rect.height - (len(counts) - 1) * 2 * unit) / len(counts)
+    gutter, gap = GUTTER * unit, 2 * unit
+    height = (rect.height - (len(counts) - 1) * gap) / len(counts)
     rows = []
     for k, count in enumerate(counts):
-        wide = (rect.width - (count - 1) * gutter) / count
-        y = rect.top + k * (high + 2 * unit)
-        rows.append(
-            tuple(
-                Rect(round(rect.left + i * (wide + gutter)), round(y), round(wide), round(high)) for i in range(count)
-            )
-        )
+        width = (rect.width - (count - 1) * gutter) / count
+        lefts, top = [rect.left + i * (width + gutter) for i in range(count)], rect.top + k * (height + gap)
+        rows.append(tuple(Rect(round(left), round(top), round(width), round(height)) for left in lefts))
     return tuple(rows)

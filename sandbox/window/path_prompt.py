@@ -1,4 +1,4 @@
-"""A question for a path: one line to type, Enter takes it, Esc does not."""
+"""The path prompt: one line to type; Enter takes it, Esc cancels."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.window.window_page import Host
 
 
-class Prompt:
-    """A box over the page. `take(text)` is called once, with what was typed, unless it is given up."""
+class PathPrompt:
+    """A box over the page. `take(text)` is called once with what was typed, unless it is cancelled."""
 
     def __init__(self, host: Host, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         self.host, self.title, self.note, self.take = host, title, note, take
@@ -34,12 +34,12 @@ class Prompt:
         right = self.box.right - round(20 * unit)
         wide = round(90 * unit)
         place = pygame.Rect(right - wide, y, wide, round(30 * unit))
-        self.yes = UIButton(place, "OK", self.host.manager, object_id="#primary", command=self.finish)
+        self.ok = UIButton(place, "OK", self.host.manager, object_id="#primary", command=self.finish)
         place = pygame.Rect(right - 2 * wide - round(8 * unit), y, wide, round(30 * unit))
-        self.no = UIButton(place, "Cancel", self.host.manager, command=self.close)
+        self.cancel = UIButton(place, "Cancel", self.host.manager, command=self.close)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take every key and click: the page below waits."""
+        """Take every key and click: the page below gets none."""
         if event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE:
             self.close()
             return True
@@ -59,14 +59,14 @@ class Prompt:
             self.take(text)
 
     def close(self) -> None:
-        """Give up, or be done."""
+        """Remove the box."""
         self.open = False
         self.entry.kill()
-        self.yes.kill()
-        self.no.kill()
+        self.ok.kill()
+        self.cancel.kill()
 
     def paint(self, surface: pygame.Surface) -> None:
-        """The box, below its widgets."""
+        """Draw the box, below its widgets."""
         unit = self.host.unit
         pygame.draw.rect(surface, BACKGROUND, self.box, border_radius=round(8 * unit))
         pygame.draw.rect(surface, FAINT, self.box, max(1, round(2 * unit)), border_radius=round(8 * unit))

@@ -10,69 +10,70 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 import pygame
 from softcradle.sandbox.window.app import App
-from softcradle.sandbox.window.gallery.gallery_page import Gallery
-from softcradle.sandbox.window.scene.lane_view import Pick
-from softcradle.sandbox.window.scene.scene_page import Play
+from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.scene.scene_page import ScenePage
 
-FRAME = 1.0 / 60.0
-PATIENCE = 120.0  # seconds for kernels and thumbnails
+FRAME = 1.0 / 60.0  # seconds
+LONGEST_WAIT = 120.0  # seconds for kernels
 
 
-def frames(app: App, count: int) -> None:
+def run_frames(app: App, count: int) -> None:
     """Let `count` frames pass."""
     for _ in range(count):
         app.frame(FRAME)
 
 
-def keep(app: App, folder: Path, name: str) -> None:
+def save(app: App, folder: Path, name: str) -> None:
     """Write the window as it is."""
     path = folder / f"{name}.png"
     pygame.image.save(app.surface, str(path))
     print(f"written: {path}")
 
 
-def shoot(folder: Path) -> None:
-    """Take all of them."""
+def save_all(folder: Path) -> None:
+    """Write a picture of each page."""
     app = App()
-    app.warmer.complete.wait(PATIENCE)
+    app.warmup.complete.wait(LONGEST_WAIT)
     page = app.page
-    assert isinstance(page, Gallery)
+    assert isinstance(page, GalleryPage)
     while len(page.pictures) < len(page.names):
         app.frame(FRAME)
         pygame.time.wait(5)
-    frames(app, 2)
-    keep(app, folder, "gallery")
-    _scene(app, "one-on-four", 260, Pick(0, "contact", 1))
-    keep(app, folder, "scene")
-    _scene(app, "beads-against-gear", 205, None)
-    keep(app, folder, "two-lanes")
+    run_frames(app, 2)
+    save(app, folder, "gallery")
+    _play(app, "one-on-four", 260, Pick(0, "contact", 1))
+    save(app, folder, "scene")
+    _play(app, "beads-against-gear", 205, None)
+    save(app, folder, "two-lanes")
     app.toggle_help()
-    frames(app, 1)
-    keep(app, folder, "help")
+    run_frames(app, 1)
+    save(app, folder, "help")
     app.toggle_help()
     app.open("hanging-cradle")
     app.act("play_pause")
-    frames(app, 72)
-    keep(app, folder, "hanging-cradle")
+    run_frames(app, 72)
+    save(app, folder, "hanging-cradle")
     app.close()
 
 
-def _scene(app: App, name: str, count: int, pick: Pick | None) -> None:
+def _play(app: App, name: str, frames: int, selection: Pick | None) -> None:
+    """Play a scene for some frames, then select and pause."""
     app.open(name)
     page = app.page
-    assert isinstance(page, Play)
+    assert isinstance(page, ScenePage)
     app.act("play_pause")
-    frames(app, count)
-    page.select(pick)
+    run_frames(app, frames)
+    page.editor.selection = selection
     app.act("play_pause")
-    frames(app, 30)
+    run_frames(app, 30)
 
 
 def main() -> None:
-    """Take them into the folder that the command line names."""
+    """Write them into the folder of the command line."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/window")
     folder.mkdir(parents=True, exist_ok=True)
-    shoot(folder)
+    save_all(folder)
 
 
 if __name__ == "__main__":

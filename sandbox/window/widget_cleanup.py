@@ -1,4 +1,4 @@
-"""Letting go of what was left: pages and widgets hold their surfaces, and each other, in circles."""
+"""The clean-up of widgets: pages and widgets refer to each other in cycles, and hold their surfaces."""
 
 from __future__ import annotations
 
@@ -7,18 +7,21 @@ import ctypes
 import gc
 
 
-def sweep() -> None:
-    """Take away what nothing holds any more; what stays is not searched again in the middle of play.
+def collect_garbage() -> None:
+    """Free what nothing refers to; the rest is not searched again in the middle of play.
 
-    Python's own search would come minutes and some 100 MB later, and what is frozen it never searches.
+    Python's own collection would come minutes and some 100 MB later, and it never searches frozen objects.
     """
     gc.unfreeze()
     gc.collect()
     gc.freeze()
-    _give_back()
+    _trim_heap()
 
 
-def _give_back() -> None:
-    """Surfaces of all sizes leave holes in the heap, some 50 MB after an hour; glibc can give them back, others need not."""
+def _trim_heap() -> None:
+    """Return holes in the heap to the system: surfaces of many sizes leave some 50 MB of them in an hour.
+
+    Only glibc has a function for it; other systems do without.
+    """
     with contextlib.suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)

@@ -1,4 +1,4 @@
-"""What a page is to the window, and the window to a page."""
+"""The protocols between the window and its pages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Protocol
 
 import pygame
 import pygame_gui
-from softcradle.sandbox.window.kernel_warmup import Warmer
+from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 from softcradle.sandbox.window.messages import Messages
 
 
@@ -16,10 +16,10 @@ class Host(Protocol):
 
     Attributes:
         size: pixels.
-        unit: pixels that a pixel of the 1280x720 design is now.
-        manager: where widgets belong; a new one after every change of size or unit.
-        messages: to say things.
-        warmer: the thread behind the window.
+        unit: pixels that a pixel of the 1280x720 design is.
+        manager: of the widgets; a new one after every change of size or unit.
+        messages: those on screen.
+        warmup: the thread behind the window.
         surface: what is drawn on.
     """
 
@@ -28,7 +28,7 @@ class Host(Protocol):
     unit: float
     manager: pygame_gui.UIManager
     messages: Messages
-    warmer: Warmer
+    warmup: KernelWarmup
 
     def quit(self) -> None:
         """End at the end of this frame."""
@@ -37,13 +37,13 @@ class Host(Protocol):
         """Make all widgets anew."""
 
     def show(self, page: Page) -> None:
-        """Make `page` the one on screen."""
+        """Bring `page` on screen."""
 
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
-        """Ask for a line of text, beginning with `text`."""
+        """Ask the user for a line of text, beginning with `text`."""
 
 
 class Page(Protocol):
@@ -53,13 +53,13 @@ class Page(Protocol):
 
     @property
     def typing(self) -> bool:
-        """Whether keys go into a field."""
+        """Whether keys go into a text field."""
 
     def build(self) -> None:
         """Make the widgets for the host's size and unit; the old ones are gone."""
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take an event that no widget took; whether it was of use."""
+        """Take an event that no widget took; whether the page used it."""
 
     def update(self, seconds: float) -> None:
         """Let `seconds` of wall time pass."""
@@ -70,8 +70,8 @@ class Page(Protocol):
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw what lies above the widgets."""
 
-    def shown(self, surface: pygame.Surface, seconds: float) -> None:
-        """The finished picture is on screen."""
+    def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
+        """Use the finished picture, `seconds` after the last one."""
 
     def close(self) -> None:
-        """The page is being left."""
+        """Close what is open: the page is being left."""

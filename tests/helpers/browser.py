@@ -1,4 +1,4 @@
-"""A real browser without a window, spoken to over two pipes in the DevTools protocol: what does it make of a page?"""
+"""A headless browser, driven over two pipes by the DevTools protocol, for tests of HTML pages."""
 
 from __future__ import annotations
 
@@ -13,39 +13,39 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-PATIENCE = 60.0  # seconds for anything at all
+PATIENCE = 60.0  # seconds to wait for any answer of the browser
 
-# the browser reads commands from file descriptor 3 and answers on 4
+# The program that starts the browser, which reads commands from file descriptor 3 and answers on 4.
 LAUNCH = (
     "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); os.execv(sys.argv[3], sys.argv[3:])"
 )
 
 
 def found() -> str | None:
-    """Path of a browser, if there is one."""
+    """Path of an installed browser, or None."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """One page in a browser of its own; what its console says is kept in `complaints`."""
+    """One page in a browser process of its own; errors of the page and requests to the network are in `complaints`."""
 
     def __init__(self, profile: Path, size: tuple[int, int] = (1280, 900)) -> None:
         browser = found()
         assert browser is not None
-        there, self._write = os.pipe()
-        self._read, back = os.pipe()
+        command_end, self._write = os.pipe()
+        self._read, answer_end = os.pipe()
         flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"]
         flags += ["--remote-debugging-pipe", f"--user-data-dir={profile}", f"--window-size={size[0]},{size[1]}"]
         flags += ["--autoplay-policy=no-user-gesture-required", "--mute-audio"]
-        keep = (there, back)
+        browser_ends = (command_end, answer_end)
         self._process = subprocess.Popen(
-            [sys.executable, "-c", LAUNCH, str(there), str(back), browser, *flags],
-            pass_fds=keep, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            [sys.executable, "-c", LAUNCH, str(command_end), str(answer_end), browser, *flags],
+            pass_fds=browser_ends, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
-        for end in keep:
+        for end in browser_ends:
             os.close(end)
         os.set_blocking(self._read, False)
-        self._rest, self._count, self._session = b"", 0, ""
+        self._unread, self._count, self._session = b"", 0, ""
         self.complaints: list[str] = []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
@@ -82,25 +82,25 @@ class Browser:
         except BlockingIOError:
             time.sleep(0.005)
             return []
-        assert chunk, "the browser has gone"
-        *whole, self._rest = (self._rest + chunk).split(b"\0")
+        assert chunk, "the browser has ended"
+        *whole, self._unread = (self._unread + chunk).split(b"\0")
         messages = [json.loads(message) for message in whole]
         for message in messages:
             self._listen(message.get("method"), message.get("params", {}))
         return messages
 
-    def _listen(self, event: str | None, told: dict[str, Any]) -> None:
+    def _listen(self, event: str | None, parameters: dict[str, Any]) -> None:
         if event == "Runtime.exceptionThrown":
-            details = told["exceptionDetails"]
+            details = parameters["exceptionDetails"]
             self.complaints.append(details.get("exception", {}).get("description", details["text"]))
-        elif event == "Runtime.consoleAPICalled" and told["type"] in ("error", "warning", "assert"):
-            self.complaints.append(json.dumps(told["args"])[:500])
-        elif event == "Log.entryAdded" and told["entry"]["level"] in ("error", "warning"):
-            self.complaints.append(told["entry"]["text"])
-        elif event == "Network.requestWillBeSent" and not told["request"]["url"].startswith(
+        elif event == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
+            self.complaints.append(json.dumps(parameters["args"])[:500])
+        elif event == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
+            self.complaints.append(parameters["entry"]["text"])
+        elif event == "Network.requestWillBeSent" and not parameters["request"]["url"].startswith(
             ("data:", "file:", "about:")
         ):
-            self.complaints.append(f"asks for {told['request']['url']}")
+            self.complaints.append(f"requests {parameters['request']['url']}")
 
     def run(self, script: str) -> Any:
         """Value of a JavaScript expression, awaited if it is a promise."""
@@ -109,19 +109,19 @@ class Browser:
         return answer["result"].get("value")
 
     def open(self, path: Path) -> None:
-        """Open a file and wait until all of it is there."""
+        """Open a file and wait until it is loaded."""
         self.call("Page.navigate", url=path.resolve().as_uri())
         until = time.monotonic() + PATIENCE
         while self.run("document.readyState + location.protocol") != "completefile:":
-            assert time.monotonic() < until, "the page was never complete"
+            assert time.monotonic() < until, "the page was not loaded in time"
             time.sleep(0.02)
 
     def picture(self, path: Path, whole: bool = False) -> None:
-        """Write a screenshot, of the whole page if wanted."""
+        """Write a screenshot of the window, or of the `whole` page."""
         shot = self.call("Page.captureScreenshot", captureBeyondViewport=whole)
         path.write_bytes(base64.b64decode(shot["data"]))
 
     def media(self, kind: str = "", scheme: str = "light") -> None:
-        """Show the page as on `kind` ("screen", "print") and in a light or dark `scheme`."""
+        """Show the page as on the medium `kind` ("screen", "print") and in a light or dark `scheme`."""
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.call("Emulation.setEmulatedMedia", media=kind, features=features)

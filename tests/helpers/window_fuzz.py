@@ -1,7 +1,7 @@
-"""Seeded random hands on the window: python -m tests.helpers.window_fuzz [--minutes 60] [--seed 0]
+"""A fuzz of the window by seeded random input: python -m tests.helpers.window_fuzz [--minutes 60] [--seed 0]
 
-Every frame stands for a 60th of a second. Ends with exit code 1 where an exception, a number that is none, or more than
-50 MB of growth after the first tenth appears.
+Every frame stands for a 60th of a second. The exit code is 1 after an exception, a number that is not finite, or more than
+50 MB of growth after the first tenth.
 """
 
 from __future__ import annotations
@@ -15,47 +15,51 @@ from pathlib import Path
 
 import numpy as np
 import pygame
-from softcradle.sandbox.window.keys import BINDINGS
-from softcradle.sandbox.window.scene.scene_page import Play
+from softcradle.sandbox.window.keys import Key, bindings
+from softcradle.sandbox.window.scene.scene_page import ScenePage
 
 from softcradle import scenes
 from tests.helpers.windows import FRAME, Driver
 
 GROWTH = 50.0  # MB
-NEVER = {"quit", "film", "save_scene", "save_session", "export", "screenshot", "fullscreen", "open", "sound"}
-KEYS = [binding.keys[0] for binding in BINDINGS if binding.action not in NEVER]
+LEFT_OUT = {"quit", "film", "save_scene", "save_session", "export", "screenshot", "fullscreen", "open", "sound"}
 SIZES = ((1280, 720), (1000, 600), (1600, 900))
 
 
+def fuzz_keys() -> list[Key]:
+    """The first key of every action but those that write files, end the window or change the screen."""
+    return [binding.keys[0] for binding in bindings() if binding.action not in LEFT_OUT]
+
+
 def memory() -> float:
-    """Resident memory of this process [MB]; 0 where the system does not say."""
+    """Resident memory of this process [MB]; 0 where the system does not tell."""
     status = Path("/proc/self/statm")
     return int(status.read_text().split()[1]) * os.sysconf("SC_PAGESIZE") / 2**20 if status.exists() else 0.0
 
 
 class Fuzz:
-    """A driver whose hands are moved by chance."""
+    """Random input to a driver."""
 
     def __init__(self, seed: int, folder: Path) -> None:
-        self.chance, self.driver, self.folder = random.Random(seed), Driver("one-on-four"), folder
+        self.random, self.driver, self.folder = random.Random(seed), Driver("one-on-four"), folder
         (self.folder / "bad.toml").write_text("title = 3")
 
     def act(self) -> None:
         """One random thing, and a few frames."""
-        chance, driver = self.chance, self.driver
-        if not isinstance(driver.app.page, Play):
-            driver.app.open(chance.choice((*scenes.names(), "hanging-cradle")))
-        kind = chance.choices(
+        rng, driver = self.random, self.driver
+        if not isinstance(driver.app.page, ScenePage):
+            driver.app.open(rng.choice((*scenes.names(), "hanging-cradle")))
+        kind = rng.choices(
             ("key", "click", "drag", "wheel", "play", "type", "resize", "drop"), (4, 4, 4, 1, 3, 1, 0.05, 0.1)
         )[0]
         getattr(self, f"_{kind}")()
-        driver.frames(chance.randint(1, 12))
+        driver.frames(rng.randint(1, 12))
         self.check()
 
     def check(self) -> None:
-        """Every number shown is one."""
+        """Every number that is shown is finite."""
         page = self.driver.app.page
-        if isinstance(page, Play):
+        if isinstance(page, ScenePage):
             for lane in page.session.lanes:
                 assert np.isfinite(lane.position).all()
                 assert np.isfinite(lane.velocity).all()
@@ -64,13 +68,13 @@ class Fuzz:
     def _point(self) -> tuple[int, int]:
         width, height = self.driver.app.size
         page = self.driver.app.page
-        if isinstance(page, Play) and self.chance.random() < 0.4:
-            view = self.chance.choice(page.scenery.views)
-            return tuple(map(round, view.centre(self.chance.randrange(len(view.edges)))))
-        return self.chance.randrange(width), self.chance.randrange(60, height)
+        if isinstance(page, ScenePage) and self.random.random() < 0.4:
+            view = self.random.choice(page.view.lanes)
+            return tuple(map(round, view.centre(self.random.randrange(len(view.edges)))))
+        return self.random.randrange(width), self.random.randrange(60, height)
 
     def _key(self) -> None:
-        key = self.chance.choice(KEYS)
+        key = self.random.choice(fuzz_keys())
         self.driver.key(key.code, key.modifiers)
 
     def _play(self) -> None:
@@ -81,26 +85,26 @@ class Fuzz:
 
     def _drag(self) -> None:
         end = self._point()
-        self.driver.drag(self._point(), end, steps=self.chance.randint(2, 6))
+        self.driver.drag(self._point(), end, steps=self.random.randint(2, 6))
         self.driver.release(end)
 
     def _wheel(self) -> None:
-        turn = self.chance.choice((-1, 1))
+        turn = self.random.choice((-1, 1))
         pygame.event.post(
             pygame.Event(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False)
         )
 
     def _type(self) -> None:
         page = self.driver.app.page
-        if isinstance(page, Play) and page.inspector.controls:
-            control = self.chance.choice(list(page.inspector.controls.values()))
+        if isinstance(page, ScenePage) and page.inspector.controls:
+            control = self.random.choice(list(page.inspector.controls.values()))
             self.driver.click(control.entry.rect.center)
             control.entry.set_text("")
-            self.driver.type(self.chance.choice(("1", "0.1", "1e-3", "250", "-2", "nan", "1e99", "x")))
+            self.driver.type(self.random.choice(("1", "0.1", "1e-3", "250", "-2", "nan", "1e99", "x")))
             self.driver.key(pygame.K_RETURN)
 
     def _resize(self) -> None:
-        size = self.chance.choice(SIZES)
+        size = self.random.choice(SIZES)
         pygame.display.set_mode(size, pygame.RESIZABLE)
         pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
 
@@ -109,13 +113,13 @@ class Fuzz:
 
 
 def main() -> int:
-    """Fuzz for as long as asked."""
+    """Fuzz for the minutes of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=60.0, help="of simulated input")
     parser.add_argument("--seed", type=int, default=0)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # random hands press the buttons that write files, too
+        os.chdir(folder)  # random clicks also press the buttons that write files
         growth = run(Fuzz(args.seed, Path(folder)), round(args.minutes * 60.0 / FRAME))
         os.chdir("/")
     print(f"growth after warm-up {growth:.1f} MB")
@@ -124,14 +128,14 @@ def main() -> int:
 
 def run(fuzz: Fuzz, total: int) -> float:
     """`total` frames; returns the growth of memory after the first tenth [MB]."""
-    warm, told = 0.0, 0
+    warm, printed = 0.0, 0
     while fuzz.driver.app.frames < total:
         fuzz.act()
         share = fuzz.driver.app.frames / total
         warm = warm or (memory() if share > 0.1 else 0.0)
-        if int(share * 10) > told:
-            told = int(share * 10)
-            print(f"{10 * told} %: {memory():.0f} MB", flush=True)
+        if int(share * 10) > printed:
+            printed = int(share * 10)
+            print(f"{10 * printed} %: {memory():.0f} MB", flush=True)
     fuzz.driver.close()
     return memory() - warm
 

@@ -1,4 +1,4 @@
-"""Driving the real window by posted events, without a screen."""
+"""A driver of the real window: posted events, without a screen."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
 import pygame
 from softcradle.sandbox.window.app import App
-from softcradle.sandbox.window.scene.scene_page import Play
+from softcradle.sandbox.window.scene.scene_page import ScenePage
 
 FRAME = 1.0 / 60.0
 
 
 class Driver:
-    """Hands on the keyboard and the mouse of an App."""
+    """Posts keys and mouse events to an App, and lets its frames pass."""
 
     def __init__(self, start: str | None = None, size: tuple[int, int] = (1280, 720)) -> None:
         self.app = App(size, start)
-        assert self.app.warmer.complete.wait(300.0)
+        assert self.app.warmup.complete.wait(300.0)
         self.frames(2)
 
     @property
-    def play(self) -> Play:
-        assert isinstance(self.app.page, Play)
+    def page(self) -> ScenePage:
+        assert isinstance(self.app.page, ScenePage)
         return self.app.page
 
     @property
     def session(self):
-        return self.play.session
+        return self.page.session
 
     @property
-    def said(self) -> list[str]:
-        return [message.text for message in self.app.messages.shown]
+    def messages(self) -> list[str]:
+        return [message.text for message in self.app.messages.visible]
 
     def frames(self, count: int = 1) -> None:
         for _ in range(count):
@@ -44,7 +44,7 @@ class Driver:
         if text:
             pygame.event.post(pygame.Event(pygame.TEXTINPUT, text=text))
         pygame.event.post(pygame.Event(pygame.KEYUP, key=code, mod=modifiers, unicode=text, scancode=0))
-        self.frames(2)  # widgets answer with events of their own
+        self.frames(2)  # widgets post events of their own
 
     def type(self, text: str) -> None:
         for letter in text:
@@ -81,7 +81,7 @@ class Driver:
             self.move(point, (1, 0, 0))
 
     def bead(self, bead: int, lane: int = 0) -> tuple[float, float]:
-        return self.play.scenery.views[lane].centre(bead)
+        return self.page.view.lanes[lane].centre(bead)
 
     def drop_file(self, path: object) -> None:
         pygame.event.post(pygame.Event(pygame.DROPFILE, file=str(path)))

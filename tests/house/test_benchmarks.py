@@ -1,65 +1,84 @@
+"""The benchmarks: what they measure is what they say, and the command writes what it shows."""
+
+from __future__ import annotations
+
 import json
 
 import numpy as np
 import pytest
 from softcradle.physics import State
+from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import floor, steps
-from benchmarks.report import against
+from benchmarks import chain_lengths, steps
+from benchmarks.reports import at_least, at_most
+from benchmarks.steps import StepCase
+from benchmarks.work_precision import case_report
+from tests.helpers.series import SHORT_LIMITS, our_solver
 
 
 def test_values_stand_beside_their_aims():
-    assert against(0.5, None) == "0.5"
-    assert against(0.5, 1.0) == "0.5 (1)"
-    assert against(2.0, 1.0) == "2 (1) missed"
+    assert at_most(0.5, None) == "0.5"
+    assert at_most(0.5, 1.0) == "0.5 (1)"
+    assert at_most(2.0, 1.0) == "2 (1) missed"
+    assert at_most(None, 1.0) == "- (1) missed"
+    assert at_least("61 %", 61.0, 60.0) == "61 % (at least 60)"
+    assert at_least("59 %", 59.0, 60.0) == "59 % (at least 60) missed"
 
 
 @pytest.mark.parametrize("alike", [True, False])
 @pytest.mark.parametrize("method", ["verlet", "conserving"])
-def test_cost_of_a_step_is_taken_with_all_contacts_closed(method, alike):
-    found = steps.nanoseconds(method, 1e-4, 4, alike, work=40, rounds=1)
+def test_the_cost_of_a_step_is_measured_with_all_contacts_closed(method, alike):
+    found = steps.measure(StepCase(method, 1e-4, 4, alike, 20.0), contact_steps=40, rounds=1)
     assert found["closed"] == 4
     assert found["steps"] == 10
     assert found["nanoseconds"] > 0.0
 
 
-def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(steps, "CASES", (("verlet", 1e-4, 4, True, 20.0),))
-    monkeypatch.setattr(steps, "WORK", 40)
-    assert command.main(["steps", "--json", str(tmp_path / "deep" / "bench.json")]) == 0
-    assert "Cost of a step" in capsys.readouterr().out
-    content = json.loads((tmp_path / "deep" / "bench.json").read_text())
-    assert [row["method"] for row in content["steps"][0]] == ["verlet"]
-    assert content["versions"]["numpy"] == np.__version__
-    assert [path.name for path in (tmp_path / "deep").iterdir()] == ["bench.json"]
-
-
-def test_an_unknown_part_is_refused(capsys):
-    with pytest.raises(SystemExit) as refusal:
-        command.main(["nonsense"])
-    assert refusal.value.code == 2
-    assert "nonsense" in capsys.readouterr().err
-
-
 def test_the_state_amid_a_collision_moves():
-    chain, state = steps.amid(4)
-    assert state.time == pytest.approx(steps.MIDDLE)
+    chain, state = steps.colliding(4)
+    assert state.time == pytest.approx(steps.COLLISION_TIME)
     assert state.velocity(chain).sum() == pytest.approx(1.0)
     assert not np.allclose(state.rate, State.at_start(chain, np.eye(1, 5)[0]).rate)
 
 
-def test_the_floor_stands_beside_the_bare_powers():
-    row = next(floor.rows((70,), rounds=2))
-    assert set(row["powers"]) == set(floor.POWERS)
+def test_steps_are_compared_with_the_powers_that_they_take():
+    row = next(chain_lengths.length_rows((70,), rounds=2))
+    assert set(row["powers"]) == set(chain_lengths.POWERS)
     assert min(row["powers"].values()) > 0.0
     assert row["over_best_power"] * min(row["powers"].values()) == pytest.approx(row["nanoseconds"])
-    assert 57 <= row["bytes"] < 200  # law, mass, overlap, rate, force, flag at the least
+    assert 57 <= row["bytes"] < 200  # at least law, mass, overlap, rate, force, flag
 
 
-def test_every_way_takes_the_same_power():
-    base, exponent = np.array([0.01, 0.5]), np.array([0.1, 0.2])
-    for take in floor.POWERS.values():
-        result = np.empty(2)
-        take(base, exponent, result)
-        assert result == pytest.approx(base**exponent, rel=1e-15)
+@pytest.mark.parametrize("function", chain_lengths.POWERS.values(), ids=chain_lengths.POWERS)
+def test_every_function_takes_the_same_power(function):
+    base, exponent, result = np.array([0.01, 0.5]), np.array([0.1, 0.2]), np.empty(2)
+    function(base, exponent, result)
+    assert result == pytest.approx(base**exponent, rel=1e-15)
+
+
+def test_the_table_of_a_case_has_the_aims_of_accurate():
+    case = CASE_DEFINITIONS[0].solve()
+    solvers = [our_solver(case, "accurate", 1e-5, 1e-7), our_solver(case, "conserving", 60.0, 120.0)]
+    report = case_report(case, solvers, SHORT_LIMITS)
+    assert [row[0] for row in report.rows] == ["accurate", "conserving"]
+    assert report.rows[0][3] == "- (0.7) missed"
+    assert json.loads(json.dumps(report.data))["case"] == case.label
+    assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
+
+
+def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(steps, "CASES", (StepCase("verlet", 1e-4, 4, True, 20.0),))
+    assert command.main(["steps", "--json", str(tmp_path / "new" / "bench.json")]) == 0
+    assert "Cost of a step" in capsys.readouterr().out
+    content = json.loads((tmp_path / "new" / "bench.json").read_text())
+    assert [row["method"] for row in content["steps"][0]] == ["verlet"]
+    assert content["versions"]["numpy"] == np.__version__
+    assert [path.name for path in (tmp_path / "new").iterdir()] == ["bench.json"]
+
+
+def test_an_unknown_benchmark_is_refused(capsys):
+    with pytest.raises(SystemExit) as refusal:
+        command.main(["nonsense"])
+    assert refusal.value.code == 2
+    assert "nonsense" in capsys.readouterr().err

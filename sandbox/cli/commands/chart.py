@@ -13,8 +13,8 @@ from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.precision.chart_cases import Recipe
-    from softcradle.sandbox.studies.precision.precision_table import Measured
+    from softcradle.sandbox.studies.precision.cases import CaseDefinition
+    from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
 
 SUFFIXES = (".png", ".pdf", ".svg")
 QUANTITIES = ("velocities", "forces", "overlaps")
@@ -40,24 +40,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Measure the cases, draw the chart and print the table of each case."""
-    from softcradle.sandbox.studies.precision.chart_cases import RECIPES
+    from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
     if args.list:
         listed = table("case", "what collides")
-        for recipe in RECIPES:
-            listed.add_row(recipe.name, recipe.label)
+        for definition in CASE_DEFINITIONS:
+            listed.add_row(definition.name, definition.label)
         console().print(listed)
         return 0
     if Path(args.output).suffix not in SUFFIXES:
         raise UserError(f"cannot write {args.output}: chart writes {', '.join(SUFFIXES)}")
-    recipes = _recipes(args.scenes)
+    definitions = _definitions(args.scenes)
     from softcradle.sandbox.output_files import output_file
 
     paths = [Path(args.output), *([Path(args.output).with_suffix(".csv")] if args.csv else [])]
     with ExitStack() as stack:
         # The files are opened before the runs, so that an unwritable place is refused at once.
         files = [stack.enter_context(output_file(path)) for path in paths]
-        measured = _measure(recipes, args.error, not args.ours)
+        measured = _measure(definitions, args.error, not args.ours)
         _write(measured, *files)
     for found in measured:
         _print(found)
@@ -66,71 +66,82 @@ def main(args: argparse.Namespace) -> int:
     return 0
 
 
-def _recipes(wanted: Sequence[str]) -> list[Recipe]:
-    """The recipes of those names; without names, all."""
-    from softcradle.sandbox.studies.precision.chart_cases import RECIPES, recipes_of
+def _definitions(wanted: Sequence[str]) -> list[CaseDefinition]:
+    """The definitions of those names; without names, all."""
+    from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, definitions_of
 
-    known = {recipe.name: recipe for recipe in RECIPES}
+    known = {definition.name: definition for definition in CASE_DEFINITIONS}
     if not wanted:
-        return list(RECIPES)
-    return [found for name in wanted for found in ([known[name]] if name in known else recipes_of(load_scene(name)))]
+        return list(CASE_DEFINITIONS)
+    return [
+        found for name in wanted for found in ([known[name]] if name in known else definitions_of(load_scene(name)))
+    ]
 
 
-def _measure(recipes: Sequence[Recipe], quantity: str, peers: bool) -> list[Measured]:
+def _measure(definitions: Sequence[CaseDefinition], quantity: str, peers: bool) -> list[MeasuredCase]:
     from rich.console import Console
     from rich.progress import Progress
 
     found = []
     with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("cases", total=len(recipes))
-        for recipe in recipes:
-            found.append(_measured(recipe, quantity, peers, lambda text: progress.update(task, description=text)))
+        task = progress.add_task("cases", total=len(definitions))
+        for definition in definitions:
+            found.append(_measured(definition, quantity, peers, lambda text: progress.update(task, description=text)))
             progress.advance(task)
     return found
 
 
-def _measured(recipe: Recipe, quantity: str, with_peers: bool, report: Callable[[str], None]) -> Measured:
-    from softcradle.sandbox.studies.precision.peers import peers
-    from softcradle.sandbox.studies.precision.precision_table import Measured
-    from softcradle.sandbox.studies.precision.solvers import ours
-    from softcradle.sandbox.studies.precision.work_precision import measure
+def _measured(
+    definition: CaseDefinition, quantity: str, with_peers: bool, report: Callable[[str], None]
+) -> MeasuredCase:
+    from softcradle.sandbox.studies.precision.measurement import measure_case
+    from softcradle.sandbox.studies.precision.peers.peer_list import peer_solvers
+    from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
+    from softcradle.sandbox.studies.precision.solvers import our_solvers
 
-    report(f"{recipe.label}: the truth")
+    report(f"{definition.label}: the truth")
     try:
-        case = recipe.cook()
+        case = definition.solve()
     except ValueError as error:
-        raise UserError(f"{recipe.label}: {error}") from None
-    solvers = [*ours(case), *(peers(case) if with_peers else [])]
-    return Measured(
-        case, measure(case, solvers, quantity, told=lambda name: report(f"{recipe.label}: {name}")), quantity
+        raise UserError(f"{definition.label}: {error}") from None
+    solvers = [*our_solvers(case), *(peer_solvers(case) if with_peers else [])]
+    return MeasuredCase(
+        case,
+        measure_case(case, solvers, quantity, announce=lambda name: report(f"{definition.label}: {name}")),
+        quantity,
     )
 
 
-def _write(measured: Sequence[Measured], picture: Path, numbers: Path | None = None) -> None:
+def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
     from softcradle.sandbox.studies.plot_style import styled
-    from softcradle.sandbox.studies.precision.precision_chart import draw
+    from softcradle.sandbox.studies.precision.precision_chart import draw_chart
     from softcradle.sandbox.studies.precision.precision_table import write_csv
 
     with styled():
-        draw(measured).savefig(picture, dpi=110)
+        draw_chart(measured).savefig(picture, dpi=110)
     if numbers is not None:
         write_csv(measured, numbers)
 
 
-def _print(found: Measured) -> None:
-    from softcradle.sandbox.studies.precision.chart_cases import REACHES
-    from softcradle.sandbox.studies.precision.precision_table import auto_sentence, how, ratio_sentence, rows
+def _print(found: MeasuredCase) -> None:
+    from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS
+    from softcradle.sandbox.studies.precision.precision_table import (
+        auto_sentence,
+        curve_rows,
+        ratio_sentence,
+        setting_text,
+    )
 
-    made = table(f"ms to an error of {found.quantity} of", *(f"{reach:g}" for reach in REACHES), "by")
-    measured = rows(found)
+    grid = table(f"ms to an error of {found.quantity} of", *(f"{error:g}" for error in ERROR_LEVELS), "by")
+    measured = curve_rows(found)
     for row in measured:
-        cells = ["-" if best is None else f"{1e3 * best.seconds:.3g}" for best in row.best]
-        made.add_row(row.name, *cells, "; ".join(how(best) for best in row.best))
+        cells = ["-" if best is None else f"{1e3 * best.seconds:.3g}" for best in row.fastest]
+        grid.add_row(row.name, *cells, "; ".join(setting_text(best) for best in row.fastest))
     output = console()
-    output.print(f"{found.case.label}; truth: {found.case.origin}", style="bold")
-    output.print(made)
+    output.print(f"{found.case.label}; truth: {found.case.source}", style="bold")
+    output.print(grid)
     output.print(ratio_sentence(measured))
     output.print(auto_sentence(measured))
-    if cut := [row.name for row in measured if row.ended.startswith("a ")]:
+    if cut := [row.name for row in measured if row.out_of_time]:
         output.print(f"ended where a further run would have taken too long: {', '.join(cut)}")
     output.print()

@@ -41,16 +41,16 @@ def _print_table(found: list[Claim]) -> None:
     from softcradle.sandbox.studies.claims.claim import Verdict
 
     colours = {Verdict.HOLDS: "green", Verdict.LIMIT: "yellow", Verdict.FAILS: "red"}
-    made = table("claim", "place", "what we measure", "how", "verdict")
-    made.show_lines = True
-    for column, share in zip(made.columns, (5, 2, 10, 4, 2), strict=True):
+    grid = table("claim", "place", "what we measure", "how", "verdict")
+    grid.show_lines = True
+    for column, share in zip(grid.columns, (5, 2, 10, 4, 2), strict=True):
         column.ratio, column.overflow = share, "fold"
-    made.expand = True
+    grid.expand = True
     for claim in found:
-        made.add_row(
+        grid.add_row(
             claim.statement, claim.place, claim.measured, claim.how, Text(claim.verdict, colours[claim.verdict])
         )
     output = console()
-    output.print(made)
+    output.print(grid)
     for verdict, colour in colours.items():
         output.print(f"{verdict}: {sum(claim.verdict == verdict for claim in found)}", style=colour)

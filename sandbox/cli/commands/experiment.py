@@ -48,12 +48,12 @@ def _print_table(fits: list[Fit]) -> None:
     from softcradle.sandbox.console import console, table
     from softcradle.sandbox.studies.bed_experiment import ENERGY_DEFICIT, MOMENTUM_DEFICIT
 
-    made = table(
+    grid = table(
         "experiment", "speed", "friction", "loss", "momentum deficit", "energy deficit", "contact", numbers=True
     )
     for fit in fits:
         lost = fit.deficits
-        made.add_row(
+        grid.add_row(
             fit.experiment,
             f"{fit.speed:.2f} m/s",
             f"{fit.friction:.4f}",
@@ -63,7 +63,7 @@ def _print_table(fits: list[Fit]) -> None:
             f"{1e3 * lost.time:.1f} ms",
         )
     output = console()
-    output.print(made)
+    output.print(grid)
     output.print("marked ✓: within the 5-10 % of the momentum and 10-20 % of the energy that the paper states (App. C)")
     output.print(OPEN_QUESTIONS)
 

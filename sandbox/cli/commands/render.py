@@ -18,8 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT",
-        help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, or .kymograph.png: the "
-        "markers of the beads over time, a line of pixels of each frame of a camera",
+        help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, or .kymograph.png for "
+        "the beads over time: a line of pixels of each frame of a camera",
     )  # fmt: skip
     parser.add_argument(
         "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"

@@ -83,7 +83,7 @@ def _print(runs: Sequence[ScanRun]) -> None:
     from softcradle.sandbox.studies.stability.failure_scans import ADAPTIVE_ERROR_FACTOR
     from softcradle.sandbox.studies.stability.failure_summary import summarise_failures
 
-    made = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
+    grid = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
     for found in summarise_failures(runs):
         finest = (
             "-" if found.finest is None else f"{found.finest.fineness:.2g} at {found.scan} = {found.finest.value:.2g}"
@@ -91,13 +91,13 @@ def _print(runs: Sequence[ScanRun]) -> None:
         how = ", ".join(f"{kind} {count}" for kind, count in found.kinds) or "-"
         failed = f"{found.failed} of {found.runs}"
         unsafe = "-" if find_method(found.method).adaptive else str(found.below_limit)
-        made.add_row(found.scan, found.method, failed, how, finest, unsafe, str(found.silent))
+        grid.add_row(found.scan, found.method, failed, how, finest, unsafe, str(found.silent))
     output = console()
-    output.print(made)
+    output.print(grid)
     output.print(
         f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or "
         f"{ADAPTIVE_ERROR_FACTOR:g} times the tolerance; chatter: contacts switch more often than they should; error: "
-        "they do not; blow-up: the energy has at least doubled. Letters in the maps: c, e, b; red where no warning spoke of it."
+        "they do not; blow-up: the energy has at least doubled. Letters in the maps: c, e, b; red where there was no warning."
     )
     output.print(_caution())
 
@@ -106,9 +106,9 @@ def _caution() -> str:
     """A sentence on what pymunk's own rigid contacts do to the energy of a cradle."""
     from softcradle.sandbox.studies.stability.rigid_cradle import DURATION, STEPS, remaining_energy, strike
 
-    kept = ", ".join(f"{remaining_energy(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
+    energies = ", ".join(f"{remaining_energy(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)
     final = " ".join(f"{speed:.2f}" for speed in strike(STEPS[0]) + 0.0)
     return (
-        f"caution: pymunk's own rigid contacts, a cradle of five after {DURATION:g} s, keep of their energy {kept}; one on "
-        f"four ends with {final} at any step: the last ball leaves alone, not the cluster."
+        f"caution: with pymunk's own rigid contacts, a cradle of five has after {DURATION:g} s this part of its energy: "
+        f"{energies}; one on four ends with {final} at any step: the last ball leaves alone, not the cluster."
     )

@@ -150,7 +150,7 @@ def draft_gears() -> Claim:
         f"at 1.0 m/s one on three and two on two come out as two rigid bodies within {distance:.1e}; no inner contact is "
         "ever loaded, so there is no evanescent profile to look for. With pistons locked (Hertz) the last bead takes "
         f"{100 * cradle:.0f} % of the velocity",
-        "k = 770 N/m, 17.7 mm, 0.396 kg, no friction; touching contacts carry what keeps them together",
+        "k = 770 N/m, 17.7 mm, 0.396 kg, no friction; touching contacts carry the force that holds the beads together",
         verdict_of(distance < 1e-6 and cradle > 0.9),
         {"off": distance, "cradle": cradle},
     )

@@ -9,8 +9,8 @@ from softcradle.physics.analysis.contact_distance import Distance
 from softcradle.physics.analysis.matching import ALPHAS, NEAR, Match, match, only_contact
 from softcradle.sandbox.studies.compare.sides import Comparison, Side, with_contact
 from softcradle.sandbox.user_error import UserError
-from softcradle.scenes.contact_table import Law
-from softcradle.scenes.contact_text import contact_text, law_of
+from softcradle.scenes.contact_table import Law, law_of
+from softcradle.scenes.contact_text import contact_text
 
 DIFFERENCES = {  # by distance: what differs, and by how much
     "force": "forces of the struck contact differ by {} in the root mean square",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from softcradle.physics.analysis.measures import response_times
@@ -71,7 +71,7 @@ def _draw_psi(axes: Axes, table: Table) -> None:
 
 def _draw_times(axes: Axes, table: Table) -> None:
     alphas = np.geomspace(ALPHAS[-1], ALPHAS[0], 100)
-    hollow = {"marker": "s", "markersize": 3, "markerfacecolor": "none", "linestyle": "none"}
+    hollow: dict[str, Any] = {"marker": "s", "markersize": 3, "markerfacecolor": "none", "linestyle": "none"}
     for n, colour in zip(SIZES, SIZE_COLOURS, strict=True):
         points = rows_where(table, n=n)
         axes.loglog(points["alpha"], points["contact time"], "o", color=colour, markersize=3)

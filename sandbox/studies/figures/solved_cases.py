@@ -8,8 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Trajectory, one_on, power_law, simulate
+from softcradle.physics import Chain, Trajectory, one_on, power_law
 from softcradle.physics.analysis.mode_coupling import ModeCoupling, mode_coupling
+from softcradle.physics.simulation import solve
+from softcradle.physics.status import WarningCode
 
 Array = NDArray[np.float64]
 Samples = int | tuple[float, ...]  # number of samples, or their times [s]
@@ -48,9 +50,11 @@ def full_motion(
 
     Where the last beads chatter, final velocities are known to four or five digits at any tolerance: as many as are shown.
     """
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "the motion is so sensitive", RuntimeWarning)
-        return simulate(chain, velocity, duration, _method(step), step, _sample_argument(samples), tolerance)
+    found = solve(chain, velocity, duration, _method(step), step, _sample_argument(samples), tolerance)
+    for warning in found.warnings:
+        if warning.code is not WarningCode.SENSITIVE:
+            warnings.warn(str(warning), RuntimeWarning, stacklevel=2)
+    return found
 
 
 @lru_cache(maxsize=512)

@@ -1,4 +1,4 @@
-"""The chart: error against wall time and against force evaluations, a row of panels a case, every curve named beside it."""
+"""The work-precision chart: error against wall time and force evaluations, a row of panels a case, every curve named."""
 
 from __future__ import annotations
 
@@ -6,162 +6,154 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.studies.plot_style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
-from softcradle.sandbox.studies.precision.curve_labels import apart
-from softcradle.sandbox.studies.precision.precision_table import Measured, ratio_sentence, rows
-from softcradle.sandbox.studies.precision.work_precision import SHOWN, Point, Series, by_name, fitted_order, frontier
+from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
+from softcradle.sandbox.studies.precision.curve_analysis import (
+    LARGEST_ERROR,
+    fitted_order,
+    frontier,
+    most_exact,
+    series_by_name,
+)
+from softcradle.sandbox.studies.precision.label_placement import spread_apart
+from softcradle.sandbox.studies.precision.measurement import Point, Series
+from softcradle.sandbox.studies.precision.precision_table import MeasuredCase, curve_rows, ratio_sentence
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, HEIGHT = 13.0, 4.3  # of a row [inches]
-LOWEST = 1e-12  # error at the foot of a panel
-FOOT = 1.3 * LOWEST
-LABEL = 0.042  # height of a label, as part of a panel
-COLUMN = 1.06  # where labels begin, as part of a panel's width
+WIDTH = 13.0  # [inches]
+ROW_HEIGHT = 4.3  # [inches] of a case
+SMALLEST_ERROR = 1e-12  # at the lower edge of a panel
+EXACT = 1.3 * SMALLEST_ERROR  # where points with smaller errors are drawn
+ROUND_OFF = 1e-14  # uncertainty of a truth that is known exactly, for orders
+LABEL_HEIGHT = 0.042  # as part of a panel's height
+LABEL_COLUMN = 1.06  # left end of the labels, as part of a panel's width
 COSTS = (("seconds", "wall time of the solver [s]"), ("evaluations", "evaluations of all contact forces"))
-ERRORS = {
+ERROR_LABELS = {
     "velocities": "error of final velocities / closing speed",
     "forces": "error of forces / largest force, r.m.s.",
     "overlaps": "relative error of overlaps (App. B), r.m.s.",
 }
-# Ours are filled and drawn through, peers hollow and broken: told apart without colour.
+
+# Our methods have filled markers and solid lines, peers hollow markers and broken lines: they differ without colour.
 MARKERS = "osD^vPX*p<>hd8H"
-OURS = (
-    BLUE, ORANGE, GREEN, PURPLE, RED, SKY, "#000000", "#8c6d31", GREY, "#6a0dad",
+OUR_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED, SKY, BLACK, "#8c6d31", GREY, "#6a0dad")
+PEER_COLOURS = (
+    "#3b3b3b", "#7a5195", "#ef5675", "#b8860b", "#2f7f7f", "#7f7f7f", "#a05195", "#5a7d2a", "#444499", "#aa5500",
 )  # fmt: skip
-PEERS = ("#3b3b3b", "#7a5195", "#ef5675", "#b8860b", "#2f7f7f", "#7f7f7f", "#a05195", "#5a7d2a", "#444499", "#aa5500")
-BROKEN = ("--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+BROKEN_LINES = ("--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+
+Style = dict[str, Any]
 
 
-def draw(measured: Sequence[Measured]) -> Figure:
-    """The picture; call it inside `softcradle.sandbox.studies.plot_style.styled`."""
+def draw_chart(measured: Sequence[MeasuredCase]) -> Figure:
+    """The picture; call it inside `plot_style.styled`."""
     import matplotlib as mpl
 
+    height = ROW_HEIGHT * len(measured)
     with mpl.rc_context({"figure.constrained_layout.use": False}):  # labels stand outside the panels
-        figure, panels = new_figure(WIDTH, HEIGHT * len(measured), len(measured), 2, squeeze=False)
-    top, foot = 0.35 / (HEIGHT * len(measured)), 0.65 / (HEIGHT * len(measured))
-    figure.subplots_adjust(left=0.055, right=0.865, bottom=foot, top=1.0 - top, wspace=0.44, hspace=0.31)
+        figure, panels = new_figure(WIDTH, height, len(measured), 2, squeeze=False)
+    figure.subplots_adjust(
+        left=0.055, right=0.865, bottom=0.65 / height, top=1.0 - 0.35 / height, wspace=0.44, hspace=0.31
+    )
     styles = _styles(measured)
     for found, row in zip(measured, panels, strict=True):
-        for axes, (cost, name) in zip(row, COSTS, strict=True):
-            _panel(axes, found, cost, styles)
-            axes.set_xlabel(name)
-        row[0].set_ylabel(ERRORS[found.quantity])
+        for axes, (cost, label) in zip(row, COSTS, strict=True):
+            _draw_panel(axes, found, cost, styles)
+            axes.set_xlabel(label)
+        row[0].set_ylabel(ERROR_LABELS[found.quantity])
         row[0].set_title(found.case.label, loc="left", fontsize=11, pad=5)
-        row[1].set_title(f"truth: {found.case.origin}", loc="left", fontsize=7.5, pad=5, color=GREY)
+        row[1].set_title(f"truth: {found.case.source}", loc="left", fontsize=7.5, pad=5, color=GREY)
         if found.quantity == "velocities":
-            _note(row[0], ratio_sentence(rows(found)))
+            _draw_note(row[0], ratio_sentence(curve_rows(found)))
     return figure
 
 
-def _note(axes: Axes, text: str) -> None:
+def _draw_note(axes: Axes, text: str) -> None:
     axes.annotate(
         text, (0.0, 0.0), xycoords="axes fraction", xytext=(0, -36), textcoords="offset points", fontsize=7.5, va="top"
     )
 
 
-def _styles(measured: Sequence[Measured]) -> dict[str, dict[str, Any]]:
+def _styles(measured: Sequence[MeasuredCase]) -> dict[str, Style]:
     """Marker, line and colour of every name in the picture."""
-    names = {one.solver.name: one.solver.ours for found in measured for one in found.series}
-    mine, others = [name for name in names if names[name]], [name for name in names if not names[name]]
-    found: dict[str, dict[str, Any]] = {}
-    for k, name in enumerate(mine):
-        found[name] = {"marker": MARKERS[k % len(MARKERS)], "color": OURS[k % len(OURS)], "linewidth": 1.4}
-    for k, name in enumerate(others):
-        colour = PEERS[k % len(PEERS)]
+    is_ours = {one.solver.name: one.solver.ours for found in measured for one in found.series}
+    found: dict[str, Style] = {}
+    for k, name in enumerate(name for name, ours in is_ours.items() if ours):
+        colour = OUR_COLOURS[k % len(OUR_COLOURS)]
+        found[name] = {"marker": MARKERS[k % len(MARKERS)], "color": colour, "linewidth": 1.4}
+    for k, name in enumerate(name for name, ours in is_ours.items() if not ours):
         found[name] = {
-            "marker": MARKERS[k % len(MARKERS)], "color": colour, "linewidth": 0.8, "linestyle": BROKEN[k % len(BROKEN)],
-            "markerfacecolor": "white",
+            "marker": MARKERS[k % len(MARKERS)], "color": PEER_COLOURS[k % len(PEER_COLOURS)], "linewidth": 0.8,
+            "linestyle": BROKEN_LINES[k % len(BROKEN_LINES)], "markerfacecolor": "white",
         }  # fmt: skip
     return found
 
 
-def _panel(axes: Axes, found: Measured, cost: str, styles: dict[str, dict[str, Any]]) -> None:
-    axes.set(xscale="log", yscale="log", ylim=(LOWEST, SHOWN))
+def _draw_panel(axes: Axes, measured: MeasuredCase, cost: str, styles: dict[str, Style]) -> None:
+    axes.set(xscale="log", yscale="log", ylim=(SMALLEST_ERROR, LARGEST_ERROR))
     axes.grid(alpha=0.25, linewidth=0.4)
-    ends: list[tuple[str, Point, float | None]] = []
-    for name, series in by_name(found.series).items():
+    uncertainty = measured.case.uncertainty
+    ends: dict[str, Point] = {}  # the most exact point shown of each curve
+    orders: dict[str, float | None] = {}
+    for name, series in series_by_name(measured.series).items():
         best = frontier(series, cost)
         if not best:
             continue
-        _scatter(axes, series, cost, styles[name]["color"])
-        axes.plot(*_xy(best, cost), **styles[name], markersize=4.0, markeredgewidth=0.8)
-        ends.append(
-            (
-                name,
-                next((point for point in best if point.error < FOOT), best[-1]),
-                fitted_order(_best(series), found.case.doubt or 1e-14),
-            )
-        )
-    if found.case.doubt > LOWEST:
-        axes.axhspan(LOWEST, found.case.doubt, color=GREY, alpha=0.18, linewidth=0)
-        axes.text(
-            0.01,
-            found.case.doubt,
-            "truth unsure below",
-            fontsize=6.5,
-            va="bottom",
-            transform=axes.get_yaxis_transform(),
-        )
-    _name(axes, ends, cost, styles)
+        _draw_all_points(axes, series, cost, styles[name]["color"])
+        axes.plot(*_coordinates(best, cost), **styles[name], markersize=4.0, markeredgewidth=0.8)
+        ends[name] = next((point for point in best if point.error < EXACT), best[-1])
+        orders[name] = fitted_order(most_exact(series), uncertainty or ROUND_OFF)
+    if uncertainty > SMALLEST_ERROR:
+        _draw_uncertainty(axes, uncertainty)
+    _draw_labels(axes, ends, orders, cost, styles)
 
 
-def _xy(points: Sequence[Point], cost: str) -> tuple[list[float], list[float]]:
-    """Costs and errors; what is exact stands at the foot of the panel."""
-    return [getattr(point, cost) for point in points], [max(point.error, FOOT) for point in points]
+def _draw_uncertainty(axes: Axes, uncertainty: float) -> None:
+    axes.axhspan(SMALLEST_ERROR, uncertainty, color=GREY, alpha=0.18, linewidth=0)
+    place = axes.get_yaxis_transform()
+    axes.text(0.01, uncertainty, "uncertainty of the truth", fontsize=6.5, va="bottom", transform=place)
 
 
-def _scatter(axes: Axes, series: Sequence[Series], cost: str, colour: str) -> None:
-    """All points, faint: the curve shows the best of them alone."""
+def _coordinates(points: Sequence[Point], cost: str) -> tuple[list[float], list[float]]:
+    """Costs and errors; exact points stand at the lower edge of the panel."""
+    return [getattr(point, cost) for point in points], [max(point.error, EXACT) for point in points]
+
+
+def _draw_all_points(axes: Axes, series: Sequence[Series], cost: str, colour: str) -> None:
+    """All points, pale: the curve itself goes through its frontier alone."""
     points = [point for one in series for point in one.points if math.isfinite(getattr(point, cost))]
-    axes.plot(*_xy(points, cost), ".", color=colour, markersize=1.5, alpha=0.35)
+    axes.plot(*_coordinates(points, cost), ".", color=colour, markersize=1.5, alpha=0.35)
 
 
-def _best(series: Sequence[Series]) -> Series:
-    """The most exact series of a name: the order printed is its own."""
-    return min(series, key=lambda one: min(point.error for point in one.points))
-
-
-def _name(
-    axes: Axes, ends: list[tuple[str, Point, float | None]], cost: str, styles: dict[str, dict[str, Any]]
+def _draw_labels(
+    axes: Axes, ends: dict[str, Point], orders: dict[str, float | None], cost: str, styles: dict[str, Style]
 ) -> None:
-    """Labels in a column beside the panel, each tied to the most exact point of its curve."""
-    depth = math.log10(LOWEST / SHOWN)
-    heights = [1.0 - min(max(math.log10(max(point.error, FOOT) / SHOWN) / depth, 0.0), 1.0) for _, point, _ in ends]
-    for (name, point, order), height in zip(ends, apart(heights, LABEL, 0.01, 0.985), strict=True):
-        look = styles[name]
+    """Labels in a column beside the panel, each joined to the most exact point of its curve by a line."""
+    decades = math.log10(LARGEST_ERROR / SMALLEST_ERROR)
+    wanted = [
+        math.log10(min(max(point.error, EXACT), LARGEST_ERROR) / SMALLEST_ERROR) / decades for point in ends.values()
+    ]
+    heights = spread_apart(wanted, LABEL_HEIGHT, 0.01, 0.985)
+    for (name, point), height in zip(ends.items(), heights.tolist(), strict=True):
+        style = styles[name]
         axes.annotate(
-            "",
-            (getattr(point, cost), max(point.error, FOOT)),
-            xytext=(COLUMN - 0.02, height),
-            textcoords="axes fraction",
-            annotation_clip=False,
+            "", (getattr(point, cost), max(point.error, EXACT)), xytext=(LABEL_COLUMN - 0.02, height),
+            textcoords="axes fraction", annotation_clip=False,
             arrowprops={
-                "arrowstyle": "-",
-                "color": look["color"],
-                "linewidth": 0.4,
-                "alpha": 0.55,
-                "shrinkA": 0,
-                "shrinkB": 3,
+                "arrowstyle": "-", "color": style["color"], "linewidth": 0.4, "alpha": 0.55, "shrinkA": 0, "shrinkB": 3,
             },
-        )
-        axes.plot(
-            [COLUMN],
-            [height],
-            transform=axes.transAxes,
-            clip_on=False,
-            markersize=4.5,
-            **{**look, "linestyle": "none"},
-        )
+        )  # fmt: skip
+        marker = {**style, "linestyle": "none"}
+        axes.plot([LABEL_COLUMN], [height], transform=axes.transAxes, clip_on=False, markersize=4.5, **marker)
         axes.text(
-            COLUMN + 0.025, height, f"{name}{_order(point, order)}", transform=axes.transAxes, va="center", fontsize=7.5,
-            color=look["color"], gid="label",
+            LABEL_COLUMN + 0.025, height, f"{name}{_order_text(point, orders[name])}", transform=axes.transAxes,
+            va="center", fontsize=7.5, color=style["color"], gid="label",
         )  # fmt: skip
 
 
-def _order(point: Point, order: float | None) -> str:
+def _order_text(point: Point, order: float | None) -> str:
     if order is None:
         return ""
     return f"  $h^{{{order:.2f}}}$" if point.solver.steps else f"  $tol^{{\\,{order:.2f}}}$"

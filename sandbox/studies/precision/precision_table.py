@@ -1,23 +1,22 @@
-"""The measurements as rows: for people the least time to each error, for files every point."""
+"""The measurements as rows: the least time to each error level for people, every point for files."""
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from softcradle.physics.methods import AUTO
-from softcradle.sandbox.studies.precision.chart_cases import REACHES, Case
-from softcradle.sandbox.studies.precision.work_precision import Point, Series, by_name, fastest
-
-COLUMNS = ("case", "method", "ours", "setting", "tolerance or steps", "error", "seconds", "evaluations")
+from softcradle.sandbox.studies.csv_files import write_rows
+from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS, Case
+from softcradle.sandbox.studies.precision.curve_analysis import fastest, most_exact, series_by_name
+from softcradle.sandbox.studies.precision.measurement import Point, Series
 
 
 @dataclass(frozen=True)
-class Measured:
-    """A case with all its series; the quantity whose error they hold."""
+class MeasuredCase:
+    """A case with all its series; the quantity whose error they have."""
 
     case: Case
     series: list[Series]
@@ -25,91 +24,102 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Row:
-    """One curve: its fastest point for each error of REACHES, None where there is none, and why it goes no further."""
+class CurveRow:
+    """One curve.
+
+    Attributes:
+        name, ours: as in Solver.
+        fastest: the fastest point for each error level, None where there is none.
+        out_of_time: whether a time limit ended its most exact series.
+    """
 
     name: str
     ours: bool
-    best: list[Point | None]
-    ended: str
+    fastest: list[Point | None]
+    out_of_time: bool
+
+    def seconds(self, level: int) -> float:
+        """Time to the error level of that index; inf where it is not reached."""
+        point = self.fastest[level]
+        return math.inf if point is None else point.seconds
 
 
-def rows(found: Measured) -> list[Row]:
-    """A row a name."""
+def curve_rows(measured: MeasuredCase) -> list[CurveRow]:
+    """A row for each name."""
     return [
-        Row(name, some[0].solver.ours, [fastest(some, reach) for reach in REACHES], _ended(some))
-        for name, some in by_name(found.series).items()
+        CurveRow(
+            name,
+            series[0].solver.ours,
+            [fastest(series, error) for error in ERROR_LEVELS],
+            most_exact(series).out_of_time,
+        )
+        for name, series in series_by_name(measured.series).items()
     ]
 
 
-def _ended(series: Sequence[Series]) -> str:
-    """Why the most exact of them has no finer point."""
-    return min(series, key=lambda one: min((point.error for point in one.points), default=math.inf)).ended
+def fastest_row(rows: Sequence[CurveRow], ours: bool, level: int) -> CurveRow | None:
+    """The fastest row to an error level among the methods of `simulate`, or among the peers."""
+    reaching = [row for row in rows if row.ours == ours and row.fastest[level] is not None]
+    return min(reaching, key=lambda row: row.seconds(level), default=None)
 
 
-def least(found: Sequence[Row], ours: bool, k: int) -> Row | None:
-    """The row of the fastest way to the k-th error of REACHES among the methods of `simulate`, or among the peers."""
-    reaching = [row for row in found if row.ours == ours and row.best[k] is not None]
-    return min(reaching, key=lambda row: row.best[k].seconds, default=None)  # type: ignore[union-attr]
-
-
-def ratio(found: Sequence[Row], k: int) -> float | None:
-    """Time of the fastest peer over that of our fastest method; inf where no peer arrives, None where none of ours does."""
-    mine, peer = least(found, True, k), least(found, False, k)
+def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
+    """Time of the fastest peer over that of our fastest method; inf if no peer reaches the error, None if none of ours."""
+    mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
     if mine is None:
         return None
-    return math.inf if peer is None else peer.best[k].seconds / mine.best[k].seconds  # type: ignore[union-attr]
+    return math.inf if peer is None else peer.seconds(level) / mine.seconds(level)
 
 
-def ratio_sentence(found: Sequence[Row]) -> str:
-    """Who is fastest to each error, and the ratios of the times."""
+def ratio_sentence(rows: Sequence[CurveRow]) -> str:
+    """Who is fastest to each error level, and the ratios of the times."""
     parts = []
-    for k, reach in enumerate(REACHES):
-        mine, peer, value = least(found, True, k), least(found, False, k), ratio(found, k)
-        if value is None or mine is None:
-            parts.append(f"{reach:g}: none of ours")
+    for level, error in enumerate(ERROR_LEVELS):
+        mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
+        if mine is None:
+            parts.append(f"{error:g}: none of ours")
         elif peer is None:
-            parts.append(f"{reach:g}: {mine.name}, no peer")
+            parts.append(f"{error:g}: {mine.name}, no peer")
         else:
-            parts.append(f"{reach:g}: {peer.name} / {mine.name} = {value:.2g}")
+            parts.append(f"{error:g}: {peer.name} / {mine.name} = {ratio(rows, level):.2g}")
     return "fastest peer over our fastest, at " + "; ".join(parts)
 
 
-def auto_sentence(found: Sequence[Row]) -> str:
-    """How many times as long as the fastest of our methods `auto` takes to each error; "" where it was not measured."""
-    auto = next((row for row in found if row.name == AUTO), None)
+def auto_sentence(rows: Sequence[CurveRow]) -> str:
+    """Time of `auto` over that of the fastest of our methods, to each error level; "" where `auto` was not measured."""
+    auto = next((row for row in rows if row.name == AUTO), None)
     if auto is None:
         return ""
-    others = [row for row in found if row.name != AUTO]
+    others = [row for row in rows if row.name != AUTO]
     parts = []
-    for k, reach in enumerate(REACHES):
-        mine, best = auto.best[k], least(others, True, k)
-        known = mine is not None and best is not None and best.best[k] is not None
-        parts.append(f"{reach:g}: " + (f"{mine.seconds / best.best[k].seconds:.2g}" if known else "-"))  # type: ignore[union-attr]
+    for level, error in enumerate(ERROR_LEVELS):
+        best = fastest_row(others, True, level)
+        if best is None or auto.fastest[level] is None:
+            parts.append(f"{error:g}: -")
+        else:
+            parts.append(f"{error:g}: {auto.seconds(level) / best.seconds(level):.2g}")
     return f"auto over the fastest of our methods, at {'; '.join(parts)}"
 
 
-def how(best: Point | None) -> str:
+def setting_text(point: Point | None) -> str:
     """The setting of a point."""
-    if best is None:
+    if point is None:
         return "-"
-    fineness = f"{best.fineness:.0f} steps" if best.solver.steps else f"{best.fineness:.0e}"
-    return f"{best.solver.setting} {fineness}".strip()
+    fineness = f"{point.fineness:.0f} steps" if point.solver.steps else f"{point.fineness:.0e}"
+    return f"{point.solver.setting} {fineness}".strip()
 
 
-def write_csv(measured: Sequence[Measured], path: Path) -> None:
-    """Every point of every series; no number where a run gave up or nobody counts."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow((*COLUMNS[:5], f"error of {measured[0].quantity}", *COLUMNS[6:]))
-        for found in measured:
-            for one in found.series:
-                for point in one.points:
-                    writer.writerow(
-                        (found.case.name, one.solver.name, int(one.solver.ours), one.solver.setting, point.fineness,
-                         _number(point.error), point.seconds, _number(point.evaluations))
-                    )  # fmt: skip
+def write_csv(measured: Sequence[MeasuredCase], path: Path) -> None:
+    """Every point of every series; no number where a run gave up or evaluations are not counted."""
+    error = f"error of {measured[0].quantity}"
+    header = ("case", "method", "ours", "setting", "tolerance or steps", error, "seconds", "evaluations")
+    rows = [
+        (found.case.name, one.solver.name, int(one.solver.ours), one.solver.setting, point.fineness,
+         _finite(point.error), point.seconds, _finite(point.evaluations))
+        for found in measured for one in found.series for point in one.points
+    ]  # fmt: skip
+    write_rows(path, header, rows)
 
 
-def _number(value: float) -> float | str:
+def _finite(value: float) -> float | str:
     return value if math.isfinite(value) else ""

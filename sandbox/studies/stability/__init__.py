@@ -1,1 +1,1 @@
-"""Where each method breaks: maps over the contact law and the step, and sentences on what fails, how, and from where."""
+"""Scans of failure: over contact law and step, where each method fails, how, and with or without a warning."""

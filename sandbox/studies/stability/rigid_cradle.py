@@ -1,4 +1,4 @@
-"""A cradle of pymunk's own rigid contacts, elasticity 1: it neither keeps its energy nor behaves like soft beads.
+"""A cradle of pymunk's own rigid contacts, elasticity 1: it neither conserves energy nor behaves like soft beads.
 
 Measured with pymunk 7.3: the energy depends on the step, and is lost rather than gained. However small the step, a
 strike by one ball makes the last ball alone leave, which is the limit of no soft contacts that touch.
@@ -23,11 +23,11 @@ DURATION = 20.0  # [s]
 STEPS = (1 / 60, 1 / 600, 1 / 6000)  # [s]
 
 
-def remaining_energy(step: float, duration: float = DURATION) -> float:
-    """Energy of the cradle after `duration` [s], as part of that at the start, above the balls at rest."""
+def remaining_energy(step: float) -> float:
+    """Energy of the cradle after DURATION, as part of that at the start, above the balls at rest."""
     space, balls = _pendulums()
     before = _energy(balls)
-    for _ in range(round(duration / step)):
+    for _ in range(round(DURATION / step)):
         space.step(step)
     return _energy(balls) / before
 

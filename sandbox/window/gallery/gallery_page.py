@@ -1,4 +1,4 @@
-"""The gallery: a card a scene, with its thumbnail, title and source."""
+"""The page of the gallery: a card for each scene, with its thumbnail, title and source."""
 
 from __future__ import annotations
 
@@ -9,20 +9,25 @@ import pygame
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED, OKABE_ITO
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.hanging.hanging_page import NAME as HANGING
-from softcradle.sandbox.window.hanging.hanging_page import TEXT as HANGING_TEXT
-from softcradle.sandbox.window.hanging.hanging_page import TITLE as HANGING_TITLE
-from softcradle.sandbox.window.hanging.hanging_picture import thumbnail as hanging_thumbnail
+from softcradle.sandbox.window.hanging.hanging_page import HANGING_NAME, HANGING_TEXT, HANGING_TITLE
+from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
+from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene, load, names
 
-MARGIN, HEADER, GUTTER, COLUMN = 34.0, 96.0, 20.0, 285.0  # design pixels
-POINTED, BORDER = OKABE_ITO[0], (196, 202, 209)
-HOVERED, PRESSED = 24, 48  # opacity of the tint of the card under the pointer
+MARGIN = 34.0  # design pixels on the left and right
+HEADER = 96.0  # design pixels
+GUTTER = 20.0  # design pixels between two cards
+COLUMN = 285.0  # design pixels, the least width of a card
 CAPTION = 66.0  # design pixels below a picture
+SCROLL = 60.0  # design pixels for a notch of the wheel
+BORDER = (196, 202, 209)
+HOVERED_BORDER = OKABE_ITO[0]
+HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
+PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
 
 
-class Gallery:
+class GalleryPage:
     """All scenes of the catalogue; `choose(name)` is called with the one that is clicked."""
 
     typing = False
@@ -30,7 +35,7 @@ class Gallery:
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
         self.scenes: list[Scene] = [load(name) for name in names()]
-        self.names = (*names(), HANGING)
+        self.names = (*names(), HANGING_NAME)
         self.captions = [(scene.title, scene.text, scene.source) for scene in self.scenes]
         self.captions.append((HANGING_TITLE, HANGING_TEXT, "SoftChain, PinJoint strings, gravity"))
         self.pictures: dict[int, pygame.Surface] = {}
@@ -38,9 +43,9 @@ class Gallery:
         self.selected, self.scroll, self.rows = 0, 0.0, 1
         self.pressed: int | None = None
         for k, scene in enumerate(self.scenes):
-            picture = thumbnails.read(scene)
+            picture = thumbnails.load(scene)
             if picture is None:
-                host.warmer.ask(("thumbnail", k), partial(thumbnails.motion, scene))
+                host.warmup.submit(("thumbnail", k), partial(motions_ahead, scene))
             else:
                 self.pictures[k] = picture
         self.pictures[len(self.scenes)] = hanging_thumbnail(thumbnails.SIZE)
@@ -89,7 +94,7 @@ class Gallery:
         self.scroll = min(max(scroll, 0.0), max(0.0, full - self.host.size[1]))
 
     def card_at(self, point: tuple[int, int]) -> int | None:
-        """The card that is seen there, or None."""
+        """The visible card at `point`, or None."""
         if point[1] < HEADER * self.host.unit:
             return None
         return next((k for k in range(len(self.names)) if self.place(k).collidepoint(point)), None)
@@ -105,7 +110,7 @@ class Gallery:
                 self.choose(self.names[pressed])
             return True
         if event.type == pygame.MOUSEWHEEL:
-            self.scroll_to(self.scroll - event.precise_y * 60 * self.host.unit)
+            self.scroll_to(self.scroll - event.precise_y * SCROLL * self.host.unit)
             return True
         if event.type == pygame.KEYDOWN and event.key in (pygame.K_RETURN, pygame.K_KP_ENTER):
             self.choose(self.names[self.selected])
@@ -113,14 +118,14 @@ class Gallery:
         return False
 
     def update(self, seconds: float) -> None:
-        """Draw at most one thumbnail whose motion has come."""
-        found = self.host.warmer.finished()
-        if found is None:
+        """Draw at most one thumbnail whose motion is known."""
+        result = self.host.warmup.next_result()
+        if result is None:
             return
-        (kind, k), tracks = found
-        if kind == "thumbnail" and isinstance(tracks, list):
-            self.pictures[k] = thumbnails.paint(self.scenes[k], tracks)
-            thumbnails.keep(self.scenes[k], self.pictures[k])
+        (kind, k), motions = result
+        if kind == "thumbnail" and isinstance(motions, list):
+            self.pictures[k] = thumbnails.paint(self.scenes[k], motions)
+            thumbnails.save(self.scenes[k], self.pictures[k])
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the cards and the header above them."""
@@ -135,11 +140,11 @@ class Gallery:
         write(surface, "softcradle", (x, y), 28 * unit, FOREGROUND, bold=True)
         line = "Beads that only push on each other, softly. Choose a scene, or drop a scene file here."
         write(surface, line, (x, y + 38 * unit), 15 * unit, MUTED)
-        place_of_help = (self.host.size[0] - MARGIN * unit, y + 38 * unit)
-        write(surface, "F1: help", place_of_help, 15 * unit, MUTED, align=(1, 0))
+        right = (self.host.size[0] - MARGIN * unit, y + 38 * unit)
+        write(surface, "F1: help", right, 15 * unit, MUTED, align=(1, 0))
 
     def _card(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
-        unit, (title, text, source) = self.host.unit, self.captions[k]
+        unit = self.host.unit
         image = self._image(k)
         picture = pygame.Rect(place.topleft, self.picture_size)
         if image is None:
@@ -147,29 +152,33 @@ class Gallery:
             write(surface, "drawing …", picture.center, 13 * unit, MUTED, align=(0.5, 0.5))
         else:
             surface.blit(image, picture)
-        x, y, room = place.left + 10 * unit, picture.bottom + 7 * unit, self.wide - 20 * unit
-        write(surface, shortened(title, 15 * unit, room, bold=True), (x, y), 15 * unit, FOREGROUND, bold=True)
-        caption = wrapped(text, 12 * unit, room)[:1] if text else []
-        for line in caption:
-            write(surface, shortened(line + " …", 12 * unit, room), (x, y + 21 * unit), 12 * unit, MUTED)
-        source = shortened(source, 11.5 * unit, room)
-        write(surface, source, (x, y + 38 * unit), 11.5 * unit, MUTED)
+        self._caption(surface, k, (place.left + 10 * unit, picture.bottom + 7 * unit))
         surface.fill(FAINT, (place.left, picture.bottom, place.width, 1))
         self._border(surface, k, place)
         if k == self.selected:
             frame = place.inflate(round(4 * unit), round(4 * unit))
             pygame.draw.rect(surface, FOREGROUND, frame, max(2, round(2 * unit)))
 
+    def _caption(self, surface: pygame.Surface, k: int, place: tuple[float, float]) -> None:
+        """Title, the first line of the text, and source."""
+        unit, (title, text, source), (x, y) = self.host.unit, self.captions[k], place
+        room = self.wide - 20 * unit
+        write(surface, shortened(title, 15 * unit, room, bold=True), (x, y), 15 * unit, FOREGROUND, bold=True)
+        for line in wrapped(text, 12 * unit, room)[:1] if text else []:
+            write(surface, shortened(line + " …", 12 * unit, room), (x, y + 21 * unit), 12 * unit, MUTED)
+        write(surface, shortened(source, 11.5 * unit, room), (x, y + 38 * unit), 11.5 * unit, MUTED)
+
     def _border(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
-        """No widgets: their pictures of every state of every card took 100 MB, and a third of a second to make."""
-        under = self.card_at(pygame.mouse.get_pos()) == k
-        if under:
+        """The border, and a tint under the pointer; widgets for it took 100 MB, and a third of a second to make."""
+        hovered = self.card_at(pygame.mouse.get_pos()) == k
+        if hovered:
             tint = pygame.Surface(place.size, pygame.SRCALPHA, 32)
-            tint.fill((*POINTED, PRESSED if self.pressed == k else HOVERED))
+            tint.fill((*HOVERED_BORDER, PRESSED_OPACITY if self.pressed == k else HOVERED_OPACITY))
             surface.blit(tint, place)
-        pygame.draw.rect(surface, POINTED if under else BORDER, place, 1)
+        pygame.draw.rect(surface, HOVERED_BORDER if hovered else BORDER, place, 1)
 
     def _image(self, k: int) -> pygame.Surface | None:
+        """The picture of card `k` at its present size, or None."""
         if k not in self.pictures:
             return None
         key = (k, self.picture_size)
@@ -180,10 +189,10 @@ class Gallery:
     def paint_over(self, surface: pygame.Surface) -> None:
         """Nothing lies above the cards."""
 
-    def shown(self, surface: pygame.Surface, seconds: float) -> None:
-        """Nobody films a gallery."""
+    def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
+        """The gallery is not filmed."""
 
     def close(self) -> None:
-        """Let go of the pictures."""
+        """Drop the pictures."""
         self.pictures.clear()
         self.scaled.clear()

@@ -1,6 +1,6 @@
-"""The hanging cradle: balls on strings in an ordinary pymunk world, with soft contacts and with pymunk's rigid ones.
+"""The hanging cradle: balls on strings in an ordinary pymunk Space, with soft contacts and with pymunk's rigid ones.
 
-Both hang from PinJoints and feel gravity; they differ in what happens between the balls alone.
+Both hang from PinJoints under gravity; only the contacts between the balls differ.
 """
 
 from __future__ import annotations
@@ -14,12 +14,15 @@ from typing import Any
 import pymunk
 from softcradle.physics import Contact, SoftChain, draft_gear, hertz, power_law
 
-RADIUS, STRING, GRAVITY, ANGLE = 0.1, 1.0, 9.81, 0.62  # m, m, m/s^2, rad by which the lifted balls are let go
+RADIUS = 0.1  # m, of a ball
+STRING = 1.0  # m
+GRAVITY = 9.81  # m/s^2
+ANGLE = 0.62  # rad, of the strings of the lifted balls
 BALLS = 5
-STEP = 1.0 / 480.0  # s: a pin joint at a swing's lowest point costs energy in proportion to it
-HAND = 60.0  # N, the most a hand pulls
-MEMORY = 6000  # samples of the energies
-SAMPLE = 1.0 / 60.0  # s
+STEP = 1.0 / 480.0  # s: at a swing's lowest point a pin joint loses energy in proportion to it
+MOST_PULL = 60.0  # N, of the pointer on a ball
+MOST_SAMPLES = 6000  # of the energies
+SAMPLE = 1.0 / 60.0  # s between two samples of the energies
 
 LAWS: dict[str, Contact] = {
     "power law, alpha 1/14": power_law(60.0, 1.0 / 14.0),
@@ -31,7 +34,7 @@ LAWS: dict[str, Contact] = {
 
 @dataclass(frozen=True)
 class Cradle:
-    """One row of balls in a Space of its own; `chain` is None where pymunk's own collisions act."""
+    """Balls in a Space of their own; `chain` is None where pymunk's own collisions act."""
 
     space: pymunk.Space
     balls: tuple[pymunk.Body, ...]
@@ -39,23 +42,20 @@ class Cradle:
 
     def places(self) -> list[tuple[float, float]]:
         """Centres of the balls [m], y upwards from the anchors."""
-        found = self.balls if self.chain is None else None
-        vectors = [ball.position for ball in found] if found is not None else self._soft().positions
+        vectors = [ball.position for ball in self.balls] if self.chain is None else self.chain.positions
         return [(float(place[0]), float(place[1])) for place in vectors]
 
-    def _soft(self) -> SoftChain:
-        assert self.chain is not None
-        return self.chain
-
     def energy(self) -> float:
-        """Kinetic, of height and stored [J]; 0 for balls that hang at rest."""
-        moving = sum(0.5 * ball.mass * ball.velocity.length**2 for ball in self.balls)
-        high = sum(GRAVITY * ball.mass * (STRING + y) for ball, (_, y) in zip(self.balls, self.places(), strict=True))
-        return moving + high + (0.0 if self.chain is None else self.chain.energy)
+        """Kinetic, potential and stored energy [J]; 0 for balls that hang at rest."""
+        kinetic = sum(0.5 * ball.mass * ball.velocity.length**2 for ball in self.balls)
+        potential = sum(
+            GRAVITY * ball.mass * (STRING + y) for ball, (_, y) in zip(self.balls, self.places(), strict=True)
+        )
+        return kinetic + potential + (0.0 if self.chain is None else self.chain.energy)
 
 
 def anchors() -> list[float]:
-    """Where the strings are tied [m]; the balls just touch."""
+    """Where the strings are fixed [m], such that the balls just touch."""
     return [2.0 * RADIUS * k for k in range(BALLS)]
 
 
@@ -89,12 +89,12 @@ def make_cradle(law: Contact | None, places: Sequence[tuple[float, float]]) -> C
     return Cradle(space, tuple(balls), chain)
 
 
-class Hanging:
+class HangingModel:
     """The two cradles on one clock.
 
     Attributes:
         law: name of the soft contacts' law, from LAWS.
-        lifted: how many balls are let go at the start.
+        lifted: how many balls are lifted at the start.
         cradles: (soft, rigid).
         time: [s].
         energies: (time, soft, rigid) [s, J, J], sampled.
@@ -108,43 +108,44 @@ class Hanging:
         """Lift the balls again."""
         places = start_places(self.lifted)
         self.cradles = make_cradle(LAWS[self.law], places), make_cradle(None, places)
-        self.time, self._owed, self._next = 0.0, 0.0, 0.0
-        self.energies: deque[tuple[float, float, float]] = deque(maxlen=MEMORY)
-        self._hand: tuple[pymunk.Space, pymunk.Body, Any] | None = None
+        self.time, self._due, self._next_sample = 0.0, 0.0, 0.0
+        self.energies: deque[tuple[float, float, float]] = deque(maxlen=MOST_SAMPLES)
+        self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
         self._sample()
 
     def _sample(self) -> None:
         self.energies.append((self.time, self.cradles[0].energy(), self.cradles[1].energy()))
-        self._next += SAMPLE
+        self._next_sample += SAMPLE
 
     def advance(self, seconds: float) -> None:
-        """Move both by `seconds` of model time, in whole steps; what is left is owed."""
-        self._owed += seconds
-        while self._owed >= STEP:
-            self._owed -= STEP
+        """Move both by `seconds` of model time, in whole steps; the rest is due next time."""
+        self._due += seconds
+        while self._due >= STEP:
+            self._due -= STEP
             for cradle in self.cradles:
                 cradle.space.step(STEP)
             self.time += STEP
-            if self.time >= self._next:
+            if self.time >= self._next_sample:
                 self._sample()
 
     def hold(self, cradle: int, ball: int, place: tuple[float, float]) -> None:
-        """Pull a ball towards `place` [m] with at most HAND newtons; the string still holds."""
-        row = self.cradles[cradle]
-        if self._hand is None:
+        """Pull a ball towards `place` [m] with at most MOST_PULL; the string still holds."""
+        held = self.cradles[cradle]
+        if self._pointer is None:
             pointer = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             pointer.position = place
-            joint = pymunk.PivotJoint(pointer, row.balls[ball], (0.0, 0.0), (0.0, 0.0))
-            joint.max_force, joint.error_bias = HAND, 0.85**60
-            row.space.add(joint)
-            self._hand = row.space, pointer, joint
-        self._hand[1].position = place
+            joint = pymunk.PivotJoint(pointer, held.balls[ball], (0.0, 0.0), (0.0, 0.0))
+            joint.max_force, joint.error_bias = MOST_PULL, 0.85**60
+            held.space.add(joint)
+            self._pointer = held.space, pointer, joint
+        self._pointer[1].position = place
 
-    def let_go(self) -> None:
-        """Open the hand; the energies begin anew, for it has done work."""
-        if self._hand is not None:
-            self._hand[0].remove(self._hand[2])
-            self._hand = None
+    def release(self) -> None:
+        """Release the ball; the energies begin anew, for the pointer has done work."""
+        if self._pointer is not None:
+            space, _, joint = self._pointer
+            space.remove(joint)
+            self._pointer = None
             self.energies.clear()
-            self._next = self.time
+            self._next_sample = self.time
             self._sample()

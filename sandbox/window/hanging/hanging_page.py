@@ -1,9 +1,10 @@
-"""The page of the hanging cradle: soft contacts beside pymunk's rigid ones, and what becomes of their energy."""
+"""The page of the hanging cradle: soft contacts beside pymunk's rigid ones, and a plot of their energies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import pygame
 import pygame_gui
@@ -12,21 +13,22 @@ from softcradle.sandbox.draw.curve_panels import linear_axis
 from softcradle.sandbox.draw.number_format import MINUS, fixed
 from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED, OKABE_ITO
 from softcradle.sandbox.draw.text import wrapped, write
-from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, LAWS, RADIUS, Hanging
-from softcradle.sandbox.window.hanging.hanging_picture import paint_cradle, scale, to_model, to_screen
-from softcradle.sandbox.window.icons import put_icon
+from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, LAWS, RADIUS, HangingModel
+from softcradle.sandbox.window.hanging.hanging_picture import paint_cradle, pixels_a_metre, to_model, to_screen
+from softcradle.sandbox.window.icons import draw_icon
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.scene.time_controls import STEPS
 from softcradle.sandbox.window.window_page import Host
 
-NAME, TITLE = "hanging-cradle", "A hanging cradle in pymunk"
-TEXT = (
-    "Balls on strings in an ordinary pymunk world, once with soft contacts between them and once with pymunk's own "
-    "rigid collisions. Same strings, same gravity, same steps. With a small exponent the balls that are hit swing off "
-    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it out by the order in which they "
-    "are solved. Drag a ball and let it go."
+HANGING_NAME = "hanging-cradle"
+HANGING_TITLE = "A hanging cradle in pymunk"
+HANGING_TEXT = (
+    "Balls on strings in an ordinary pymunk Space, once with soft contacts between them and once with pymunk's own "
+    "rigid collisions. Strings, gravity and steps are the same. With a small exponent the balls that are hit swing off "
+    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it in the order in which they "
+    "are solved. Drag a ball and release it."
 )
-SPAN = 12.0  # seconds of energy that are seen
+SLOW_MOTIONS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+SPAN = 12.0  # seconds of the plot
 NAMES = ("soft contacts", "pymunk's rigid collisions")
 CURVES = (OKABE_ITO[0], OKABE_ITO[3])
 
@@ -38,15 +40,15 @@ class HangingPage:
 
     def __init__(self, host: Host, leave: Callable[[], None]) -> None:
         self.host, self.leave = host, leave
-        self.model = Hanging()
+        self.model = HangingModel()
         self.playing, self.slow = False, 1.0
-        self.held: tuple[int, int] | None = None
+        self.held: tuple[int, int] | None = None  # cradle and ball
         self.pointer = (0, 0)
         self.actions: dict[str, Callable[[], None]] = {
             "play_pause": self.play_pause,
             "restart": self.restart,
-            "slower": lambda: self.pace(1),
-            "faster": lambda: self.pace(-1),
+            "slower": partial(self.step_slow, 1),
+            "faster": partial(self.step_slow, -1),
             "leave": leave,
         }
 
@@ -58,10 +60,10 @@ class HangingPage:
         """Lift the balls again."""
         self.model.restart()
 
-    def pace(self, direction: int) -> None:
-        """Slower (1) or faster (-1) motion."""
-        place = STEPS.index(self.slow) + direction
-        self.slow = STEPS[min(max(place, 0), 6)]
+    def step_slow(self, direction: int) -> None:
+        """The next of SLOW_MOTIONS: slower (1) or faster (-1)."""
+        place = SLOW_MOTIONS.index(self.slow) + direction
+        self.slow = SLOW_MOTIONS[min(max(place, 0), len(SLOW_MOTIONS) - 1)]
 
     def build(self) -> None:
         """Make the widgets."""
@@ -71,42 +73,41 @@ class HangingPage:
         UIButton(place, "← Scenes", manager, tool_tip_text="back to the gallery", command=self.leave)
         half = (width - 3 * margin) // 2
         high = round(0.52 * height)
-        self.stages = [pygame.Rect(margin + k * (half + margin), bar + margin, half, high) for k in range(2)]
-        y = self.stages[0].bottom
+        self.pictures = [pygame.Rect(margin + k * (half + margin), bar + margin, half, high) for k in range(2)]
+        y = self.pictures[0].bottom
         self.plot = pygame.Rect(margin + round(44 * unit), y + round(34 * unit), round(0.56 * width), 10)
         self.plot.height = height - self.plot.top - round(92 * unit)
         self.text = pygame.Rect(self.plot.right + round(50 * unit), y + round(14 * unit), 10, 10)
         self.text.width = width - margin - self.text.left
-        self._controls(height - round(50 * unit))
+        self._build_controls(height - round(50 * unit))
 
-    def _controls(self, y: int) -> None:
+    def _build_controls(self, y: int) -> None:
         unit, manager, x = self.host.unit, self.host.manager, round(14 * self.host.unit)
         side = round(34 * unit)
         self.buttons = {}
         for name, wide in (("play_pause", 50), ("restart", 34)):
             place = pygame.Rect(x, y, round(wide * unit), side)
-            kind = "#primary" if name == "play_pause" else None
+            style = "#primary" if name == "play_pause" else None
             self.buttons[name] = UIButton(
-                place, "", manager, object_id=kind, tool_tip_text=hint(name), command=self.actions[name]
+                place, "", manager, object_id=style, tool_tip_text=hint(name), command=self.actions[name]
             )
             x = place.right + round(6 * unit)
-        self.clock_at = x + round(14 * unit), y
+        self.clock_place = x + round(14 * unit), y
         x += round(330 * unit)
         self.labels = [("contacts", x - round(8 * unit), y + side // 2)]
         place = pygame.Rect(x, y, round(190 * unit), side)
-        self.law = UIDropDownMenu(list(LAWS), self.model.law, place, manager)
-        self.law_up = place
+        self.laws = UIDropDownMenu(list(LAWS), self.model.law, place, manager)
         x = place.right + round(90 * unit)
-        self.labels.append(("balls let go", x - round(8 * unit), y + side // 2))
+        self.labels.append(("balls lifted", x - round(8 * unit), y + side // 2))
         place = pygame.Rect(x, y, round(64 * unit), side)
-        self.count = UIDropDownMenu([str(k) for k in range(1, BALLS)], str(self.model.lifted), place, manager)
+        self.counts = UIDropDownMenu([str(k) for k in range(1, BALLS)], str(self.model.lifted), place, manager)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Menus, and hands on balls."""
+        """Menus, and dragging of balls."""
         if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED:
             return self._choose(event)
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            self.held, self.pointer = self._ball(event.pos), event.pos
+            self.held, self.pointer = self._ball_at(event.pos), event.pos
             return self.held is not None
         if event.type == pygame.MOUSEMOTION and self.held is not None:
             self.pointer = event.pos
@@ -114,27 +115,28 @@ class HangingPage:
             return True
         if event.type == pygame.MOUSEBUTTONUP and self.held is not None:
             self.held = None
-            self.model.let_go()
+            self.model.release()
             return True
         return False
 
     def _choose(self, event: pygame.Event) -> bool:
-        law = event.text if event.ui_element is self.law else self.model.law
-        lifted = int(event.text) if event.ui_element is self.count else self.model.lifted
-        self.model = Hanging(law, lifted)
+        law = event.text if event.ui_element is self.laws else self.model.law
+        lifted = int(event.text) if event.ui_element is self.counts else self.model.lifted
+        self.model = HangingModel(law, lifted)
         return True
 
-    def _ball(self, point: tuple[int, int]) -> tuple[int, int] | None:
-        for k, (rect, cradle) in enumerate(zip(self.stages, self.model.cradles, strict=True)):
+    def _ball_at(self, point: tuple[int, int]) -> tuple[int, int] | None:
+        """Cradle and ball at `point`."""
+        for k, (rect, cradle) in enumerate(zip(self.pictures, self.model.cradles, strict=True)):
             for ball, place in enumerate(cradle.places()):
-                if math.dist(point, to_screen(rect, place)) <= RADIUS * scale(rect) + 3:
+                if math.dist(point, to_screen(rect, place)) <= RADIUS * pixels_a_metre(rect) + 3:
                     return k, ball
         return None
 
     def update(self, seconds: float) -> None:
         """Let time pass."""
         if self.held is not None and self.playing:
-            self.model.hold(*self.held, to_model(self.stages[self.held[0]], self.pointer))
+            self.model.hold(*self.held, to_model(self.pictures[self.held[0]], self.pointer))
         if self.playing:
             self.model.advance(seconds / self.slow)
 
@@ -142,68 +144,66 @@ class HangingPage:
         """Draw all but the widgets."""
         unit = self.host.unit
         surface.fill(BACKGROUND)
-        write(surface, TITLE, (110 * unit, 24 * unit), 19 * unit, FOREGROUND, bold=True, align=(0, 0.5))
+        write(surface, HANGING_TITLE, (110 * unit, 24 * unit), 19 * unit, FOREGROUND, bold=True, align=(0, 0.5))
         surface.fill(FAINT, (0, round(48 * unit) - 1, self.host.size[0], 1))
-        for rect, cradle, name in zip(self.stages, self.model.cradles, NAMES, strict=True):
+        for rect, cradle, name in zip(self.pictures, self.model.cradles, NAMES, strict=True):
             surface.fill(LANE_BACKGROUND, rect)
             title = f"{name}: {self.model.law}" if cradle.chain is not None else name
             write(surface, title, (rect.left + 12 * unit, rect.top + 8 * unit), 15 * unit, FOREGROUND, bold=True)
             paint_cradle(surface, rect, cradle.places())
-        self._energies(surface)
+        self._plot_energies(surface)
         y = float(self.text.top)
-        for line in wrapped(TEXT, 13.5 * unit, self.text.width):
+        for line in wrapped(HANGING_TEXT, 13.5 * unit, self.text.width):
             write(surface, line, (self.text.left, y), 13.5 * unit, FOREGROUND)
             y += 19 * unit
         for label, x, middle in self.labels:
             write(surface, label, (x, middle), 13 * unit, MUTED, align=(1, 0.5))
 
-    def _energies(self, surface: pygame.Surface) -> None:
-        """Energy of both as a share of what there was at first."""
+    def _plot_energies(self, surface: pygame.Surface) -> None:
+        """Plot both energies as shares of their first values."""
         unit, area, samples = self.host.unit, self.plot, list(self.model.energies)
-        now = samples[-1][0]
-        begin = max(samples[0][0], now - SPAN)
-        write(
-            surface,
-            "energy, as a share of that at the start",
-            (area.left, area.top - 6 * unit),
-            13 * unit,
-            align=(0, 1),
-        )
+        title = "energy, as a share of that at the start"
+        write(surface, title, (area.left, area.top - 6 * unit), 13 * unit, align=(0, 1))
         first = samples[0]
         shares = [[sample[k] / first[k] if first[k] > 1e-9 else 1.0 for sample in samples] for k in (1, 2)]
         low, high = min(0.9, *map(min, shares)), max(1.04, *map(max, shares))
+
+        def y(share: float) -> float:
+            return area.bottom - (share - low) / (high - low) * area.height
+
         for value, text in linear_axis("", low, high).ticks:
-            y = area.bottom - (value - low) / (high - low) * area.height
-            surface.fill(FAINT, (area.left, round(y), area.width, 1))
-            write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, MUTED, align=(1, 0.5))
+            surface.fill(FAINT, (area.left, round(y(value)), area.width, 1))
+            write(surface, text, (area.left - 6 * unit, y(value)), 11.5 * unit, MUTED, align=(1, 0.5))
+        begin = max(first[0], samples[-1][0] - SPAN)
         for k, colour in enumerate(CURVES):
             points = [
-                (area.left + (t - begin) / SPAN * area.width, area.bottom - (share - low) / (high - low) * area.height)
+                (area.left + (t - begin) / SPAN * area.width, y(share))
                 for (t, _, _), share in zip(samples, shares[k], strict=True)
                 if t >= begin
             ]
             if len(points) > 1:
                 pygame.draw.aalines(surface, colour, False, points)
                 pygame.draw.aalines(surface, colour, False, [(x, y + 1) for x, y in points])
-            place = (area.left + k * 0.45 * area.width, area.bottom + 6 * unit)
             text = f"{NAMES[k]}: {100 * (shares[k][-1] - 1):+.1f} %".replace("-", MINUS)
+            place = (area.left + k * 0.45 * area.width, area.bottom + 6 * unit)
             write(surface, text, place, 13 * unit, colour, bold=True)
 
     def paint_over(self, surface: pygame.Surface) -> None:
-        """Icons and clock; the hand."""
+        """Draw icons, clock, and a ring at the pointer while it holds a ball."""
         unit = self.host.unit
         for name, button in self.buttons.items():
-            shape = ("pause" if self.playing else "play") if name == "play_pause" else name
-            put_icon(surface, shape, button.rect.center, 14 * unit, BACKGROUND if name == "play_pause" else FOREGROUND)
-        x, y = self.clock_at
+            icon = ("pause" if self.playing else "play") if name == "play_pause" else name
+            colour = BACKGROUND if name == "play_pause" else FOREGROUND
+            draw_icon(surface, icon, button.rect.center, 14 * unit, colour)
+        x, y = self.clock_place
         write(surface, f"t = {fixed(self.model.time, 2)} s", (x, y - 2 * unit), 16 * unit, FOREGROUND, bold=True)
-        pace = "real time" if self.slow == 1.0 else f"slow motion 1/{self.slow:.0f}"
-        write(surface, pace, (x, y + 19 * unit), 12 * unit, MUTED)
+        speed = "real time" if self.slow == 1.0 else f"slow motion 1/{self.slow:.0f}"
+        write(surface, speed, (x, y + 19 * unit), 12 * unit, MUTED)
         if self.held is not None:
             pygame.draw.aacircle(surface, FOREGROUND, self.pointer, 5 * unit, 2)
 
-    def shown(self, surface: pygame.Surface, seconds: float) -> None:
-        """Films are made of scenes."""
+    def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
+        """Only scenes are filmed."""
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Nothing is open."""

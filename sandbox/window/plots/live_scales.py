@@ -1,4 +1,4 @@
-"""Scales of a running scene: those of a run ahead where there is one, grown in round steps as the motion asks."""
+"""Scales of a running scene: those of a run ahead, or estimated before there is one; they grow with the motion."""
 
 from __future__ import annotations
 
@@ -15,99 +15,97 @@ from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.scenes import Scene
 
-GROW = 1.25  # past the value that did not fit
-DEEPER = 1.5
-FEWEST_DECADES = 4
+GROWTH = 1.25  # of a scale, relative to the value that was beyond it
+DEEPER = 1.5  # overlap relative to the deepest so far at which magnifications change
+SLACK = 0.02  # of the energy and momentum scales, by which a value may be beyond them
+FEWEST_DECADES = 4  # of an estimated overlap axis
 
 
-def estimated(scene: Scene, session: Session) -> Scales:
-    """Scales from the start alone, before the physics can run: energies of single contacts say how large things get."""
+def estimated_scales(scene: Scene, session: Session) -> Scales:
+    """Scales from the start alone, before the physics can run: energies of single contacts bound forces and overlaps."""
     scales = scales_of(scene, [lane.motion for lane in session.lanes])
     forces, depths = [], []
     for lane in session.lanes:
-        depth = contact_scales(lane.chain, [0.0, lane.setup.speed])[0] if lane.chain.contacts == 1 else _depth(lane)
+        depth = contact_scales(lane.chain, [0.0, lane.setup.speed] if lane.chain.contacts == 1 else lane.velocity)[0]
         depths.append(tuple(depth.tolist()))
-        force = [float(law.force(d)) for law, d in zip(lane.chain.contact, depth, strict=True)]
-        forces.append(max(force))
+        forces.append(max(float(law.force(d)) for law, d in zip(lane.chain.contact, depth, strict=True)))
     high = math.ceil(math.log10(max(max(d) for d in depths)))
-    low, right = scales.window
+    left, right = scales.window
     return replace(
         scales,
         force=1.12 * 2.0 * max(forces),
         deepest=tuple(depths),
         decades=(high - 2 * FEWEST_DECADES, high),
-        window=(low, right + 0.35 * (right - low)),
+        window=(left, right + 0.35 * (right - left)),
     )
 
 
-def _depth(lane: LiveLane) -> Array:
-    depth: Array = contact_scales(lane.chain, lane.velocity)[0]
-    return depth
-
-
 class LiveScales:
-    """The scales in use. `fit` says whether they had to change."""
+    """The scales in use; `fit` tells whether they had to change."""
 
     def __init__(self, scales: Scales, lanes: Sequence[LiveLane]) -> None:
         self.scales = scales
         self.reset_lanes(lanes)
 
     def reset_lanes(self, lanes: Sequence[LiveLane]) -> None:
-        """The number of beads has changed: loupes magnify anew."""
-        kept = []
-        for lane, deepest in zip(lanes, self.scales.deepest, strict=True):
-            same = len(deepest) == lane.chain.contacts
-            kept.append(deepest if same else (max(deepest),) * lane.chain.contacts)
-        self.scales = replace(self.scales, deepest=tuple(kept))
+        """Give every contact of a lane the lane's deepest overlap where the number of beads has changed."""
+        deepest = []
+        for lane, depths in zip(lanes, self.scales.deepest, strict=True):
+            same = len(depths) == lane.chain.contacts
+            deepest.append(depths if same else (max(depths),) * lane.chain.contacts)
+        self.scales = replace(self.scales, deepest=tuple(deepest))
 
-    def fit(self, tracks: Sequence[Motion]) -> bool:
-        """Grow so that the lanes as they are now, one row each, fit in."""
+    def fit(self, motions: Sequence[Motion]) -> bool:
+        """Grow so that the lanes as they are now, one row each, fit in; whether anything had to grow."""
         old = self.scales
-        self._velocities(tracks)
-        self._forces(tracks)
-        self._overlaps(tracks)
-        self._energies(tracks)
+        self._velocities(motions)
+        self._forces(motions)
+        self._overlaps(motions)
+        self._energies(motions)
+        self._momenta(motions)
         return self.scales is not old
 
-    def _velocities(self, tracks: Sequence[Motion]) -> None:
+    def _velocities(self, motions: Sequence[Motion]) -> None:
         low, high = self.scales.velocity
-        least = min(float(track.velocity.min()) for track in tracks)
-        most = max(float(track.velocity.max()) for track in tracks)
+        least = min(float(motion.velocity.min()) for motion in motions)
+        most = max(float(motion.velocity.max()) for motion in motions)
         if least < low or most > high:
             low = _rounded(least) if least < low else low
             high = _rounded(most) if most > high else high
             self.scales = replace(self.scales, velocity=(low, high))
 
-    def _forces(self, tracks: Sequence[Motion]) -> None:
-        most = max(float(track.force.max()) for track in tracks)
+    def _forces(self, motions: Sequence[Motion]) -> None:
+        most = max(float(motion.force.max()) for motion in motions)
         if most > self.scales.force:
             self.scales = replace(self.scales, force=_rounded(most))
 
-    def _overlaps(self, tracks: Sequence[Motion]) -> None:
-        pairs = [(track.overlap[0], np.array(deep)) for track, deep in zip(tracks, self.scales.deepest, strict=True)]
-        if all((overlap <= DEEPER * deep).all() for overlap, deep in pairs):
+    def _overlaps(self, motions: Sequence[Motion]) -> None:
+        pairs = [(motion.overlap[0], np.array(d)) for motion, d in zip(motions, self.scales.deepest, strict=True)]
+        if all((overlap <= DEEPER * depths).all() for overlap, depths in pairs):
             return
-        grown = [np.where(overlap > DEEPER * deep, 2.0 * overlap, deep) for overlap, deep in pairs]
+        grown: list[Array] = [np.where(overlap > DEEPER * depths, 2.0 * overlap, depths) for overlap, depths in pairs]
         low, high = self.scales.decades
-        higher = max(high, math.ceil(math.log10(max(float(deep.max()) for deep in grown))))
-        deepest = tuple(tuple(deep.tolist()) for deep in grown)
+        higher = max(high, math.ceil(math.log10(max(float(depths.max()) for depths in grown))))
+        deepest = tuple(tuple(depths.tolist()) for depths in grown)
         self.scales = replace(self.scales, deepest=deepest, decades=(low, higher))
 
-    def _energies(self, tracks: Sequence[Motion]) -> None:
-        energy = max(float(track.kinetic.sum() + track.stored[0]) for track in tracks)
-        if energy > 1.02 * self.scales.energy:
+    def _energies(self, motions: Sequence[Motion]) -> None:
+        energy = max(float(motion.energy[0]) for motion in motions)
+        if energy > (1.0 + SLACK) * self.scales.energy:
             self.scales = replace(self.scales, energy=_rounded(energy))
+
+    def _momenta(self, motions: Sequence[Motion]) -> None:
         low, high = self.scales.momentum
-        least = min(float(np.minimum(track.momentum, 0.0).sum()) for track in tracks)
-        most = max(float(np.maximum(track.momentum, 0.0).sum()) for track in tracks)
-        slack = 0.02 * (high - low)
+        least = min(float(np.minimum(motion.momentum, 0.0).sum()) for motion in motions)
+        most = max(float(np.maximum(motion.momentum, 0.0).sum()) for motion in motions)
+        slack = SLACK * (high - low)
         if least < low - slack or most > high + slack:
-            low, high = min(low, GROW * least), GROW * most if most > high + slack else high
+            low, high = min(low, GROWTH * least), GROWTH * most if most > high + slack else high
             self.scales = replace(self.scales, momentum=(low, high))
 
 
 def _rounded(value: float) -> float:
-    """A round value past `value`, on its side of zero."""
+    """A round value beyond `value`, on its side of zero."""
     if value == 0.0:
         return 0.0
-    return math.copysign(round_step(GROW * abs(value), 4) * 4, value)
+    return math.copysign(round_step(GROWTH * abs(value), 4) * 4, value)

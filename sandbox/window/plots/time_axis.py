@@ -1,4 +1,4 @@
-"""The time axis that all plots share: how long a stretch is seen, and where it begins."""
+"""The time axis that all plots share: how much time it spans, and where it begins."""
 
 from __future__ import annotations
 
@@ -6,13 +6,20 @@ from dataclasses import dataclass
 
 from softcradle.sandbox.draw.number_format import ticks, time_unit
 
-SECONDS = 8.0  # of wall time that a plot spans: what was seen is what is plotted
-AHEAD, BEHIND = 0.92, 0.08  # where the cursor may be, as shares of the width
+SECONDS = 8.0  # of wall time that a plot spans
+LATEST = 0.92  # rightmost place of the cursor, as a share of the width
+EARLIEST = 0.08  # leftmost place of the cursor, as a share of the width, but at the start of the scene
 
 
 @dataclass
 class TimeSpan:
-    """Model time [s] of a pixel column, and the column at the left edge; `width` is in pixels."""
+    """The time axis.
+
+    Attributes:
+        seconds: model time that it spans [s].
+        width: pixels, one a column.
+        left: the column at the left edge; column 0 is t = 0.
+    """
 
     seconds: float
     width: int
@@ -24,12 +31,12 @@ class TimeSpan:
         return self.seconds / self.width
 
     def follow(self, time: float) -> None:
-        """Move on, by whole columns, so that `time` is in sight; the beginning of the scene stays until it must go."""
+        """Scroll by whole columns until `time` is visible; the start of the scene stays as long as it can."""
         place = time / self.column - self.left
-        if place > AHEAD * self.width:
-            self.left += round(place - AHEAD * self.width)
-        elif place < BEHIND * self.width:
-            self.left = max(round(time / self.column - BEHIND * self.width), min(0, round(time / self.column)))
+        if place > LATEST * self.width:
+            self.left += round(place - LATEST * self.width)
+        elif place < EARLIEST * self.width:
+            self.left = max(round(time / self.column - EARLIEST * self.width), min(0, round(time / self.column)))
 
     def x(self, time: float) -> float:
         """Pixel of `time` from the left edge."""
@@ -44,7 +51,7 @@ class TimeSpan:
         return time_unit(self.seconds)
 
     def ticks(self) -> list[tuple[float, str]]:
-        """(time [s], label) of round times in sight."""
+        """(time [s], label) of the round times that are visible."""
         size, _ = self.unit()
         low, high = self.left * self.column / size, (self.left + self.width) * self.column / size
         return [(value * size, text) for value, text in ticks(low, high, 5)]

@@ -1,4 +1,4 @@
-"""What a scene is about: its text and source, where nothing is selected."""
+"""The text and the source of a scene, in the panel where nothing is selected."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ TIPS = "Click a bead or a contact to change it. Drag a bead and throw it. Space 
 
 
 def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, scene: Scene) -> None:
-    """Write it into `rect`, as much as there is room for."""
+    """Write as much into `rect` as there is room for."""
     y = float(rect.top + 4 * unit)
     write(surface, "About this scene", (rect.left, y), 16 * unit, FOREGROUND, bold=True)
     y += 27 * unit

@@ -1,4 +1,4 @@
-"""The camera: which part of the line is on screen. All lanes look through the same one."""
+"""The camera: which part of the line is shown. All lanes have the same one."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from dataclasses import dataclass, replace
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.session.live_lane import LiveLane
 
-ZOOM = 1.25
-PATIENCE = 6.0  # 1/s: how fast a following camera catches up
+ZOOM = 1.25  # factor of one step
+CATCH_UP = 6.0  # 1/s: rate at which a following camera closes its distance to the beads
+NARROWEST = 1e-4  # m
+WIDEST = 1e6  # m
 
 
 @dataclass
 class Camera:
-    """Centre [m] and width [m] of what is seen; `following`: it keeps the beads in the middle."""
+    """Centre [m] and width [m] of what is shown; `following`: it keeps the beads in the middle."""
 
     centre: float
     width: float
@@ -22,19 +24,19 @@ class Camera:
 
     @classmethod
     def of(cls, scales: Scales) -> Camera:
-        """What the scales' window shows."""
+        """The camera that shows the window of the scales."""
         low, high = scales.window
         return cls(0.5 * (low + high), high - low)
 
     def zoom(self, steps: int) -> None:
-        """Nearer by `steps`, farther if negative."""
-        self.width = min(max(self.width * ZOOM**-steps, 1e-4), 1e6)
+        """Zoom in by `steps`, out if negative."""
+        self.width = min(max(self.width * ZOOM**-steps, NARROWEST), WIDEST)
 
     def follow(self, lanes: Sequence[LiveLane], length: float, seconds: float) -> None:
-        """Move towards the middle of the beads of finite mass."""
+        """Move towards the middle of the beads, if it is following; `length` is that of a bead [m]."""
         if self.following:
             middle = self.middle(lanes, length)
-            self.centre += min(1.0, PATIENCE * seconds) * (middle - self.centre)
+            self.centre += min(1.0, CATCH_UP * seconds) * (middle - self.centre)
 
     def middle(self, lanes: Sequence[LiveLane], length: float) -> float:
         """Middle of all beads [m]."""

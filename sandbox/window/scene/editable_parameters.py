@@ -1,21 +1,26 @@
-"""What can be edited of a bead or a contact: name, unit, range of the slider, and which input sets it."""
+"""Editable parameters of a bead or a contact: name, unit, range of the slider, and the input that sets each."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from softcradle.physics import Contact
+from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.lane_view import Pick
+from softcradle.sandbox.window.scene.pick import Pick
 
-DECADES = 2.0  # that a logarithmic slider reaches on either side of the scene's own value
-MOST_LOSS = 0.95  # of the slider; a gear absorbs 0.8 and more
+DECADES = 2.0  # of a logarithmic slider on either side of the scene's own value
+MOST_SPEED = 3.0  # of the slider, relative to the scene's closing speed
+MOST_LOSS = 0.95  # of the slider; draft gears absorb 0.8 and more
 MOST_FRICTION = 1.0  # of the slider
+MOST_GAP = 2.0  # of the slider, in lengths of a bead
+LEAST = 1e-6  # half the range of a slider whose values are all 0
 
 
 @dataclass(frozen=True)
@@ -23,13 +28,12 @@ class Parameter:
     """One number of a bead or contact.
 
     Attributes:
-        key: names its widgets.
+        key: name of its widgets.
         name, unit: written beside them.
-        low, high: ends of the slider; a typed number may lie beyond.
-        logarithmic: whether the slider moves by factors.
-        value: now.
+        low, high: ends of the slider; a typed number may be beyond.
+        logarithmic: whether the slider changes it by factors.
+        value: at present.
         edit: the input that sets it to a number; ValueError where it cannot be.
-        live: it changes while the model runs.
     """
 
     key: str
@@ -40,10 +44,9 @@ class Parameter:
     logarithmic: bool
     value: float
     edit: Callable[[float], Input]
-    live: bool = False
 
     def share(self) -> float:
-        """Where on the slider the value is, from 0 to 1."""
+        """Place of the value on the slider, from 0 to 1."""
         if not math.isfinite(self.value):
             return 1.0
         low, high, value = self.low, self.high, self.value
@@ -60,124 +63,95 @@ class Parameter:
 
 
 def parameters(session: Session, pick: Pick) -> list[Parameter]:
-    """The numbers of what is picked."""
+    """The parameters of a bead or contact."""
     lane = session.lanes[pick.lane]
     return _of_bead(session, lane, pick) if pick.kind == "bead" else _of_contact(session, lane, pick)
 
 
 def _of_bead(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
-    opened = session.scene.lanes[pick.lane].chain().mass
-    usual = next((mass for mass in opened if math.isfinite(mass)), 1.0)
-    speed = 3.0 * max(lane.setup.speed, 1e-6)
-    mass, number = lane.chain.mass[pick.index], pick.index
-    velocity = float(lane.velocity[number])
+    number, mass = pick.index, lane.chain.mass[pick.index]
+    velocity, most = float(lane.velocity[number]), MOST_SPEED * max(lane.setup.speed, LEAST)
     found = []
     if math.isfinite(mass):
-        low, high = usual * 10**-DECADES, usual * 10**DECADES
-        found.append(Parameter("mass", "mass", "kg", low, high, True, mass, lambda m: SetMass(pick.lane, number, m)))
-    found.append(
-        Parameter(
-            "velocity",
-            "velocity",
-            "m/s",
-            -speed,
-            speed,
-            False,
-            velocity,
-            lambda v: SetVelocity(pick.lane, number, v),
-            live=True,
-        )
-    )
-    return found + _of_surroundings(session, lane, pick)
+        masses = session.scene.lanes[pick.lane].chain().mass
+        low, high = _decades_around(next((mass for mass in masses if math.isfinite(mass)), 1.0))
+        edit = partial(SetMass, pick.lane, number)
+        found.append(Parameter("mass", "mass", "kg", low, high, True, mass, edit))
+    set_velocity = partial(SetVelocity, pick.lane, number)
+    found.append(Parameter("velocity", "velocity", "m/s", -most, most, False, velocity, set_velocity))
+    return [*found, *_of_drive(session, lane, pick), *_of_bed(session, lane, pick)]
 
 
-def _of_surroundings(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
-    """The drive of a bead and the friction of the bed under all of them, where the scene or an edit has brought them."""
-    opened, chain, found = session.scene.lanes[pick.lane].chain(), lane.chain, []
-    if opened.drive or chain.drive:
-        drives = [abs(force) for row in (opened, chain) for force in row.drive or (0.0,)]
-        now, most = (chain.drive or (0.0,) * len(chain.mass))[pick.index], 2.0 * max(*drives, 1e-6)
-        found.append(
-            Parameter(
-                "drive", "steady force", "N", -most, most, False, now, lambda f: SetDrive(pick.lane, pick.index, f)
-            )
-        )
-    if opened.friction or chain.friction:
-        most = max(MOST_FRICTION, chain.friction)
-        found.append(
-            Parameter(
-                "friction", "friction of the bed", "", 0.0, most, False, chain.friction,
-                lambda coefficient: SetFriction(pick.lane, coefficient),
-            )
-        )  # fmt: skip
-    return found
+def _of_drive(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
+    """The drive of a bead, where the scene or an edit has one in this lane."""
+    drives = session.scene.lanes[pick.lane].chain().drive, lane.chain.drive
+    if not any(drives):
+        return []
+    most = 2.0 * max(LEAST, *(abs(force) for drive in drives for force in drive or (0.0,)))
+    force = (lane.chain.drive or (0.0,) * len(lane.chain.mass))[pick.index]
+    edit = partial(SetDrive, pick.lane, pick.index)
+    return [Parameter("drive", "steady force", "N", -most, most, False, force, edit)]
+
+
+def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
+    """The friction of the bed, where the scene or an edit has it in this lane."""
+    friction = lane.chain.friction
+    if not (session.scene.lanes[pick.lane].chain().friction or friction):
+        return []
+    most = max(MOST_FRICTION, friction)
+    edit = partial(SetFriction, pick.lane)
+    return [Parameter("friction", "friction of the bed", "", 0.0, most, False, friction, edit)]
 
 
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
     law, length = lane.chain.contact[pick.index], session.scene.view.length
+    force = max(2.0 * law.preload, 2.0 * _impact_force(lane, pick.index))
     gap = max(0.0, -float(lane.state.overlap[pick.index]))
-    change = _changer(pick, law)
-    gear = law.preload > 0.0
-    alpha_name = "alpha (exponent)" if not gear else "exponent (1: spring)"
-    factor_name, factor_unit = ("stiffness k", "N/m") if gear and law.exponent == 1.0 else ("f0 (stiffness)", "N/m^a")
-    found = []
-    if law.stiffness > 0.0:
-        low, high = _around(session, pick, law.stiffness)
-        found.append(
-            Parameter("stiffness", factor_name, factor_unit, low, high, True, law.stiffness, change("stiffness"))
-        )
-        found.append(Parameter("exponent", alpha_name, "", 0.01, 3.0, True, law.exponent, change("exponent")))
-    force = max(2.0 * law.preload, _force(session, pick))
-    found.append(Parameter("preload", "preload", "N", 0.0, force, False, law.preload, change("preload")))
-    found.append(Parameter("loss", "loss (0: elastic)", "", 0.0, MOST_LOSS, False, law.loss, change("loss")))
-    found.append(
-        Parameter(
-            "gap",
-            "gap to the next bead",
-            "m",
-            0.0,
-            2.0 * length,
-            False,
-            gap,
-            lambda g: SetGap(pick.lane, pick.index, g),
-            live=True,
-        )
-    )
-    return found
 
-
-def _changer(pick: Pick, law: Contact) -> Callable[[str], Callable[[float], Input]]:
-    """For a field of `law`, the function that makes the input which sets it."""
-
-    def of(field: str) -> Callable[[float], Input]:
+    def set_field(field: str) -> Callable[[float], Input]:
         return lambda value: SetContact(pick.lane, pick.index, replace(law, **{field: value}))
 
-    return of
+    set_gap = partial(SetGap, pick.lane, pick.index)
+    found = []
+    if law.stiffness > 0.0:
+        low, high = _stiffness_range(session, pick, law.stiffness)
+        factor, alpha = _stiffness_names(law)
+        found.append(Parameter("stiffness", *factor, low, high, True, law.stiffness, set_field("stiffness")))
+        found.append(Parameter("exponent", alpha, "", 0.01, 3.0, True, law.exponent, set_field("exponent")))
+    return [
+        *found,
+        Parameter("preload", "preload", "N", 0.0, force, False, law.preload, set_field("preload")),
+        Parameter("loss", "loss (0: elastic)", "", 0.0, MOST_LOSS, False, law.loss, set_field("loss")),
+        Parameter("gap", "gap to the next bead", "m", 0.0, MOST_GAP * length, False, gap, set_gap),
+    ]
 
 
-def _scene_law(session: Session, pick: Pick) -> Contact:
+def _stiffness_names(law: Contact) -> tuple[tuple[str, str], str]:
+    """Name and unit of the stiffness, and the name of the exponent."""
+    gear = law.preload > 0.0
+    factor = ("stiffness k", "N/m") if gear and law.exponent == 1.0 else ("f0 (stiffness)", "N/m^a")
+    return factor, "exponent (1: spring)" if gear else "alpha (exponent)"
+
+
+def _stiffness_range(session: Session, pick: Pick, present: float) -> tuple[float, float]:
+    """Ends of the slider of the stiffness: around the scene's own, and wide enough for the present one."""
     laws = session.scene.lanes[pick.lane].chain().contact
-    return laws[min(pick.index, len(laws) - 1)]
+    low, high = _decades_around(laws[min(pick.index, len(laws) - 1)].stiffness or present)
+    return min(low, present), max(high, present)
 
 
-def _around(session: Session, pick: Pick, now: float) -> tuple[float, float]:
-    """Ends of the slider of the stiffness: around the scene's own, and wide enough for the one there is now."""
-    usual = _scene_law(session, pick).stiffness or now
-    return min(usual * 10**-DECADES, now), max(usual * 10**DECADES, now)
+def _decades_around(value: float) -> tuple[float, float]:
+    return value * 10**-DECADES, value * 10**DECADES
 
 
-def _force(session: Session, pick: Pick) -> float:
-    """A force that means something in this scene: twice that of a contact pressed at the scene's speed."""
-    from softcradle.physics.scales import contact_scales
-
-    lane = session.lanes[pick.lane]
-    law = lane.chain.contact[pick.index]
-    depth = contact_scales(lane.chain, [0.0] * lane.chain.contacts + [lane.setup.speed])[0][pick.index]
-    return 2.0 * float(law.force(float(depth)))
+def _impact_force(lane: LiveLane, contact: int) -> float:
+    """Force [N] of a contact that is struck at the scene's speed."""
+    depth = contact_scales(lane.chain, [0.0] * lane.chain.contacts + [lane.setup.speed])[0][contact]
+    return float(lane.chain.contact[contact].force(float(depth)))
 
 
 def number(text: str) -> float:
-    """A typed number: 0.1, 1e-3, 1/14, with a comma or a true minus sign if need be. ValueError where it is none."""
+    """A typed number: 0.1, 1e-3, 1/14, also with a comma or a minus sign of typography. ValueError where it is none."""
     cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
     numerator, slash, denominator = cleaned.partition("/")
     if slash and float(denominator) == 0.0:

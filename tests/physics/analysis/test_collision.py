@@ -9,7 +9,7 @@ import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, one_on, power_law, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
-from softcradle.physics.analysis.measures import at, dwell, energy_inside, impulses, rigidity
+from softcradle.physics.analysis.measures import dwell, energy_inside, impulses, interpolated, rigidity
 
 from tests.helpers.truth import ELASTIC, GEARS, Truth
 
@@ -140,8 +140,8 @@ def test_rigidity():
 
 def test_between_samples():
     trajectory = simulate(cluster_on_cluster(1, 1, power_law(1.0, 0.5)), [1, 0], samples=11)
-    assert at(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
-    assert at(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
+    assert interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
+    assert interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
     assert energy_inside(trajectory, 0) == pytest.approx(0.0)
 
 
@@ -172,7 +172,7 @@ def test_the_bed_takes_momentum():
     assert 0.2 * most < found.momentum_deficit < most
     assert 0.0 < found.energy_deficit < 0.5
     assert found.restitution < free.restitution
-    gained = 3.0 * MASS * at(trajectory, trajectory.velocity, found.detachment)[1]
+    gained = 3.0 * MASS * interpolated(trajectory, trajectory.velocity, found.detachment)[1]
     taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # all three slide while they are pushed
     assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
     last = found.contacts[2].momentum  # to the last of the three

@@ -1,4 +1,4 @@
-"""What users get wrong: one sentence, exit code 2, no file left, no traceback."""
+"""Mistakes of users: one sentence, exit code 2, no file left, no traceback."""
 
 from __future__ import annotations
 
@@ -78,9 +78,9 @@ def test_bad_scene_file(command, text, sentence, tmp_path, capsys):
     path = tmp_path / "bad.toml"
     path.write_text(text, encoding="utf-8")
     arguments = [command, str(path)] + (["-o", str(tmp_path / "out.npz")] if command == "run" else [])
-    said = refused(capsys, arguments)
-    assert said.startswith(f"{path}: ")
-    assert re.search(sentence, said)
+    refusal = refused(capsys, arguments)
+    assert refusal.startswith(f"{path}: ")
+    assert re.search(sentence, refusal)
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -172,7 +172,7 @@ def test_check_reports_every_problem_of_every_file(tmp_path, capsys):
 
 def test_interrupted_run_leaves_no_file(tmp_path, monkeypatch, capsys):
     def interrupt(*_arguments: object, **_keywords: object) -> None:
-        assert len(list(tmp_path.iterdir())) == 1  # the place is taken before the work
+        assert len(list(tmp_path.iterdir())) == 1  # the file is opened before the run
         raise KeyboardInterrupt
 
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)

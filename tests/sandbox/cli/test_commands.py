@@ -1,4 +1,4 @@
-"""The command: its help, its commands, and what they print and write."""
+"""The command: its help, and what its subcommands print and write."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_every_command_has_help(command, capsys):
     assert f"usage: softcradle {command}" in capsys.readouterr().out
 
 
-def test_nothing_asked_opens_the_window(monkeypatch):
+def test_without_a_subcommand_the_window_opens(monkeypatch):
     opened = []
     monkeypatch.setattr("softcradle.sandbox.cli.commands.play.main", lambda args: opened.append(args.scene) or 0)
     assert main([]) == 0
@@ -74,22 +74,22 @@ def test_help_imports_nothing_heavy():
         "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
         f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)"
     )
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stderr == "[]\n"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stderr == "[]\n"
 
 
 def test_module_is_the_command():
-    told = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-m", "softcradle", "run", "nope"], capture_output=True, text=True, check=False
     )
-    assert told.returncode == 2
-    assert told.stderr.startswith("softcradle: there is no scene 'nope'")
+    assert result.returncode == 2
+    assert result.stderr.startswith("softcradle: there is no scene 'nope'")
 
 
-def test_reader_that_goes_away_is_no_error():
+def test_a_closed_pipe_is_no_error():
     shell = f"{sys.executable} -m softcradle scenes mixed | true; exit ${{PIPESTATUS[0]}}"
-    told = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
-    assert told.stderr == ""
+    result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
+    assert result.stderr == ""
 
 
 def test_scenes_lists_all(capsys):
@@ -123,26 +123,26 @@ def test_run_prints_velocities_contacts_errors_and_cost(capsys):
 
 
 def test_json_holds_the_same_numbers(capsys):
-    told = json.loads(output(capsys, "run", "one-on-four", "--json"))
-    (lane,) = told["lanes"]
+    results = json.loads(output(capsys, "run", "one-on-four", "--json"))
+    (lane,) = results["lanes"]
     np.testing.assert_allclose([bead["final_velocity"] for bead in lane["beads"]], FINAL, atol=3e-3)
     assert lane["energy_error"] < 1e-3
     assert lane["momentum_error"] < 1e-12
-    assert told["versions"]["softcradle"]
+    assert results["versions"]["softcradle"]
     assert lane["contacts"][0]["closed"] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_run_writes_everything(capsys, tmp_path):
     out = output(capsys, "run", "two-on-two", "-o", str(tmp_path / "two.npz"), "--samples", "11", "--method", "euler")
     assert "written: " in out
-    made = Trajectory.load(tmp_path / "two.npz")
-    assert made.method == "euler"
-    assert made.time.shape == (11,)
-    assert made.chain == scenes.load("two-on-two").lanes[0].chain()
+    trajectory = Trajectory.load(tmp_path / "two.npz")
+    assert trajectory.method == "euler"
+    assert trajectory.time.shape == (11,)
+    assert trajectory.chain == scenes.load("two-on-two").lanes[0].chain()
     assert [path.name for path in tmp_path.iterdir()] == ["two.npz"]
 
 
-def test_lanes_are_written_one_file_each(capsys, tmp_path):
+def test_each_lane_is_written_to_its_own_file(capsys, tmp_path):
     output(capsys, "run", "galilean", "-o", str(tmp_path / "who.csv"), "--duration", "1.5", "--samples", "4")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["who-1.csv", "who-2.csv"]
     with (tmp_path / "who-2.csv").open(newline="", encoding="utf-8") as file:
@@ -151,7 +151,7 @@ def test_lanes_are_written_one_file_each(capsys, tmp_path):
     assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
 
 
-def test_render_makes_one_picture_and_says_so(capsys, tmp_path):
+def test_render_writes_one_picture_and_reports_it(capsys, tmp_path):
     from PIL import Image
 
     out = output(capsys, "render", "one-on-four", "-o", str(tmp_path / "one.png"), "--size", "640x360")
@@ -161,7 +161,7 @@ def test_render_makes_one_picture_and_says_so(capsys, tmp_path):
         assert len(picture.getcolors(1 << 20) or []) > 10
 
 
-def test_warning_of_the_physics_is_a_sentence(capsys, monkeypatch):
+def test_a_warning_is_a_sentence(capsys, monkeypatch):
     def warns(_args: object) -> int:
         warnings.warn("the step is too long", RuntimeWarning, stacklevel=1)
         return 0
@@ -174,28 +174,26 @@ def test_warning_of_the_physics_is_a_sentence(capsys, monkeypatch):
 
 
 def test_same_run_twice_is_the_same_to_the_last_digit(capsys):
-    def told() -> list[dict[str, object]]:
-        lanes = json.loads(output(capsys, "run", "beads-against-gear", "--json"))["lanes"]
-        return [{key: value for key, value in lane.items() if key != "milliseconds"} for lane in lanes]
+    def lanes() -> list[dict[str, object]]:
+        found = json.loads(output(capsys, "run", "beads-against-gear", "--json"))["lanes"]
+        return [{key: value for key, value in lane.items() if key != "milliseconds"} for lane in found]
 
-    assert told() == told()
+    assert lanes() == lanes()
 
 
 def test_errors_are_relative_to_the_start():
-    """A motion whose energy falls by a quarter and whose momentum by a half, made up to know the answer."""
+    """A constructed motion with known losses of energy and momentum."""
     chain = scenes.load("one-on-four").lanes[0].chain()
     n = chain.contacts
     apart = np.full((2, n), -1.0)
-    rate = np.zeros((2, n))
-    # Beads 0 and 4 at speeds +2 and 0, then +1 and -... : rates are differences of neighbours.
     velocity = np.array([[2.0, 0, 0, 0, 0], [1.0, 0, 0, 0, np.sqrt(2.0)]])
     rate = velocity[:, :-1] - velocity[:, 1:]
     anchor = np.column_stack([np.zeros(2), velocity[:, chain.anchor]])
-    made = Trajectory(
+    trajectory = Trajectory(
         chain=chain, time=np.array([0.0, 1.0]), overlap=apart, rate=rate, anchor=anchor, force=np.zeros((2, n)),
-        final_velocity=velocity[-1], contact_intervals=((),) * n, method="made up",
+        final_velocity=velocity[-1], contact_intervals=((),) * n, method="constructed",
     )  # fmt: skip
-    summary = summarise("lane", made)
+    summary = summarise("lane", trajectory)
     assert summary.energy_error == pytest.approx(0.25)
     assert summary.energy_error_at_end == pytest.approx(0.25)
     assert summary.momentum_error == pytest.approx((1.0 + np.sqrt(2.0) - 2.0) / 2.0)

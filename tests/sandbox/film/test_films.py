@@ -1,4 +1,4 @@
-"""Films read back frame by frame; refusals before any work; whole files or none."""
+"""Films read back frame by frame, what is refused before any work, and files that are complete or not there."""
 
 import av
 import numpy as np
@@ -87,7 +87,7 @@ def test_colours_survive(tmp_path):
     picture.paint(surface, len(motions[0].time) - 1)
     frame = pixels_of(surface)[..., 2::-1]
     flat = _flat_places(frame)
-    assert len(np.unique(frame[flat], axis=0)) >= 6, "paper, stage and beads"
+    assert len(np.unique(frame[flat], axis=0)) >= 6, "background, lane and beads"
     assert np.quantile(np.abs(found[-1][flat].astype(int) - frame[flat]), 0.999) <= 4
 
 
@@ -151,7 +151,7 @@ def test_slow_motion_stretches_the_motion_only(tmp_path):
     assert slow.frames - still == pytest.approx(2 * (plain.frames - still), abs=3)
 
 
-def test_the_script_waits_for_the_reader_and_at_the_end():
+def test_the_first_frame_stays_for_the_text_and_the_last_for_a_moment():
     shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
     assert shots[0] == Shot(0, 1.0)
@@ -224,10 +224,10 @@ def test_a_missing_codec_is_refused(tmp_path, monkeypatch):
 
 
 def test_a_folder_with_something_in_it_is_refused(tmp_path):
-    (tmp_path / "kept.txt").write_text("kept")
+    (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(UserError, match="not an empty folder"):
         rendered(f"{tmp_path}/")
-    assert [path.name for path in tmp_path.iterdir()] == ["kept.txt"]
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
 @pytest.mark.parametrize("name", ["film.mp4", "film.gif", "film/"])
@@ -257,13 +257,13 @@ def test_an_error_while_compressing_reaches_the_caller(tmp_path, monkeypatch, fa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_gif_keeps_the_common_colours(frames):
+def test_common_colours_of_a_gif_are_exact(frames):
     surface = pygame.Surface(SIZE, 0, 32)
     pixels_of(surface)[..., 2::-1] = frames[-1]
     palette = codecs.Palette(surface)
     colours, counts = np.unique(frames[-1].reshape(-1, 3), axis=0, return_counts=True)
     common = colours[np.argsort(counts)[-20:]]
-    kept = palette.frame(surface).to_ndarray(format="rgb24")
-    assert (kept == frames[-1])[(frames[-1] == common[-1]).all(axis=-1)].all()
+    found = palette.frame(surface).to_ndarray(format="rgb24")
+    assert (found == frames[-1])[(frames[-1] == common[-1]).all(axis=-1)].all()
     assert sum((palette.colours == colour).all(axis=1).any() for colour in common) == len(common)
-    assert np.abs(kept.astype(int) - frames[-1]).mean() < 0.5
+    assert np.abs(found.astype(int) - frames[-1]).mean() < 0.5

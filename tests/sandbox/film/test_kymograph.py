@@ -1,4 +1,4 @@
-"""Kymographs: made from camera frames and from the trajectory, both agree to a pixel; scale bars; refusals."""
+"""Kymographs from camera frames agree with the motion to a pixel; scale bars; what is refused."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
 from softcradle.scenes.library import parse
 
-REACH = 420
+WIDTH = 420
 DARK = 60  # sum of red, green and blue below which a pixel is a marker's
 
 
-def filmed(name, rate, number=0, reach=REACH):
+def filmed(name, rate, number=0, width=WIDTH):
     """The camera, the motion and both kymographs of a lane."""
     scene = load(name)
     scene = filmed_scene(scene, motion_end(scene))
     motions = scene_motions(scene, rate)
-    camera = Camera(scene, number, scales_of(scene, motions), reach)
+    camera = Camera(scene, number, scales_of(scene, motions), width)
     motion = motions[number]
     return camera, motion, stacked(camera, motion), traced(camera, motion)
 
 
 def traced(camera, motion):
-    """(T, REACH, 3) the kymograph from the motion alone: black where a marker covers a pixel, white elsewhere."""
+    """(T, WIDTH, 3) the kymograph from the motion alone: black where a marker covers a pixel, white elsewhere."""
     edges = np.arange(camera.frame.get_width())
     covered = np.zeros((len(motion.time), len(edges)))
     for place in camera.markers(motion).T:
@@ -40,11 +40,11 @@ def traced(camera, motion):
 
 
 def middles(line):
-    """Middles of the black stretches in a line (reach, 3), by their ink: pixels."""
-    ink = np.clip(255.0 - line.astype(float).max(axis=1), 0.0, 255.0) / 255.0
+    """Middles of the black stretches in a line (WIDTH, 3) [pixels]."""
+    darkness = np.clip(255.0 - line.astype(float).max(axis=1), 0.0, 255.0) / 255.0
     black = line.astype(int).sum(axis=1) < DARK
     edges = np.flatnonzero(np.diff(np.concatenate(([0], black.astype(int), [0]))))
-    assert ink[black].min() > 0.7
+    assert darkness[black].min() > 0.7
     return np.array([0.5 * (a + b) for a, b in zip(edges[::2], edges[1::2], strict=True)])
 
 
@@ -61,10 +61,10 @@ def middles(line):
 )
 def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
     camera, motion, frames, direct = filmed(name, rate, number)
-    assert frames.shape == direct.shape == (len(motion.time), REACH, 3)
+    assert frames.shape == direct.shape == (len(motion.time), WIDTH, 3)
     places = camera.markers(motion)
     moved = np.ptp(places, axis=0).max()
-    assert moved > 20.0  # so that a camera that saw nothing move would be found out
+    assert moved > 20.0  # a camera that shows no motion would fail here
     for seen, drawn, where in zip(frames, direct, places, strict=True):
         from_frames, from_trajectory = middles(seen), middles(drawn)
         assert len(from_frames) == len(from_trajectory) == len(where)  # a marker on every bead, none hidden
@@ -73,13 +73,13 @@ def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
 
 
 def test_markers_move_at_the_velocities_of_the_beads():
-    camera, motion, frames, _ = filmed("draft-gear-one-on-three", CAMERA_RATE, reach=900)
+    camera, motion, frames, _ = filmed("draft-gear-one-on-three", CAMERA_RATE, width=900)
     first, last = (middles(frames[k]) for k in (-200, -1))
     speed = (last - first) / camera.drawing.scale / (motion.time[-1] - motion.time[-200])
     assert speed == pytest.approx(motion.velocity[-1], abs=0.01)
 
 
-def test_frames_show_bodies_and_the_traced_one_markers_alone():
+def test_frames_show_bodies_and_the_motion_alone_shows_markers():
     _, _, frames, direct = filmed("one-on-four", 30.0)
     assert len(np.unique(direct.reshape(-1, 3), axis=0)) < 300
     assert (direct[..., 0] == direct[..., 2]).all()
@@ -98,7 +98,7 @@ contact = {law = "hertz", stiffness = 5.0}
 gap = 1.0
 """)
     motions = scene_motions(scene, 20.0)
-    camera = Camera(scene, 0, scales_of(scene, motions), REACH)
+    camera = Camera(scene, 0, scales_of(scene, motions), WIDTH)
     assert camera.markers(motions[0]).shape == (len(motions[0].time), 1)
     assert len(middles(camera.line(motions[0], 0))) == 1
 
@@ -115,7 +115,7 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
 
 
 def bar_lengths(picture):
-    """Longest level and upright stretches of ink outside the kymograph: (pixels below, pixels on the right)."""
+    """Longest horizontal and vertical bars outside the kymograph: (pixels below, pixels on the right)."""
     black = (picture == np.array(FOREGROUND)).all(axis=2)
     below = max(int(row.sum()) for row in black[-60:-40])
     right = max(int(column.sum()) for column in black[100:-62, -118:-90].T)
@@ -148,7 +148,7 @@ def test_command(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "sentence"),
     [
         (["--slow", "2"], "--slow is for films"),
         (["--pixel-format", "yuv444p"], "--pixel-format is for films"),
@@ -156,7 +156,7 @@ def test_command(tmp_path, capsys):
         (["--step", "0.1", "--method", "radau"], "chooses its own steps"),
     ],
 )
-def test_refusals(tmp_path, capsys, arguments, said):
+def test_refusals(tmp_path, capsys, arguments, sentence):
     assert main(["render", "one-on-four", "-o", str(tmp_path / "x.kymograph.png"), *arguments]) == 2
-    assert said in capsys.readouterr().err
+    assert sentence in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

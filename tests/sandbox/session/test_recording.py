@@ -1,10 +1,12 @@
 """Recordings: a replay has the digits of the session, or tells the first frame that differs."""
 
 import json
+from typing import get_args
 
 import numpy as np
 import pytest
 from softcradle.sandbox.session import Drag, Replay, Session, SetMass, SetMethod, SetSlow, recording
+from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.session.random_play import play_at_random
 from softcradle.sandbox.user_error import UserError
 
@@ -50,6 +52,26 @@ def test_a_replay_has_the_same_digits(tmp_path, method):
     assert (replay.session.lanes[0].state.overlap == session.lanes[0].state.overlap).all()
     assert replay.session.setup == session.setup
     assert "agrees" in replay.sentence
+
+
+def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
+    """Classes and attributes may get other names; what is in the files that people have must not."""
+    played().save_recording(tmp_path / "played.npz")
+    with np.load(tmp_path / "played.npz") as file:
+        metadata = json.loads(str(file["metadata"]))
+    assert set(metadata) == {"softcradle recording", "versions", "scene", "frame", "base", "inputs"}
+    base = metadata["base"]
+    assert set(base) == {"time", "slow", "hand", "lanes", "states", "ledgers"}
+    assert base["hand"] == [-1.0, 0.0, 0.0]
+    lane = {"label", "chain", "method", "step", "automatic", "step_given", "tolerance", "locked", "speed", "start"}
+    assert set(base["lanes"][0]) == lane
+    assert set(base["lanes"][0]["chain"]) == {"mass", "contact", "gap", "drive", "friction"}
+    assert set(base["states"][0]) == {"time", "overlap", "rate", "anchor", "force"}
+    assert metadata["inputs"][0] == [0, {"input": "SetMethod", "lane": None, "method": "auto"}]
+    assert {item.__name__ for item in get_args(Input)} == {
+        *("Place", "SetVelocity", "SetMass", "SetContact", "SetKind", "Lock", "SetGap", "SetDrive", "SetFriction"),
+        *("AddBead", "RemoveBead", "SetMethod", "SetStep", "Drag", "Drop", "SetSlow", "Resume"),
+    }
 
 
 def test_a_replay_also_runs_by_the_clock(tmp_path):

@@ -1,4 +1,4 @@
-"""What pages leave behind goes at once, on any system."""
+"""The clean-up of widgets frees cycles at once, on any system."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ import ctypes
 import weakref
 
 import pytest
-from softcradle.sandbox.window.widget_cleanup import sweep
+from softcradle.sandbox.window.widget_cleanup import collect_garbage
 
 
 class Widget:
-    """Holds itself, as widgets hold their containers."""
+    """Refers to itself, as widgets and containers refer to each other."""
 
     def __init__(self) -> None:
         self.container = self
 
 
-def test_circles_are_let_go_of() -> None:
+def test_cycles_are_freed() -> None:
     widget = weakref.ref(Widget())
     assert widget() is not None
-    sweep()
+    collect_garbage()
     assert widget() is None
 
 
 @pytest.mark.parametrize("refusal", [OSError, AttributeError, TypeError])
-def test_a_system_that_cannot_take_holes_back_is_no_error(
+def test_a_system_that_cannot_trim_the_heap_is_no_error(
     refusal: type[Exception], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def library(name: None) -> None:
@@ -32,5 +32,5 @@ def test_a_system_that_cannot_take_holes_back_is_no_error(
 
     monkeypatch.setattr(ctypes, "CDLL", library)
     widget = weakref.ref(Widget())
-    sweep()
+    collect_garbage()
     assert widget() is None

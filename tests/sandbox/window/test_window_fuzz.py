@@ -1,4 +1,4 @@
-"""A minute of random hands; an hour of them is `python -m tests.helpers.window_fuzz`."""
+"""Half a minute of random input for each seed; an hour of it is `python -m tests.helpers.window_fuzz`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.helpers.windows import Driver
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_random_hands_meet_no_exception_and_no_number_that_is_none(
+def test_random_input_causes_no_exception_and_every_number_is_finite(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -21,8 +21,8 @@ def test_random_hands_meet_no_exception_and_no_number_that_is_none(
     assert fuzz.driver.app.running
 
 
-def test_the_cursor_reads_frames_from_before_beads_were_removed():
-    """There are then more values than names, and more than are listed: found by random hands."""
+def test_the_cursor_reads_frames_from_before_beads_were_removed() -> None:
+    """There are then more values than names, and more than are listed: found by the fuzz."""
     driver = Driver("one-on-ten")
     for _ in range(3):
         driver.session.apply(AddBead(0, 1))
@@ -31,7 +31,7 @@ def test_the_cursor_reads_frames_from_before_beads_were_removed():
         driver.session.apply(RemoveBead(0, 1))
     driver.session.step_frames(5)
     driver.frames(2)
-    for plot in driver.play.board.plots:
+    for plot in driver.page.board.plots:
         for x in range(plot.area.left, plot.area.right, 7):
-            driver.play.board.paint_reading(driver.app.surface, (x, plot.area.centery))
+            driver.page.board.paint_reading(driver.app.surface, (x, plot.area.centery))
     driver.close()

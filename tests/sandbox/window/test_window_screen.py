@@ -1,4 +1,4 @@
-"""A real window on a real (virtual) screen, with a real pointer and keyboard: Xvfb and xdotool."""
+"""The window on a virtual screen, with pointer and keyboard events of the system: Xvfb and xdotool."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import pytest
 pytestmark = pytest.mark.skipif(
     not (shutil.which("Xvfb") and shutil.which("xdotool")), reason="needs Xvfb and xdotool, which CI installs"
 )
-PATIENCE = 120.0  # s: a busy machine compiles kernels behind the window for a while
+LONGEST_WAIT = 120.0  # s: a busy machine compiles kernels behind the window for a while
 
 
 @pytest.fixture
@@ -28,15 +28,15 @@ def display() -> Iterator[str]:
         stderr=subprocess.DEVNULL,
     )
     os.close(writing)
-    with os.fdopen(reading) as told:
-        number = told.readline().strip()
+    with os.fdopen(reading) as output:
+        number = output.readline().strip()
     yield f":{number}"
     server.terminate()
     server.wait(10)
 
 
 class Screen:
-    """One softcradle process on a display, in a folder of its own."""
+    """A softcradle process on a display, with a folder of its own."""
 
     def __init__(self, display: str, folder: Path) -> None:
         self.folder = folder
@@ -44,7 +44,7 @@ class Screen:
         self.log = folder / "stderr.txt"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "sandbox"], cwd=folder, env=self.environment, stderr=log
+                [sys.executable, "-m", "softcradle"], cwd=folder, env=self.environment, stderr=log
             )
         self.window = self.until(lambda: self.tool("search", "--onlyvisible", "--class", ".").split())[0]
         self.tool("windowfocus", "--sync", self.window)
@@ -54,10 +54,10 @@ class Screen:
         return done.stdout
 
     def until(self, found: Callable[[], object]) -> list[str]:
-        end = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + LONGEST_WAIT
         while not (result := found()):
             assert self.process.poll() is None, self.log.read_text()
-            assert time.monotonic() < end, "the window did not answer"
+            assert time.monotonic() < deadline, "the window did not respond"
             time.sleep(0.1)
         return result if isinstance(result, list) else []
 
@@ -83,7 +83,7 @@ class Screen:
         self.tool("click", "1")
         time.sleep(0.3)
 
-    def answer(self, text: str) -> Path:
+    def type_path(self, text: str) -> Path:
         """Type the name of a file into the box that is open."""
         self.key("ctrl+a")
         self.tool("type", "--window", self.window, "--delay", "30", text)
@@ -91,7 +91,7 @@ class Screen:
         return self.folder / text
 
 
-def test_a_person_plays_on_a_real_screen(display: str, tmp_path: Path) -> None:
+def test_a_scene_is_played_on_a_screen(display: str, tmp_path: Path) -> None:
     screen = Screen(display, tmp_path)
     try:
         _play(screen, tmp_path)
@@ -106,12 +106,12 @@ def _play(screen: Screen, tmp_path: Path) -> None:
     from softcradle import scenes
 
     screen.key("ctrl+o")
-    screen.answer("one-on-four")
+    screen.type_path("one-on-four")
     time.sleep(1.0)
     pictures = lambda: list(tmp_path.glob("*.png"))  # noqa: E731
     screen.key("p")
     screen.until(pictures)
-    # play until something has happened
+    # play until the beads have collided
     exported = tmp_path / "motion.npz"
     screen.key("space")
     screen.until(lambda: _beyond(screen, exported, 1.5))
@@ -122,19 +122,19 @@ def _play(screen: Screen, tmp_path: Path) -> None:
     screen.key("space")
     screen.drag((900, 652), (28, 652))
     screen.key("m", "Right", "a", "ctrl+s")
-    saved = screen.answer("mine.toml")
+    saved = screen.type_path("mine.toml")
     screen.until(saved.exists)
     scene = scenes.load(saved)
     assert len(scene.lanes[0].chain().mass) == 6
     assert scene.method == "euler"
     screen.key("ctrl+shift+s")
-    session = screen.answer("played.npz")
+    session = screen.type_path("played.npz")
     screen.until(session.exists)
     # reload both, quit
     screen.key("ctrl+o")
-    screen.answer("mine.toml")
+    screen.type_path("mine.toml")
     screen.key("ctrl+o")
-    screen.answer("played.npz")
+    screen.type_path("played.npz")
     time.sleep(0.5)
     screen.key("p")
     screen.until(lambda: len(pictures()) == 2)
@@ -149,7 +149,7 @@ def _beyond(screen: Screen, file: Path, seconds: float) -> bool:
 
     file.unlink(missing_ok=True)
     screen.key("ctrl+e")
-    screen.answer(file.name)
+    screen.type_path(file.name)
     end = time.monotonic() + 5.0
     while not file.exists() and time.monotonic() < end:
         time.sleep(0.1)

@@ -10,20 +10,19 @@ from typing import Any
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from softcradle.sandbox.studies.precision.chart_cases import Case, Start
+from softcradle.sandbox.studies.precision.cases import Case, Start
 from softcradle.sandbox.studies.precision.peers.peer_problem import (
-    COMPILED,
-    FINER,
     FIRST_STEP,
     MOST_STEPS,
-    answer_of,
-    parameters_of,
-    slopes,
-    start_of,
-    times_of,
-    tolerances_of,
+    RATIOS,
+    absolute_tolerances,
+    derivatives,
+    output_times,
+    parameter_array,
+    solution_of,
+    start_state,
 )  # fmt: skip
-from softcradle.sandbox.studies.precision.solvers import Answer, Solver, tolerances
+from softcradle.sandbox.studies.precision.solvers import Solution, Solver, tolerances
 
 Array = NDArray[np.float64]
 
@@ -32,12 +31,10 @@ METHODS = ("RK45", "DOP853", "LSODA", "RADAU")
 
 def solvers(case: Case) -> list[Solver]:
     """A curve a method."""
-    if not COMPILED:
-        return []
     return [
-        Solver(f"CyRK {method}", f"overlaps {finer:g}", tolerances(), partial(_solve, case, method, finer))
+        Solver(f"CyRK {method}", f"overlaps {ratio:g}", tolerances(), partial(_solve, case, method, ratio))
         for method in METHODS
-        for finer in FINER
+        for ratio in RATIOS
     ]
 
 
@@ -46,12 +43,12 @@ def _parts() -> tuple[int, Callable[..., Any]]:
     from CyRK import nb_diffeq_addr, nbsolve2_ivp
 
     def right_hand_side(out, t, y, p):
-        slopes(y, out, p)
+        derivatives(y, out, p)
 
     @njit
-    def solve(address, times, start, method, parameters, rtol, atols, first, most):
+    def solve(address, times, start, method, parameters, rtol, absolute, first, most):
         found = nbsolve2_ivp(
-            address, (0.0, times[-1]), start, method=method, t_eval=times, args=parameters, rtol=rtol, atols=atols,
+            address, (0.0, times[-1]), start, method=method, t_eval=times, args=parameters, rtol=rtol, atols=absolute,
             first_step=first, max_num_steps=most,
         )  # fmt: skip
         ok = found.success and found.size > 0
@@ -62,11 +59,11 @@ def _parts() -> tuple[int, Callable[..., Any]]:
     return nb_diffeq_addr(right_hand_side), solve
 
 
-def _solve(case: Case, method: str, finer: float, tolerance: float, _start: Start, moments: Array) -> Answer:
+def _solve(case: Case, method: str, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     address, solve = _parts()
-    counter, start, times = np.zeros(1), start_of(case), times_of(case, moments)
-    atols, parameters = tolerances_of(case, finer, tolerance), parameters_of(case, counter)
+    counter, start, times = np.zeros(1), start_state(case), output_times(case, sample_times)
+    absolute, parameters = absolute_tolerances(case, ratio, tolerance), parameter_array(case, counter)
     began = perf_counter()
-    ok, states = solve(address, times, start, method, parameters, tolerance, atols, FIRST_STEP, MOST_STEPS)
+    ok, states = solve(address, times, start, method, parameters, tolerance, absolute, FIRST_STEP, MOST_STEPS)
     seconds = perf_counter() - began
-    return answer_of(case, states.T if ok else None, moments, seconds, counter[0])
+    return solution_of(case, states.T if ok else None, sample_times, seconds, counter[0])

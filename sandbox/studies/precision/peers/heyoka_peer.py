@@ -1,28 +1,28 @@
 """heyoka's Taylor series with terminal events where a contact opens or closes.
 
-A series has no start where an overlap is zero: `radau` takes it through the first moment, and that time counts. A contact
-counts as open below a small overlap, scanned beside the tolerance.
+A series cannot start where an overlap is zero: `radau` computes the beginning, and its time counts. A contact counts as
+open below a small overlap, which is scanned beside the tolerance.
 """
 
 from __future__ import annotations
 
-import warnings
 from functools import cache, partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import simulate
-from softcradle.sandbox.studies.precision.chart_cases import Case, Start
-from softcradle.sandbox.studies.precision.peers.peer_problem import MOST_STEPS, answer_of, times_of
-from softcradle.sandbox.studies.precision.solvers import Answer, Solver, tolerances
+from softcradle.physics.simulation import solve
+from softcradle.sandbox.studies.precision.cases import Case, Start
+from softcradle.sandbox.studies.precision.peers.peer_problem import MOST_STEPS, output_times, solution_of
+from softcradle.sandbox.studies.precision.solvers import Solution, Solver, tolerances
 
 Array = NDArray[np.float64]
 
-MOST_CONTACTS = 5  # deeper ones are too stiff for an explicit series
-HANDED_OVER = (1e-2, 1e-4)  # [s] after the first touch
-START_TOLERANCE = 1e-11  # finest that the start is computed to
+MOST_CONTACTS = 5  # longer chains have deep contacts that are too stiff for an explicit series
+SWITCH_TIMES = (1e-2, 1e-4)  # [s] after the first touch, when the series takes over
+SMALLEST_OVERLAPS = (1e-8, 1e-14)  # [m] below which a contact counts as open
+START_TOLERANCE = 1e-11  # finest tolerance of the beginning
 
 
 def solvers(case: Case) -> list[Solver]:
@@ -31,7 +31,7 @@ def solvers(case: Case) -> list[Solver]:
     soft = all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact) and len(set(chain.contact)) == 1
     if chain.contacts > MOST_CONTACTS or not soft or set(chain.mass) != {1.0} or chain.drive or any(chain.gap):
         return []
-    scanned = [(start, least) for start in HANDED_OVER for least in (1e-8, 1e-14)]
+    scanned = [(start, least) for start in SWITCH_TIMES for least in SMALLEST_OVERLAPS]
     return [
         Solver(
             "heyoka after radau",
@@ -67,26 +67,24 @@ def _taylor(n: int, exponent: float, stiffness: float, tolerance: float, least: 
     )
 
 
-def _solve(case: Case, start: float, least: float, tolerance: float, _start: Start, moments: Array) -> Answer:
+def _solve(case: Case, start: float, least: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     import heyoka as hy
 
     n, law = case.chain.contacts, case.chain.contact[0]
     solver = _taylor(n, law.exponent, law.stiffness, tolerance, least)
-    early = moments[moments < start]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        first = simulate(
-            case.chain, case.velocity, start, "radau", None, np.append(early, start), max(tolerance, START_TOLERANCE)
-        )
+    early = sample_times[sample_times < start]
+    first = solve(
+        case.chain, case.velocity, start, "radau", None, np.append(early, start), max(tolerance, START_TOLERANCE)
+    )
     state = np.hstack((first.overlap, first.rate))
     solver.time, solver.pars[:], solver.state[:] = start, (first.overlap[-1] > least).astype(float), state[-1]
     solver.reset_cooldowns()
     states, seconds = list(state[:-1]), first.seconds
-    for time in times_of(case, moments)[early.size :]:
+    for time in output_times(case, sample_times)[early.size :]:
         began = perf_counter()
         outcome = solver.propagate_until(time, max_steps=MOST_STEPS)[0]
         seconds += perf_counter() - began
         if outcome != hy.taylor_outcome.time_limit:
-            return Answer(None, seconds)
+            return Solution(None, seconds)
         states.append(solver.state.copy())
-    return answer_of(case, np.array(states), moments, seconds, np.nan)
+    return solution_of(case, np.array(states), sample_times, seconds, np.nan)

@@ -1,4 +1,4 @@
-"""numbalsoda's LSODA; it has one absolute tolerance for all, so overlaps are held as absolute parts of the relative one."""
+"""numbalsoda's LSODA. It has one absolute tolerance for all variables: parts of the relative one are scanned."""
 
 from __future__ import annotations
 
@@ -10,29 +10,26 @@ from typing import Any
 import numba
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.sandbox.studies.precision.chart_cases import Case, Start
+from softcradle.sandbox.studies.precision.cases import Case, Start
 from softcradle.sandbox.studies.precision.peers.peer_problem import (
-    COMPILED,
-    FINER,
     MOST_STEPS,
-    answer_of,
-    parameters_of,
-    slopes,
-    start_of,
-    times_of,
+    RATIOS,
+    derivatives,
+    output_times,
+    parameter_array,
+    solution_of,
+    start_state,
 )
-from softcradle.sandbox.studies.precision.solvers import Answer, Solver, tolerances
+from softcradle.sandbox.studies.precision.solvers import Solution, Solver, tolerances
 
 Array = NDArray[np.float64]
 
 
 def solvers(case: Case) -> list[Solver]:
     """One curve."""
-    if not COMPILED:
-        return []
     return [
-        Solver("numbalsoda", f"LSODA, absolute {finer:g}", tolerances(), partial(_solve, case, finer))
-        for finer in (1.0, *FINER)
+        Solver("numbalsoda", f"LSODA, absolute {ratio:g}", tolerances(), partial(_solve, case, ratio))
+        for ratio in (1.0, *RATIOS)
     ]
 
 
@@ -42,16 +39,16 @@ def _parts() -> tuple[Any, Callable[..., Any]]:
 
     @numba.cfunc(lsoda_sig)
     def right_hand_side(t, y, out, p):
-        slopes(y, out, p)
+        derivatives(y, out, p)
 
     return right_hand_side, lsoda
 
 
-def _solve(case: Case, finer: float, tolerance: float, _start: Start, moments: Array) -> Answer:
+def _solve(case: Case, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     right_hand_side, lsoda = _parts()
-    counter, start, times = np.zeros(1), start_of(case), np.append(0.0, times_of(case, moments))
-    parameters, address = parameters_of(case, counter), right_hand_side.address
+    counter, start, times = np.zeros(1), start_state(case), np.append(0.0, output_times(case, sample_times))
+    parameters, address = parameter_array(case, counter), right_hand_side.address
     began = perf_counter()
-    found, ok = lsoda(address, start, times, data=parameters, rtol=tolerance, atol=finer * tolerance, mxstep=MOST_STEPS)
+    found, ok = lsoda(address, start, times, data=parameters, rtol=tolerance, atol=ratio * tolerance, mxstep=MOST_STEPS)
     seconds = perf_counter() - began
-    return answer_of(case, found[1:] if ok else None, moments, seconds, counter[0])
+    return solution_of(case, found[1:] if ok else None, sample_times, seconds, counter[0])

@@ -4,54 +4,53 @@ from __future__ import annotations
 
 from functools import partial
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.sandbox.studies.precision.chart_cases import Case, Start
+from softcradle.sandbox.studies.precision.cases import Case, Start
 from softcradle.sandbox.studies.precision.peers.peer_problem import (
-    COMPILED,
     FIRST_STEP,
-    LONGEST,
-    LateError,
-    answer_of,
-    parameters_of,
-    slopes_in_time,
-    start_of,
-    times_of,
-    tolerances_of,
+    TIME_LIMIT,
+    TimeLimitError,
+    absolute_tolerances,
+    output_times,
+    parameter_array,
+    solution_of,
+    start_state,
+    timed_derivatives,
 )
-from softcradle.sandbox.studies.precision.solvers import Answer, Solver, tolerances
+from softcradle.sandbox.studies.precision.solvers import Solution, Solver, tolerances
 
 Array = NDArray[np.float64]
 
 METHODS = ("DOP853", "LSODA", "Radau")
-FINER = 1e-6  # absolute tolerance of overlaps, as part of that of rates
+RATIO = 1e-6  # absolute tolerance of overlaps over that of rates
 
 
 def solvers(case: Case) -> list[Solver]:
     """A curve a method."""
-    if not COMPILED:
-        return []
     return [Solver(f"SciPy {method}", "", tolerances(), partial(_solve, case, method)) for method in METHODS]
 
 
-def _solve(case: Case, method: str, tolerance: float, _start: Start, moments: Array) -> Answer:
+def _solve(case: Case, method: str, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     from scipy.integrate import solve_ivp
 
-    counter, start, times = np.zeros(1), start_of(case), times_of(case, moments)
-    parameters, atols, out = parameters_of(case, counter), tolerances_of(case, FINER, tolerance), np.empty(start.size)
+    counter, start, times = np.zeros(1), start_state(case), output_times(case, sample_times)
+    parameters, out = parameter_array(case, counter), np.empty(start.size)
+    options: dict[str, Any] = {"rtol": tolerance, "atol": absolute_tolerances(case, RATIO, tolerance)}
 
     def right_hand_side(_time: float, y: Array) -> Array:
-        return slopes_in_time(parameters, out, y, began + LONGEST).copy()
+        return timed_derivatives(parameters, out, y, began + TIME_LIMIT).copy()
 
     began = perf_counter()
     try:
         found = solve_ivp(
-            right_hand_side, (0.0, case.span), start, method, times, rtol=tolerance, atol=atols, first_step=FIRST_STEP
+            right_hand_side, (0.0, case.run_duration), start, method, times, first_step=FIRST_STEP, **options
         )
-    except LateError:
-        return Answer(None, perf_counter() - began, counter[0])
+    except TimeLimitError:
+        return Solution(None, perf_counter() - began, counter[0])
     seconds = perf_counter() - began
-    if seconds > LONGEST:  # compiled callers swallow a LateError, and hand back what they have
-        return Answer(None, seconds, counter[0])
-    return answer_of(case, found.y.T if found.success else None, moments, seconds, counter[0])
+    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns what it has
+        return Solution(None, seconds, counter[0])
+    return solution_of(case, found.y.T if found.success else None, sample_times, seconds, counter[0])

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from softcradle.sandbox.studies.precision.chart_cases import Case, Start
-from softcradle.sandbox.studies.precision.peers.peer_problem import COMPILED, answer_of
-from softcradle.sandbox.studies.precision.solvers import Answer, Solver, step_counts
+from softcradle.sandbox.studies.precision.cases import Case, Start
+from softcradle.sandbox.studies.precision.peers.peer_problem import solution_of
+from softcradle.sandbox.studies.precision.solvers import Solution, Solver, step_counts
 
 Array = NDArray[np.float64]
 
@@ -37,15 +37,15 @@ def solvers(case: Case) -> list[Solver]:
     """None for a chain that is not of unit masses and one power law: a preload is added to no force."""
     chain = case.chain
     simple = set(chain.mass) == {1.0} and len(set(chain.contact)) == 1 and chain.contact[0].preload == 0.0
-    if not (COMPILED and simple) or chain.drive:
+    if not simple or chain.drive:
         return []
     return [Solver("Verlet by hand", "", step_counts(), partial(_solve, case), steps=True)]
 
 
-def _solve(case: Case, steps: float, start: Start, moments: Array) -> Answer:
+def _solve(case: Case, steps: float, start: Start, sample_times: Array) -> Solution:
     law = case.chain.contact[0]
     overlap, rate = 0.0 - np.array(start.chain.gap), -np.diff(start.velocity)
-    step, count, times = case.span / steps, 0, np.append(moments, case.span) + start.early
+    step, count, times = case.run_duration / steps, 0, np.append(sample_times, case.run_duration) + start.early
     states, seconds = [], 0.0
     for time in times:
         more = max(round(time / step) - count, 0)
@@ -55,4 +55,4 @@ def _solve(case: Case, steps: float, start: Start, moments: Array) -> Answer:
         count += more
         late = time - count * step  # less than half a step, on a straight line
         states.append(np.concatenate((overlap + late * rate, rate)))
-    return answer_of(case, np.array(states), moments, seconds, count)
+    return solution_of(case, np.array(states), sample_times, seconds, count)

@@ -1,4 +1,4 @@
-"""What the window keeps and opens: scenes, sessions, histories, pictures, films."""
+"""What the window saves and opens: scenes, sessions, histories, screenshots, films."""
 
 from __future__ import annotations
 
@@ -7,31 +7,31 @@ from pathlib import Path
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.window.gallery.gallery_page import Gallery
+from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 
 from tests.helpers.windows import Driver
 
-CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
+CTRL = pygame.KMOD_CTRL
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 
-def test_scene_is_saved_and_dropped_again(driver: Driver, tmp_path: Path) -> None:
+def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> None:
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
     driver.key(pygame.K_s, CTRL)
     assert driver.app.prompt is not None
     driver.app.prompt.entry.set_text("mine.toml")
     driver.key(pygame.K_RETURN)
-    assert driver.said == ["saved mine.toml"]
+    assert driver.messages == ["saved mine.toml"]
     masses = driver.session.lanes[0].chain.mass
     driver.key(pygame.K_ESCAPE)
     driver.key(pygame.K_ESCAPE)
-    assert isinstance(driver.app.page, Gallery)
+    assert isinstance(driver.app.page, GalleryPage)
     driver.drop_file(tmp_path / "mine.toml")
     assert driver.session.lanes[0].chain.mass == masses
 
 
-def test_session_is_saved_and_replays_to_the_last_digit(driver: Driver, tmp_path: Path) -> None:
+def test_a_session_is_saved_and_replayed_with_the_same_digits(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(40)
     x, y = driver.bead(4)
@@ -39,19 +39,19 @@ def test_session_is_saved_and_replays_to_the_last_digit(driver: Driver, tmp_path
     driver.release((x + 80, y))
     driver.frames(20)
     state, last = driver.session.lanes[0].state.copy(), driver.session.history.last
-    driver.play.keeping.save_session("played")
+    driver.page.dialogs.save_session("played")
     driver.drop_file(tmp_path / "played.npz")
-    replay = driver.play.replay
+    replay = driver.page.replay
     assert replay is not None
     driver.frames(200)
     assert replay.done
     assert replay.diverged is None
-    assert any("agrees" in text for text in driver.said)
+    assert any("agrees" in text for text in driver.messages)
     shown = driver.session.history.snapshot(last).states[0]
     assert np.array_equal(shown.overlap, state.overlap)
 
 
-def test_history_is_exported(driver: Driver, tmp_path: Path) -> None:
+def test_the_history_is_exported(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(60)
     driver.key(pygame.K_e, CTRL)
@@ -59,11 +59,11 @@ def test_history_is_exported(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_RETURN)
     rows = (tmp_path / "motion.csv").read_text().splitlines()
     assert len(rows) > 60
-    driver.play.keeping.export("motion.doc")
-    assert any("motion.doc" in text for text in driver.said)
+    driver.page.dialogs.export("motion.doc")
+    assert any("motion.doc" in text for text in driver.messages)
 
 
-def test_screenshot_and_film_are_written(driver: Driver, tmp_path: Path) -> None:
+def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> None:
     import av
 
     driver.key(pygame.K_p)
@@ -88,11 +88,13 @@ def test_screenshot_and_film_are_written(driver: Driver, tmp_path: Path) -> None
         ("missing.toml", None),
     ],
 )
-def test_a_bad_file_is_a_message_and_no_crash(driver: Driver, tmp_path: Path, name: str, content: str | None) -> None:
+def test_a_bad_file_gives_a_message_and_no_crash(
+    driver: Driver, tmp_path: Path, name: str, content: str | None
+) -> None:
     if content is not None:
         (tmp_path / name).write_text(content)
     page = driver.app.page
     driver.drop_file(tmp_path / name)
     assert driver.app.page is page
-    assert any(name in text for text in driver.said)
-    assert driver.app.messages.shown[-1].trouble
+    assert any(name in text for text in driver.messages)
+    assert driver.app.messages.visible[-1].warning

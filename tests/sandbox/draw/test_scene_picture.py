@@ -1,31 +1,13 @@
-"""Pictures: what is on them is what the history says, and drawing changes nothing."""
+"""Pictures show what the motions contain; drawing changes nothing and depends on the row alone."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pygame
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
-from softcradle.sandbox.draw.curve_panels import spread
-from softcradle.sandbox.draw.number_format import (
-    decades,
-    factor,
-    fixed,
-    power_of_ten,
-    round_down,
-    round_step,
-    scientific,
-    subscript,
-    ticks,
-)
-from softcradle.sandbox.draw.palette import BACKGROUND, OKABE_ITO, STEEL, bead_colours
-from softcradle.sandbox.draw.rigid_clusters import rigid_shares
+from softcradle.sandbox.draw import Picture, draw, scales_of
+from softcradle.sandbox.draw.palette import BACKGROUND, STEEL
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
-from softcradle.sandbox.draw.surface_cache import cached_surfaces, clear_cached_surfaces
-from softcradle.sandbox.draw.text import font, shortened, width, wrapped
 from softcradle.sandbox.film.codecs import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes.library import parse
@@ -88,19 +70,19 @@ contact = {law = "hooke", stiffness = 1.0}
 """
 
 
-def history(text, rows_per_second=40.0):
+def motions_of(text, rows_per_second=40.0):
     scene = parse(text)
     return scene, scene_motions(scene, rows_per_second * scene.view.slow)
 
 
 @pytest.fixture(scope="module")
 def soft():
-    return history(SOFT)
+    return motions_of(SOFT)
 
 
 @pytest.fixture(scope="module")
 def two():
-    return history(TWO)
+    return motions_of(TWO)
 
 
 def painted(picture, row, **options):
@@ -115,7 +97,9 @@ def near(pixels, colour, tolerance=6):
 
 def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     scene, motions = two
-    before = [{name: getattr(t, name).copy() for name in ("time", "position", "overlap", "force")} for t in motions]
+    before = [
+        {name: getattr(motion, name).copy() for name in ("time", "position", "overlap", "force")} for motion in motions
+    ]
     picture = Picture(scene, motions, SIZE)
     middle, row = len(motions[0].time) // 2, len(motions[0].time) // 3
     first = painted(picture, middle)
@@ -123,8 +107,8 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     assert (painted(picture, middle) == first).all()
     assert (painted(Picture(scene, motions, SIZE), middle) == first).all()
     assert (other != first).any()
-    for motion, held in zip(motions, before, strict=True):
-        assert all((getattr(motion, name) == array).all() for name, array in held.items())
+    for motion, arrays in zip(motions, before, strict=True):
+        assert all((getattr(motion, name) == array).all() for name, array in arrays.items())
 
 
 def test_draw_is_the_picture_of_that_row(soft):
@@ -148,7 +132,7 @@ def test_bars_are_as_high_as_the_forces(soft):
     assert min(expected) > 10
 
 
-def test_beads_are_where_they_are_and_overlap_darker(soft):
+def test_beads_are_at_their_positions_and_overlaps_are_darker(soft):
     scene, motions = soft
     picture = Picture(scene, motions, SIZE)
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
@@ -164,7 +148,7 @@ def test_beads_are_where_they_are_and_overlap_darker(soft):
 
 
 def test_piston_moves_in_by_the_magnified_overlap():
-    scene, motions = history(GEAR)
+    scene, motions = motions_of(GEAR)
     picture = Picture(scene, motions, SIZE)
     drawing = picture.lanes[0].drawing
     rows = [int(np.argmin(np.abs(motions[0].time))), strongest_row(motions)]
@@ -175,7 +159,7 @@ def test_piston_moves_in_by_the_magnified_overlap():
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
 
 
-def test_lanes_share_clock_axes_and_scale(two):
+def test_lanes_share_times_axes_and_scale(two):
     scene, motions = two
     picture = Picture(scene, motions, SIZE)
     first, second = picture.lanes
@@ -187,7 +171,7 @@ def test_lanes_share_clock_axes_and_scale(two):
 
 
 def test_beads_beside_gears_have_one_scale():
-    scene, motions = history(SOFT + GEAR.split("[view]", maxsplit=1)[0].replace('title = "Gear"', ""))
+    scene, motions = motions_of(SOFT + GEAR.split("[view]", maxsplit=1)[0].replace('title = "Gear"', ""))
     beads, gears = Picture(scene, motions, SIZE).lanes
     assert beads.drawing.scale == gears.drawing.scale
 
@@ -211,35 +195,6 @@ def test_magnified_overlaps_move_beads_about_their_mean():
     assert (edges - left_edges(position, overlap, 1.0, 1.0)).mean() == pytest.approx(0.0)
 
 
-def test_free_flight_before_the_start(soft):
-    scene, (motion,) = soft
-    early = motion.time < 0.0
-    assert early.any()
-    assert motion.position[early, 0] == pytest.approx(motion.time[early])
-    assert (motion.position[early, 1:] == 0.0).all()
-    assert (motion.force[early] == 0.0).all()
-    assert motion.energy_error[early].max() == 0.0
-    chain = scene.lanes[0].chain()
-    assert longest_lead(chain, np.array([1.0, 0.0, 0.0, 0.0])) == math.inf
-    assert longest_lead(chain, np.array([0.0, 0.0, 0.0, 1.0])) == 0.0
-
-
-def test_errors_are_those_of_the_motion(soft):
-    _, (motion,) = soft
-    energy = motion.kinetic.sum(axis=1) + motion.stored
-    assert motion.energy_error[-1] == pytest.approx(np.abs(energy / energy[0] - 1.0).max())
-    lost = replace(motion, rate=0.5 * motion.rate, anchor=motion.anchor * [1.0, 0.5])
-    assert lost.momentum_error[-1] == pytest.approx(motion.momentum_error[-1], abs=1e-12)
-    assert lost.energy_error[-1] > 0.1
-
-
-def test_rigid_shares_are_those_of_equation_4():
-    assert rigid_shares([1.0] * 5, [1, 0, 0, 0, 0]) == (0, (1.0, 0.75, 0.5, 0.25))
-    assert rigid_shares([1.0, 3.0, 2.0, 2.0], [1, 1, 0, 0]) == (1, (0.25, 1.0, 0.5))
-    assert rigid_shares([1.0, 1.0, math.inf], [1, 0, 0])[1] == (0.0, 0.0)
-    assert rigid_shares([1.0, 1.0, 1.0], [0, 0, 1])[1] == (0.0, 0.0)
-
-
 @pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])
 def test_any_size(two, size):
     scene, motions = two
@@ -251,7 +206,7 @@ def test_any_size(two, size):
 
 @pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
 def test_any_chain(text):
-    scene, motions = history(text, 20.0)
+    scene, motions = motions_of(text, 20.0)
     picture = Picture(scene, motions, SIZE)
     frames = [painted(picture, row) for row in (0, len(motions[0].time) // 2, len(motions[0].time) - 1)]
     assert all((~near(frame, BACKGROUND)).mean() > 0.02 for frame in frames)
@@ -268,115 +223,9 @@ def test_camera_moves_the_beads_and_nothing_else(soft):
     assert changed[:, 0].max() <= picture.lanes[0].insets.rect.bottom
 
 
-def test_text_of_the_scene_is_told_and_goes(soft):
+def test_text_of_the_scene_is_written_and_fades(soft):
     scene, motions = soft
     picture = Picture(scene, motions, SIZE)
     plain, half, full = (painted(picture, 0, text_opacity=opacity) for opacity in (0.0, 0.5, 1.0))
     assert (full != plain).any()
     assert np.abs(half - plain).sum() < np.abs(full - plain).sum()
-
-
-def test_the_font_has_every_sign():
-    signs = "0123456789δvf₀₁₉₋⁰¹²⁹⁻·\N{MULTIPLICATION SIGN}\N{MINUS SIGN}…✓µ()=!éüα\N{NARROW NO-BREAK SPACE}"
-    assert all(metric is not None for metric in font(20).metrics(signs))
-    assert len({font(40).size(digit)[0] for digit in "0123456789\N{MINUS SIGN}"}) == 1, (
-        "digits of one width do not dance"
-    )
-
-
-def test_colours_differ_for_the_colour_blind():
-    """Deuteranopia and protanopia after Machado et al. (2009), severity 1, on linear light."""
-    machado = {
-        "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
-        "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    }
-    linear = (np.array(OKABE_ITO) / 255.0) ** 2.2
-    for name, matrix in machado.items():
-        seen = np.clip(linear @ np.array(matrix).T, 0.0, 1.0) ** (1 / 2.2) * 255.0
-        apart = np.linalg.norm(seen[:, None] - seen[None], axis=-1) + 1e3 * np.eye(len(seen))
-        assert apart.min() > 20.0, name
-    assert len(set(bead_colours(60))) == 60
-
-
-@given(
-    st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100.0, 300.0)
-)
-def test_names_beside_curves_keep_order_and_distance(places, gap, high):
-    moved = spread(places, gap, 0.0, high)
-    order = sorted(range(len(places)), key=lambda k: places[k])
-    steps = np.diff([moved[k] for k in order])
-    assert (steps >= min(gap, high / max(1, len(places) - 1)) - 1e-6).all()
-    assert min(moved) >= -1e-6
-    assert max(moved) <= high + 1e-6
-
-
-def test_names_with_room_stay_where_they_are():
-    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
-    assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
-
-
-@given(st.floats(1e-9, 1e9), st.integers(1, 8))
-def test_steps_are_round(span, most):
-    step = round_step(span, most)
-    assert span / step <= most * (1 + 1e-6)
-    assert float(f"{step:.0e}"[:-4]) in {1.0, 2.0, 5.0}
-    assert round_down(step) == pytest.approx(step)
-    assert len(ticks(0.0, span, most)) <= most + 1
-
-
-@pytest.mark.parametrize(
-    ("found", "expected"),
-    [
-        (scientific(0.41), "0.41"),
-        (scientific(7.8e-4), "7.8·10⁻⁴"),
-        (scientific(-1.25e7), "\N{MINUS SIGN}1.2·10⁷"),
-        (scientific(0.0), "0"),
-        (scientific(123.0), "123"),
-        (factor(0.5), "\N{MULTIPLICATION SIGN}0.5"),
-        (factor(20000.0), "\N{MULTIPLICATION SIGN}20\N{NARROW NO-BREAK SPACE}000"),
-        (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"),
-        (factor(1e29), "\N{MULTIPLICATION SIGN}10²⁹"),
-        (fixed(-0.001, 2), "0.00"),
-        (fixed(-1.5, 1), "\N{MINUS SIGN}1.5"),
-        (subscript(1, 2), "₁₂"),
-        (subscript(9, 10), "₉₋₁₀"),
-        (power_of_ten(-12), "10⁻¹²"),
-        (decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
-        (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
-    ],
-)
-def test_numbers(found, expected):
-    assert found == expected
-
-
-def test_text_fits_its_room():
-    assert width(shortened("a rather long title", 20, 100), 20) <= 100
-    assert shortened("short", 20, 1000) == "short"
-    assert all(width(line, 15) <= 200 for line in wrapped("a b c " * 40, 15, 200))
-    assert " ".join(wrapped("one two three", 15, 60)) == "one two three"
-
-
-def test_drawings_are_kept_up_to_their_memory_and_the_oldest_goes_first():
-    drawn = []
-
-    @cached_surfaces(megabytes=1.0)
-    def square(side):
-        drawn.append(side)
-        return pygame.Surface((side, side), 0, 32)
-
-    sides = [256, 255, 254]  # a quarter of a megabyte each
-    for side in sides * 2:
-        assert square(side).get_size() == (side, side)
-    assert drawn == sides
-    square(400)  # 0.61 MB: the first two have to go
-    square(254)
-    assert drawn == [*sides, 400]
-    square(255)
-    assert drawn == [*sides, 400, 255]
-    square(2000)  # more than all of it is kept until the next
-    assert square(2000) is square(2000)
-    assert drawn == [*sides, 400, 255, 2000]
-    clear_cached_surfaces()
-    for side in sides * 2:  # room for three again: what was forgotten does not count
-        square(side)
-    assert drawn == [*sides, 400, 255, 2000, *sides]

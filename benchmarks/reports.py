@@ -1,4 +1,4 @@
-"""What every part of the benchmarks hands back: one table to print, and its numbers for the JSON file."""
+"""A report: one table to print, and its numbers for the JSON file."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ class Report:
 
     Attributes:
         title: what was measured.
-        columns, rows: the table as text; aims stand in brackets beside the values they belong to.
+        columns, rows: the table as text; aims stand in brackets beside the values to which they belong.
         notes: sentences below the table.
-        data: the numbers behind it, as JSON takes them.
+        data: the numbers of the table, as JSON takes them.
     """
 
     title: str
-    columns: list[str]
-    rows: list[list[str]]
+    columns: list[str] = field(default_factory=list)
+    rows: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     data: Any = None
 
     def show(self, console: Console) -> None:
-        """Print it; a report without columns is its title alone."""
+        """Print the table; a report without columns is its title alone."""
         if not self.columns:
             console.print(self.title, highlight=False)
             return
@@ -42,11 +42,16 @@ class Report:
         console.print()
 
 
-def against(value: float | None, aim: float | None) -> str:
-    """A measured value with its aim in brackets, marked where it is missed; a dash where there is none."""
+def at_most(value: float | None, aim: float | None) -> str:
+    """A measured value with its aim in brackets, marked where the value is larger; a dash where there is no value."""
     if value is None:
         return "-" if aim is None else f"- ({aim:g}) missed"
     shown = f"{value:.3g}" if value < 1000 else f"{value:.0f}"
     if aim is None:
         return shown
     return f"{shown} ({aim:g})" + ("" if value <= aim else " missed")
+
+
+def at_least(shown: str, value: float, aim: float) -> str:
+    """The same for a value, given also as it is shown, that should not be smaller than its aim."""
+    return f"{shown} (at least {aim:g})" + ("" if value >= aim else " missed")

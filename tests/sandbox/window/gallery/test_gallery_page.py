@@ -1,4 +1,4 @@
-"""The gallery of scenes, by mouse and by keys, and what it leaves behind."""
+"""The gallery, driven by mouse and keys, and the memory of pages that were left."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from pathlib import Path
 
 import pygame
 import pytest
-from softcradle.sandbox.window.gallery.gallery_page import Gallery
+from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 
 from tests.helpers.windows import Driver
 
-CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 
@@ -24,13 +23,13 @@ def gallery() -> Iterator[Driver]:
     made.close()
 
 
-def test_gallery_draws_and_keeps_thumbnails_and_opens_the_scene_that_is_clicked(
+def test_the_gallery_draws_and_saves_thumbnails_and_opens_the_scene_that_is_clicked(
     gallery: Driver, tmp_path: Path
 ) -> None:
     page = gallery.app.page
-    assert isinstance(page, Gallery)
-    patience = time.monotonic() + 90.0
-    while len(page.pictures) < len(page.names) and time.monotonic() < patience:
+    assert isinstance(page, GalleryPage)
+    deadline = time.monotonic() + 90.0
+    while len(page.pictures) < len(page.names) and time.monotonic() < deadline:
         gallery.frames()
         pygame.time.wait(5)
     assert len(page.pictures) == len(page.names)
@@ -43,13 +42,13 @@ def test_gallery_draws_and_keeps_thumbnails_and_opens_the_scene_that_is_clicked(
     assert gallery.session.scene.title == "One bead on four"
     gallery.key(pygame.K_ESCAPE)
     again = gallery.app.page
-    assert isinstance(again, Gallery)
-    assert len(again.pictures) == len(again.names)  # read back from disk, at once
+    assert isinstance(again, GalleryPage)
+    assert len(again.pictures) == len(again.names)  # loaded from disk
 
 
-def test_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
+def test_the_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
     page = gallery.app.page
-    assert isinstance(page, Gallery)
+    assert isinstance(page, GalleryPage)
     gallery.key(pygame.K_RIGHT)
     gallery.key(pygame.K_DOWN)
     assert page.selected == 1 + page.columns
@@ -59,7 +58,7 @@ def test_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
 
 def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
     page = gallery.app.page
-    assert isinstance(page, Gallery)
+    assert isinstance(page, GalleryPage)
     gallery.drag(page.place(0).center, page.place(1).center)
     gallery.release(page.place(1).center)
     gallery.click((page.place(0).centerx, 8))  # the header
@@ -69,22 +68,22 @@ def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> Non
     assert gallery.app.page is page
 
 
-def test_pages_and_widgets_that_are_left_do_not_stay_in_memory(gallery: Driver) -> None:
-    """They go in circles, and hold their surfaces: an hour of use would keep some 100 MB of them."""
+def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
+    """They refer to each other in cycles and hold their surfaces: some 100 MB in an hour of use."""
     page = gallery.app.page
-    assert isinstance(page, Gallery)
+    assert isinstance(page, GalleryPage)
     old_gallery, place = weakref.ref(page), page.place(0).center
     del page
     gallery.click(place)
     gallery.frames()
     assert old_gallery() is None
-    old_page = weakref.ref(gallery.play)
+    old_page = weakref.ref(gallery.page)
     for action in ("larger", "smaller"):
-        old_widget = weakref.ref(next(iter(gallery.play.transport.buttons.values())))
+        old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))
         gallery.app.act(action)
         gallery.frames()
         assert old_widget() is None
     gallery.key(pygame.K_ESCAPE)
     gallery.frames()
-    assert isinstance(gallery.app.page, Gallery)
+    assert isinstance(gallery.app.page, GalleryPage)
     assert old_page() is None

@@ -1,0 +1,200 @@
+"""The collisions of the work-precision chart, each with its true outcome; any scene can be one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, step_force
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
+from softcradle.physics.simulation import solve
+from softcradle.scenes import Scene
+
+Array = NDArray[np.float64]
+
+ERROR_LEVELS = (1e-3, 1e-6, 1e-9)  # errors of final velocities, over the closing speed, at which methods are compared
+TRUTH_TOLERANCE = 1e-12  # of radau, whose outcome is the truth where none is known better
+CHECK_TOLERANCE = 3e-12  # of accurate, whose distance from the truth is its uncertainty
+PEER_MARGIN = 1.001  # peers cannot see the end of a collision: they run this much longer than it lasts
+SAMPLE_COUNT = 64  # times during the first closing of the struck contact at which forces and overlaps are compared
+
+# final velocities of one on 4, alpha = 1/10, by Taylor series in quadruple precision: see tests/helpers/data/README.md
+ONE_ON_FOUR = (
+    -0.56758562476547303918, 0.17392146672861098151, 0.4540787148354326006, 0.46978361268000769326,
+    0.4698018305214217638,
+)  # fmt: skip
+RIGID_SOURCE = "two rigid bodies, exact"
+
+
+@dataclass(frozen=True)
+class Start:
+    """A start of a case: the chain `early` [s] before the case's own start, in free flight until then."""
+
+    chain: Chain
+    velocity: Array
+    early: float = 0.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """One collision with its true outcome.
+
+    Attributes:
+        name, label, chain, velocity: what collides; the name for files and commands, the label for people.
+        duration: None until the collision is over, else [s].
+        end: when it is over [s].
+        truth: (n+1,) final velocities [m/s].
+        uncertainty: distance of two ways to the truth, over the closing speed; 0 where it is known better.
+        source: where the truth is from.
+        aims: times that `accurate` should take [ms], by error level.
+    """
+
+    name: str
+    label: str
+    chain: Chain
+    velocity: Array
+    duration: float | None
+    end: float
+    truth: Array
+    uncertainty: float
+    source: str
+    aims: dict[float, float] = field(default_factory=dict)
+
+    @property
+    def run_duration(self) -> float:
+        """Duration of a run that cannot see the end of the collision [s]."""
+        return self.end * PEER_MARGIN if self.duration is None else self.duration
+
+    @cached_property
+    def closing_speed(self) -> float:
+        """Closing speed [m/s]."""
+        return float(np.ptp(self.velocity)) or 1.0
+
+    def error(self, velocity: Array) -> float:
+        """Largest error of any final velocity, over the closing speed; inf for what is no number."""
+        error = float(np.abs(velocity - self.truth).max() / self.closing_speed)
+        return error if np.isfinite(error) else np.inf
+
+    @cached_property
+    def sampled_truth(self) -> Trajectory:
+        """The motion at `sample_times`, by `radau` at its finest."""
+        return self._solve_by_radau(TRUTH_TOLERANCE, self.sample_times)
+
+    @cached_property
+    def sample_times(self) -> Array:
+        """(SAMPLE_COUNT,) times [s]: midpoints of equal parts of the first closing of the contact that is struck first."""
+        found = self._solve_by_radau(1e-8, 2).contact_intervals
+        closings = [intervals[0] for intervals in found if intervals]
+        first = min((closed for closed, _ in closings), default=0.0)
+        last = max((opened for closed, opened in closings if closed == first), default=self.run_duration)
+        parts = (np.arange(SAMPLE_COUNT) + 0.5) / SAMPLE_COUNT
+        times: Array = first + parts * (min(last, self.run_duration) - first)
+        return times
+
+    def _solve_by_radau(self, tolerance: float, samples: int | Array) -> Trajectory:
+        return solve(self.chain, self.velocity, self.run_duration, "radau", None, samples, tolerance)
+
+    def starts(self, lead_times: Sequence[float]) -> list[Start]:
+        """The case begun each of `lead_times` [s] earlier, which ends the same.
+
+        The case itself alone, where the chain is driven or beads would have overlapped earlier.
+        """
+        rate, gap = -np.diff(self.velocity), np.array(self.chain.gap)
+        gaps = gap + np.outer(lead_times, rate)
+        if self.chain.drive or (gaps < 0.0).any():
+            return [Start(self.chain, self.velocity)]
+        return [
+            Start(replace(self.chain, gap=row), self.velocity, early)
+            for early, row in zip(lead_times, gaps, strict=True)
+        ]
+
+
+@dataclass(frozen=True)
+class CaseDefinition:
+    """A case before its truth is computed.
+
+    Attributes:
+        name, label: as in Case.
+        make_chain: gives the chain.
+        duration: as in Case.
+        truth: gives (n+1,) final velocities where these are known better than computed here; `source` says from where.
+        velocity: None: bead 0 strikes at unit speed.
+        aims: as in Case.
+    """
+
+    name: str
+    label: str
+    make_chain: Callable[[], Chain]
+    duration: float | None = None
+    truth: Callable[[], Array] | None = None
+    source: str = ""
+    velocity: Array | None = None
+    aims: dict[float, float] = field(default_factory=dict)
+
+    def solve(self) -> Case:
+        """The case, with its truth computed or looked up."""
+        chain = self.make_chain()
+        velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
+        finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
+        truth, uncertainty, source = finest.final_velocity, 0.0, self.source
+        if self.truth is not None:
+            truth = self.truth()
+        else:
+            check = solve(chain, velocity, self.duration, "accurate", samples=2, tolerance=CHECK_TOLERANCE)
+            uncertainty = float(np.abs(truth - check.final_velocity).max() / (np.ptp(velocity) or 1.0))
+            source = f"radau at {TRUTH_TOLERANCE:g}, accurate at {CHECK_TOLERANCE:g} within {uncertainty:.0e}"
+        end = float(finest.time[-1])
+        return Case(
+            self.name, self.label, chain, velocity, self.duration, end, truth, uncertainty, source, self.aims
+        )  # fmt: skip
+
+
+def definitions_of(scene: Scene) -> list[CaseDefinition]:
+    """One definition for each lane of `scene`."""
+    if len(scene.lanes) == 1:
+        labels = [scene.title]
+    else:
+        labels = [f"{scene.title}: {lane.label or k}" for k, lane in enumerate(scene.lanes, 1)]
+    return [
+        CaseDefinition(label, label, lane.chain, scene.duration, velocity=np.array(lane.velocity, dtype=np.float64))
+        for label, lane in zip(labels, scene.lanes, strict=True)
+    ]
+
+
+def _draft_gears(ratio: float) -> Chain:
+    """One on ten draft gears whose precompression is such that unit speed is `ratio` times the critical speed."""
+    critical = critical_speed(draft_gear(1.0, 1.0), np.ones(11), 1)  # proportional to the precompression
+    return one_on(10, draft_gear(1.0, 1.0 / (ratio * critical)))
+
+
+def _rigid_outcome(beads: int) -> Array:
+    return rigid_collision(np.ones(beads), 1)
+
+
+CASE_DEFINITIONS: tuple[CaseDefinition, ...] = (
+    CaseDefinition(
+        "one-on-4", "one on 4, alpha = 1/10", lambda: one_on(4, power_law(1.0, 1 / 10)),
+        truth=lambda: np.array(ONE_ON_FOUR), source="quadruple precision", aims={1e-6: 0.4, 1e-9: 0.7},
+    ),
+    CaseDefinition(
+        "one-on-5", "one on 5, alpha = 1/14", lambda: one_on(5, power_law(1.0, 1 / 14)), aims={1e-6: 1.0, 1e-9: 4.0}
+    ),
+    CaseDefinition(
+        "one-on-10", "one on 10, alpha = 1/30", lambda: one_on(10, power_law(1.0, 1 / 30)), aims={1e-6: 2.0, 1e-9: 8.0}
+    ),
+    CaseDefinition(
+        "hertz-100", "Hertz, one on 100, t = 200", lambda: one_on(100, hertz(1.0)), 200.0, aims={1e-6: 2.0, 1e-9: 9.0}
+    ),
+    CaseDefinition(
+        "gear-below", "draft gear, one on 10, 0.8 critical", lambda: _draft_gears(0.8), truth=lambda: _rigid_outcome(11),
+        source=RIGID_SOURCE, aims={1e-9: 2.0},
+    ),
+    CaseDefinition("gear-above", "draft gear, one on 10, 3x critical", lambda: _draft_gears(3.0), aims={1e-9: 2.0}),
+    CaseDefinition(
+        "step-force", "step force, one on 10", lambda: one_on(10, step_force(1.0)), truth=lambda: _rigid_outcome(11),
+        source=RIGID_SOURCE,
+    ),
+)  # fmt: skip

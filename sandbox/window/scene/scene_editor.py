@@ -1,0 +1,134 @@
+"""The scene editor: the selected bead or contact, inputs on their way to the session, and the edits that have keys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+from softcradle.sandbox.session.contact_conversion import kind_of
+from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.window_page import Host
+
+AUTO = "auto"  # the entry of the method menu by which the method is chosen
+PREPARING = "preparing the physics: some seconds, once"
+PLURALS = {"power": "power laws", "gear": "draft gears"}
+
+
+class SceneEditor:
+    """Edits of one session.
+
+    Attributes:
+        selection: the selected bead or contact; None where nothing is selected.
+        preparing: whether kernels are still being loaded: the session can neither move nor be edited yet.
+        actions: the edits that have keys.
+    """
+
+    def __init__(self, host: Host, session: Session) -> None:
+        self.host, self.session = host, session
+        self.selection: Pick | None = None
+        self.preparing = False
+        self.check_kernels()
+        self.actions: dict[str, Callable[[], None]] = {
+            "select_left": partial(self.select_neighbour, -1),
+            "select_right": partial(self.select_neighbour, 1),
+            "add_bead": self.add_bead,
+            "remove_bead": self.remove_bead,
+            "lock": self.lock,
+            "law": self.convert,
+            "law_all": self.convert_all,
+        }
+
+    def check_kernels(self) -> None:
+        """Read whether the kernels of the session's methods are loaded."""
+        self.preparing = not self.host.warmup.can_move(self.session.lanes)
+
+    def apply(self, item: Input) -> bool:
+        """Apply an input to the session; whether it was accepted. The reason of a refusal is shown."""
+        if self.preparing:
+            self.host.messages.show(PREPARING)
+            return False
+        if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
+            self.host.messages.show(f"method {item.method} is still being prepared: try again in some seconds")
+            self.host.rebuild()  # the menu goes back to the present method
+            return False
+        try:
+            self.session.apply(item)
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+            return False
+        return True
+
+    def _method_is_loaded(self, name: str) -> bool:
+        return name == AUTO or self.host.warmup.can_move(self.session.lanes, name)
+
+    def _apply_to_lanes(self, edit: Callable[[int], LaneInput]) -> bool:
+        """Apply an edit to every lane; whether all were accepted."""
+        accepted = [self.apply(edit(lane)) for lane in range(len(self.session.lanes))]
+        return all(accepted)
+
+    # ---- edits that have keys
+
+    def select_neighbour(self, by: int) -> None:
+        """Select what is beside the selection: beads and contacts in turn."""
+        pick = self.selection
+        if pick is None:
+            self.selection = Pick(0, "bead", 0)
+            return
+        beads = self.session.lanes[pick.lane].chain.contacts + 1
+        place = 2 * pick.index + (1 if pick.kind == "contact" else 0) + by
+        place = min(max(place, 0), 2 * beads - 2)
+        self.selection = Pick(pick.lane, "contact" if place % 2 else "bead", place // 2)
+
+    def add_bead(self) -> None:
+        """Add a bead like the selected one to its right; without a selected bead, like the last of the lane."""
+        pick = self._bead()
+        masses = self.session.lanes[pick.lane].chain.mass
+        mass = masses[pick.index]
+        if self.apply(AddBead(pick.lane, pick.index + 1, mass if math.isfinite(mass) else min(masses))):
+            self.selection = Pick(pick.lane, "bead", pick.index + 1)
+
+    def _bead(self) -> Pick:
+        """The selected bead, the bead left of the selected contact, or the last bead of the first lane."""
+        pick = self.selection
+        if pick is None:
+            return Pick(0, "bead", self.session.lanes[0].chain.contacts)
+        return Pick(pick.lane, "bead", pick.index)
+
+    def remove_bead(self) -> None:
+        """Remove the selected bead."""
+        pick = self.selection
+        if pick is None or pick.kind != "bead":
+            self.host.messages.show("select the bead to remove")
+            return
+        self.apply(RemoveBead(pick.lane, pick.index))
+
+    def lock(self) -> None:
+        """Lock or unlock the piston of the selected contact; without a selected contact, those of all."""
+        pick, lanes = self.selection, self.session.lanes
+        if pick is not None and pick.kind == "contact":
+            locked = lanes[pick.lane].setup.locked[pick.index] is not None
+            self.apply(Lock(pick.lane, pick.index, not locked))
+            return
+        locked = all(law is not None for lane in lanes for law in lane.setup.locked)
+        if self._apply_to_lanes(lambda lane: Lock(lane, None, not locked)):
+            self.host.messages.show("all pistons unlocked" if locked else "all pistons locked: the usual cradle")
+
+    def convert(self) -> None:
+        """Convert the selected contact into a power law or a draft gear."""
+        pick = self.selection
+        if pick is None or pick.kind != "contact":
+            text = "select a contact: click between two beads, on its force bar or on its magnified inset"
+            self.host.messages.show(text)
+            return
+        law = self.session.lanes[pick.lane].chain.contact[pick.index]
+        self.apply(SetKind(pick.lane, pick.index, "power" if kind_of(law) == "gear" else "gear"))
+
+    def convert_all(self) -> None:
+        """Convert all contacts into power laws or draft gears."""
+        gears = all(kind_of(law) == "gear" for lane in self.session.lanes for law in lane.chain.contact)
+        kind = "power" if gears else "gear"
+        if self._apply_to_lanes(lambda lane: SetKind(lane, None, kind)):
+            self.host.messages.show(f"all contacts are {PLURALS[kind]} now")

@@ -1,0 +1,76 @@
+"""Contact events: those of the physics, found in the history, and dropped with it."""
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import hertz, simulate
+from softcradle.sandbox.session import Session, SetContact, SetGap, SetMass, SetSlow, SetVelocity
+from softcradle.sandbox.session.contact_events import ContactEventIndex
+from softcradle.sandbox.session.history import BLOCK_ROWS
+
+from softcradle import scenes
+
+FRAMES = BLOCK_ROWS + 300
+
+
+def test_contact_events_are_the_contact_intervals_of_a_trajectory():
+    session = Session(scenes.load("hertz-cradle"))
+    lane = session.scene.lanes[0]
+    session.step_frames(FRAMES)
+    session.step_frames(FRAMES)
+    truth = simulate(lane.chain(), lane.velocity, session.time, "conserving", step=1e-3)
+    events = session.contact_events()
+    assert (np.diff(events.time) >= 0.0).all()
+    for contact, intervals in enumerate(truth.contact_intervals):
+        own = events.select(events.contact == contact)
+        expected = [time for interval in intervals for time in interval]
+        assert np.isfinite(expected).all()
+        assert own.time == pytest.approx(expected, abs=session.setup.frame_time)
+        assert own.closed.tolist() == [True, False] * len(intervals)
+
+
+def test_an_impact_within_one_frame_is_not_missed():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetSlow(1.0))
+    session.apply(SetContact(0, None, hertz(1e9)))
+    session.apply(SetGap(0, 0, 0.5))
+    session.step_frames(120)
+    first = session.contact_events().select(session.contact_events().contact == 0)
+    assert first.closed.tolist()[:2] == [True, False]
+    assert first.speed[0] == pytest.approx(1.0)
+    assert first.time[0] == pytest.approx(0.5, abs=0.01)
+
+
+def test_contact_events_of_a_dropped_branch_are_dropped():
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(FRAMES)
+    assert session.contact_events().closed.any()
+    session.scrub_frame(BLOCK_ROWS - 1)
+    session.apply(SetVelocity(0, None, -3.0))
+    session.step_frames(FRAMES)
+    fresh = ContactEventIndex(session.history).all()
+    for known, found in zip(session.contact_events().columns(), fresh.columns(), strict=True):
+        assert (known == found).all()
+    session.scrub_frame(10)
+    session.apply(SetVelocity(0, None, 0.0))
+    session.step_frames(10)
+    assert len(session.contact_events().time) == 0
+
+
+def test_contact_events_read_all_along_are_those_found_at_the_end():
+    session = Session(scenes.load("hertz-cradle"), memory=700_000)
+    for edit in (SetMass(0, 0, math.inf), SetMass(0, 4, math.inf), SetSlow(1.0), SetVelocity(0, None, 0.0)):
+        session.apply(edit)
+    session.apply(SetVelocity(0, 2, 1.0))
+    for k in range(25):
+        session.step_frames(190)
+        session.contact_events()
+        if k % 6 == 5:
+            session.scrub_frame(session.history.last - 300)
+            session.apply(SetVelocity(0, 1 + k % 3, 1.5))
+    assert session.history.first > 0
+    fresh = ContactEventIndex(session.history).all()
+    assert len(fresh.time) > 20
+    for known, found in zip(session.contact_events().columns(), fresh.columns(), strict=True):
+        assert (known == found).all()

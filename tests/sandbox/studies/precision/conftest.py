@@ -1,0 +1,16 @@
+"""The case that most tests of the work-precision chart use."""
+
+from __future__ import annotations
+
+import pytest
+from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
+
+
+@pytest.fixture(scope="session")
+def definitions():
+    return {definition.name: definition for definition in CASE_DEFINITIONS}
+
+
+@pytest.fixture(scope="session")
+def case(definitions):
+    return definitions["one-on-4"].solve()

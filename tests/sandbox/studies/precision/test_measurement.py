@@ -1,0 +1,84 @@
+"""Measurement of our solvers: errors over start phases and samples, time limits, failures."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import METHODS, Chain, power_law
+from softcradle.sandbox.studies.precision import measurement
+from softcradle.sandbox.studies.precision.measurement import TimeLimits, error_of, measure_case, measure_series
+from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES, START_PHASES, Solver, our_solvers
+
+from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
+
+
+def test_every_method_has_a_solver(case):
+    found = our_solvers(case)
+    assert [solver.name for solver in found] == [*(method.name for method in METHODS), "auto"]
+    assert all(solver.steps != method.adaptive for solver, method in zip(found[:-1], METHODS, strict=True))
+    assert len(our_solver(case, "verlet").starts(case, 100.0)) == START_PHASES
+    assert len(our_solver(case, "radau").starts(case, 1e-3)) == 1
+
+
+def test_a_chain_with_friction_has_the_methods_that_can_take_it():
+    sliding = type("Case", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
+    methods = {method.name for method in METHODS if method.dissipative}
+    assert {solver.name for solver in our_solvers(sliding)} == {"auto", *methods}
+
+
+def test_errors_average_over_the_start_phase(case):
+    solver, steps = our_solver(case, "verlet"), 120.0
+    (point,) = measure_series(case, our_solver(case, "verlet", steps), limits=SHORT_LIMITS).points
+    errors = [case.error(solver.run(steps, start, NO_SAMPLES).velocity) for start in solver.starts(case, steps)]
+    assert np.ptp(errors) > 0.1 * point.error  # the error at one phase alone is a matter of chance
+    assert point.error == pytest.approx(np.sqrt(np.mean(np.square(errors))))
+    assert point.evaluations == pytest.approx(120, abs=3)
+
+
+@pytest.mark.parametrize("quantity", ["forces", "overlaps"])
+def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
+    coarse, fine = (
+        measure_series(case, our_solver(case, "accurate", tolerance), quantity, SHORT_LIMITS).points[0].error
+        for tolerance in (1e-3, 1e-9)
+    )
+    assert fine < 1e-6 < coarse < 0.3
+
+
+def test_samples_of_an_earlier_start_are_as_much_later(case):
+    solver = our_solver(case, "verlet")
+    early = case.starts([0.0, 0.25])
+    first, second = (solver.run(30000.0, start, case.sample_times) for start in early)
+    assert np.median(np.abs(first.force - second.force)) < 1e-3
+    assert error_of(case, "forces", second) < 0.02
+
+
+def test_a_series_ends_at_its_time_limit(case):
+    found = measure_series(case, our_solver(case, "verlet"), limits=TimeLimits(run=1e-4, series=10.0))
+    assert found.out_of_time
+    assert found.points[-1].seconds < 1e-3
+    exact = measure_series(case, our_solver(case, "accurate", 1e-3, 1e-11, 1e-12, 1e-13))
+    assert [point.fineness for point in exact.points] == [1e-3, 1e-11, 1e-12]
+    assert not exact.out_of_time
+
+
+def test_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
+    shares = []
+    monkeypatch.setattr(
+        measurement, "measure_series", lambda *a: shares.append(a[3].series) or made_series("x", True, (0.1, 1.0))
+    )
+    solver = our_solver(case, "verlet", 30.0)
+    measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
+    assert shares[0] == pytest.approx(2.0)
+    assert shares[-1] == pytest.approx(8.0, abs=0.5)  # what the others have not used
+
+
+def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case):
+    def broken(*_):
+        raise ValueError("array must not contain infs or NaNs")
+
+    (series,) = measure_case(case, [Solver("peer", "", (1e-2, 1e-3), broken)], limits=SHORT_LIMITS)
+    assert all(point.error == math.inf for point in series.points)
+    with pytest.raises(ValueError, match="infs"):
+        measure_case(case, [Solver("method", "", (1e-2,), broken, ours=True)], limits=SHORT_LIMITS)

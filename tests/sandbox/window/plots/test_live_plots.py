@@ -1,0 +1,106 @@
+"""The live plots: curves, cursor, stacked energies, the kymograph, two lanes, and a plot that is added to the table."""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.draw.palette import bead_colours
+from softcradle.sandbox.session.history_slices import slice_at
+from softcradle.sandbox.window.plots.stacked_plot import StackedPlot
+
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def test_the_energy_split_shows_beads_that_are_gone(driver: Driver) -> None:
+    """A plot that opens after beads were removed also draws the layers of these beads."""
+    driver.key(pygame.K_SPACE)
+    driver.frames(90)
+    driver.key(pygame.K_SPACE)
+    for bead in (4, 3):
+        driver.click(driver.bead(bead))
+        driver.key(pygame.K_DELETE)
+        driver.frames(3)
+    assert driver.session.lanes[0].chain.contacts == 2
+    board = driver.page.board
+    if "energy" not in board.shown:
+        driver.key(pygame.K_4)
+    driver.frames(30)
+    energy = next(plot for plot in board.plots if isinstance(plot, StackedPlot))
+    assert energy.complete
+    first = round(driver.session.history.first_time / energy.span.column)
+    column = pygame.surfarray.array3d(energy.draw_columns(first + 5, first + 6))[0]
+    assert {bead_colours(5)[0]} <= {tuple(colour) for colour in column.tolist()}
+
+
+def test_every_plot_can_be_hidden_and_shown(driver: Driver) -> None:
+    kinds = ("velocities", "forces", "overlaps", "energy", "space-time", "kymograph")
+    driver.key(pygame.K_SPACE)
+    driver.frames(100)
+    shown = set(driver.page.board.shown)
+    keys = (pygame.K_1, pygame.K_2, pygame.K_3, pygame.K_4, pygame.K_5, pygame.K_7)
+    for key, kind in zip(keys, kinds, strict=True):
+        driver.key(key)
+        driver.frames(2)
+        shown ^= {kind}
+        assert set(driver.page.board.shown) == shown
+    assert shown == {"energy", "space-time", "kymograph"}
+    driver.key(pygame.K_b)
+    assert driver.page.board.plots == []
+    driver.key(pygame.K_b)
+    assert len(driver.page.board.plots) == 3
+
+
+def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
+    driver.key(pygame.K_7)
+    driver.key(pygame.K_SPACE)
+    driver.frames(150)
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    plot = next(plot for plot in driver.page.board.plots if plot.content.title.startswith("markers"))
+    session = driver.session
+    frame = session.frame - 20
+    values = plot.values_at(frame)
+    time = session.history.snapshot(frame).time
+    length = session.scene.view.length
+    overlap = slice_at(session.history, 0, frame).overlap[0]
+    assert np.diff(values) == pytest.approx(length - overlap, abs=1e-9)  # the distance of neighbours
+    x = round(plot.span.x(time))
+    column = pygame.surfarray.array3d(plot.curves.surface)[x].sum(axis=1)
+    for place in plot.y(values):
+        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # a marker
+    band = plot.y(values + 0.25 * length).round().astype(int)
+    assert all(300 < column[row] < 740 for row in band)  # the pale colour of a bead
+
+
+def test_curves_are_drawn_and_the_cursor_reads_them(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(150)
+    plot = driver.page.board.plots[0]
+    striker = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
+    assert striker.count() > 60
+    driver.move(plot.area.center)
+    driver.frames(2)
+    assert driver.page.board.plot_at(plot.area.center) is plot
+    frame = driver.session.history.frame_at(driver.page.board.span.time(plot.area.width / 2))
+    assert plot.values_at(frame).shape == (5,)
+
+
+def test_the_overlap_axis_is_logarithmic_or_linear(driver: Driver) -> None:
+    assert driver.page.board.plots[2].axis.logarithmic
+    driver.key(pygame.K_o)
+    assert not driver.page.board.plots[2].axis.logarithmic
+
+
+def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
+    driver = Driver("beads-against-gear")
+    driver.key(pygame.K_SPACE)
+    driver.frames(120)
+    first, second = driver.session.lanes
+    assert first.state.time == second.state.time
+    differences = [plot for plot in driver.page.board.plots if plot.content.title.startswith("second less first")]
+    assert np.allclose(differences[0].values_at(driver.session.frame), second.velocity - first.velocity)
+    assert differences[0].span is driver.page.board.plots[0].span
+    driver.close()

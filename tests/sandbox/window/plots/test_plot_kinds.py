@@ -1,0 +1,75 @@
+"""The table of live plots: an entry is all that a plot needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.draw.curve_panels import linear_axis
+from softcradle.sandbox.window.keys import Key, action_of, groups
+from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
+from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
+
+from tests.helpers.window_fuzz import fuzz_keys
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def momentum(setting: PlotSetting) -> PlotContent:
+    axis = linear_axis("", *setting.scales.momentum)
+    return PlotContent("momentum (N s)", axis, setting.bead_names("p"), setting.colours, lambda motion: motion.momentum)
+
+
+MOMENTUM = PlotKind("momentum", pygame.K_8, "momentum of each bead", momentum)
+
+
+def plots_of_momentum(driver: Driver) -> list[Plot]:
+    return [plot for plot in driver.page.board.plots if plot.content.title == "momentum (N s)"]
+
+
+def test_a_plot_in_the_table_has_its_key_its_button_and_its_place_on_the_board(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
+    driver = Driver("one-on-four")
+    assert plots_of_momentum(driver) == []
+    driver.key(pygame.K_8)
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    (plot,) = plots_of_momentum(driver)
+    lane = driver.session.lanes[0]
+    assert plot.values_at(driver.session.frame) == pytest.approx(np.array(lane.chain.mass) * lane.velocity)
+    drawn = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
+    assert drawn.count() > 20
+    button = driver.page.time_controls.toggles["momentum"]
+    assert button.text == "momentum"
+    driver.click(button.rect.center)
+    driver.frames(2)
+    assert plots_of_momentum(driver) == []
+    driver.close()
+
+
+def test_a_plot_in_the_table_has_its_line_of_help_and_is_fuzzed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
+    assert action_of(pygame.K_8, 0) == "momentum"
+    assert "momentum of each bead" in [binding.text for binding in groups()["Plots"]]
+    assert Key(pygame.K_8) in fuzz_keys()
+
+
+def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, replace(MOMENTUM, shown=True))
+    driver = Driver("one-on-four")
+    assert len(plots_of_momentum(driver)) == 1
+    assert driver.page.board.shown == ["velocities", "forces", "overlaps", "momentum"]
+    driver.close()
+
+
+def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
+    for scene, lanes in (("one-on-four", 1), ("beads-against-gear", 2)):
+        driver = Driver(scene)
+        assert ("difference" in driver.page.board.shown) == (lanes == 2)
+        assert ("difference" in driver.page.time_controls.toggles) == (lanes == 2)
+        driver.key(PLOT_KINDS["difference"].key)
+        assert any("needs two lanes" in text for text in driver.messages) == (lanes == 1)
+        driver.close()

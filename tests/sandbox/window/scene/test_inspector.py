@@ -1,0 +1,107 @@
+"""The inspector: typed numbers, sliders, and which of them there are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pygame
+import pytest
+from softcradle.sandbox.window.scene.editable_parameters import number
+from softcradle.sandbox.window.scene.pick import Pick
+
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+SCENE = """
+title = "Friction, loss and drive"
+duration = 5.0
+[[lanes]]
+beads = [1, 2]
+contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}
+velocity = 1.0
+friction = 0.1
+drive = [0.5, 0.0, 0.0]
+"""
+
+
+def test_a_typed_mass_and_a_slider_act_in_the_next_frame(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    control = driver.page.inspector.controls["mass"]
+    driver.click(control.entry.rect.center)
+    control.entry.set_text("")
+    driver.type("2.5")
+    driver.key(pygame.K_RETURN)
+    assert driver.session.lanes[0].chain.mass[2] == 2.5
+    slider = driver.page.inspector.controls["mass"].slider
+    driver.press(slider.sliding_button.rect.center)
+    driver.move((slider.rect.left + 30, slider.rect.centery), (1, 0, 0))
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.mass[2] < 0.1
+    driver.release((slider.rect.left + 30, slider.rect.centery))
+
+
+def test_a_number_that_is_refused_is_explained(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    control = driver.page.inspector.controls["mass"]
+    driver.click(control.entry.rect.center)
+    control.entry.set_text("")
+    driver.type("-1")
+    driver.key(pygame.K_RETURN)
+    assert driver.session.lanes[0].chain.mass[2] == 1.0
+    assert any("mass must be > 0" in text for text in driver.messages)
+
+
+def test_keys_do_nothing_while_a_number_is_typed(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.type("r a")
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert not driver.session.playing
+    driver.key(pygame.K_ESCAPE)
+    assert not driver.page.typing
+    driver.key(pygame.K_a)
+    assert driver.session.lanes[0].chain.contacts == 5
+
+
+def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path: Path) -> None:
+    (tmp_path / "dissipative.toml").write_text(SCENE)
+    driver = Driver(str(tmp_path / "dissipative.toml"))
+    driver.click(driver.bead(0))
+    controls = driver.page.inspector.controls
+    for key, value in (("friction", 0.25), ("drive", 0.75)):
+        driver.click(controls[key].entry.rect.center)
+        controls[key].entry.set_text(f"{value}")
+        driver.key(pygame.K_RETURN)
+    chain = driver.session.lanes[0].chain
+    assert (chain.friction, chain.drive) == (0.25, (0.75, 0.0, 0.0))
+    driver.key(pygame.K_ESCAPE)  # out of the entry
+    driver.key(pygame.K_RIGHT)
+    assert driver.page.editor.selection == Pick(0, "contact", 0)
+    slider = driver.page.inspector.controls["loss"].slider.sliding_button.rect
+    driver.drag(slider.center, (slider.centerx + 400, slider.centery))
+    driver.release((slider.centerx + 400, slider.centery))
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.contact[0].loss == 0.95
+    driver.key(pygame.K_SPACE)
+    driver.frames(120)
+    assert driver.session.health(0).energy_error < 1e-9
+    driver.close()
+
+
+def test_a_bead_without_friction_and_drive_has_no_slider_for_them(driver: Driver) -> None:
+    driver.click(driver.bead(0))
+    assert set(driver.page.inspector.controls) == {"mass", "velocity"}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("0,5", 0.5), ("1/14", 1 / 14), ("\N{MINUS SIGN}2e-3", -2e-3), (" 7 ", 7.0)]
+)
+def test_numbers_are_read_as_people_type_them(text, value):
+    assert number(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "x", "1/0", "1/", "--1"])
+def test_a_text_that_is_no_number_is_refused(text):
+    with pytest.raises(ValueError):  # noqa: PT011 - the inspector names the field and the text itself
+        number(text)
