@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.contact import is_closed
 from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
@@ -59,8 +60,7 @@ class State:
     @property
     def closed(self) -> NDArray[np.bool_]:
         """(n,) whether each contact pushes: it overlaps, or it touches and carries a force."""
-        closed: NDArray[np.bool_] = (self.overlap > 0.0) | ((self.overlap == 0.0) & (self.force > 0.0))
-        return closed
+        return is_closed(self.overlap, self.force)
 
     def position(self, chain: Chain) -> Array:
         """(n+1,) positions [m], bead lengths taken out: two beads that just touch have the same position."""

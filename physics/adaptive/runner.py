@@ -117,9 +117,7 @@ def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: M
 
 def _scale(chain: Chain, state: State) -> float:
     """The velocity [m/s] that a tolerance is relative to: the closing speed, or what the contacts have stored of it."""
-    inverse_mass = chain.parameters.inverse_mass
-    stored = chain.stored_energy(state.overlap)
-    released = float(np.sqrt(2.0 * stored * (inverse_mass[:-1] + inverse_mass[1:])).max())
+    released = float(np.sqrt(2.0 * chain.stored_energy(state.overlap) * chain.inverse_reduced_mass).max())
     velocity = state.velocity(chain)
     if np.ptp(velocity) > ROUND_OFF * np.abs(velocity).max() or not released:
         return max(speed_scale(chain, velocity), released)
