@@ -64,5 +64,5 @@ else:
         return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
     def fused(function: Kernel) -> Kernel:
-        """`jit`, put into its caller, in which products and sums may be fused to one operation; loops of it become vector code."""
+        """`jit`, put into its caller; products and sums may be fused to one operation, and its loops become vector code."""
         return _compiled(function, forceinline=True, fastmath={"contract"})
