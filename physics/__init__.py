@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     from softcradle.physics.chain import Chain as Chain
     from softcradle.physics.chain import cluster_on_cluster as cluster_on_cluster
     from softcradle.physics.chain import one_on as one_on
+    from softcradle.physics.chain_ensemble import ensemble as ensemble
     from softcradle.physics.contact import Contact as Contact
     from softcradle.physics.contact import draft_gear as draft_gear
     from softcradle.physics.contact import hertz as hertz
     from softcradle.physics.contact import hooke as hooke
     from softcradle.physics.contact import power_law as power_law
     from softcradle.physics.contact import step_force as step_force
-    from softcradle.physics.ensemble import ensemble as ensemble
     from softcradle.physics.methods import METHODS as METHODS
     from softcradle.physics.pymunk_contacts.soft_chain import SoftChain as SoftChain
     from softcradle.physics.pymunk_contacts.soft_contact import SoftContact as SoftContact
@@ -37,7 +37,7 @@ _HOME = {
     "cluster_on_cluster": "chain",
     "State": "state",
     "simulate": "simulation",
-    "ensemble": "ensemble",
+    "ensemble": "chain_ensemble",
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",

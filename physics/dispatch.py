@@ -1,4 +1,4 @@
-"""The one caller of runners: from a Problem to the family of its method."""
+"""Dispatch, the one caller of runners: from a Problem to the runner of its method."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a run ended, and what may be wrong with it: values with codes, so that no program has to read a sentence."""
+"""The status of a run, and warnings of what may be wrong with it: values with codes; no program has to read a sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A step of the discrete gradient where the Newton iteration of `radau` does not converge."""
+"""The fallback: a step of the discrete gradient where the Newton iteration of `radau` does not converge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The step-size controller of `radau` and `dop853`, and which of them takes the next step.
+"""The controller of the step size of `radau` and `dop853`, and which of them takes the next step.
 
 Errors near a singular time grade the steps: they shrink like the time that is left to an opening, and grow like the time
 since an onset. So the next step is predicted from the last two (Gustafsson), and from when the next contact will open.

@@ -1,4 +1,4 @@
-"""The smaller chain without friction that a chain which rubs is while its modes last, and how long they may last."""
+"""The lumped chain: what a dissipative chain is while its stick-slip modes last, and the margins until they end."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
 
-SLACK = 1e-9  # of the largest friction or force: a mode ends when it is out of its bounds by this much
+SLACK = 1e-9  # of the largest friction or force: how far a force may leave its bounds before the mode ends
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""When a motion on a bed that rubs is over: nothing pushes and nothing can meet again, or everything rests."""
+"""Stopping: a motion with friction is over when no contact pushes and no beads can meet again, or when all beads rest."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 One step of pymunk drifts and then kicks, which is symplectic Euler: the same digits as method `euler` up to round-off.
 The Space holds positions, in whose differences deep overlaps drown; the overlaps are therefore summed up beside it from
 the velocities of its bodies, step by step as it drifts, and handed to the contacts.
-A push is given to the bodies anew before every step; pymunk adds it after the drift, as `euler` does. A bed that rubs
+A push is given to the bodies anew before every step; pymunk adds it after the drift, as `euler` does. Friction of the bed
 brakes the bodies after every step of the Space, to rest at most.
 """
 

@@ -11,7 +11,6 @@ from tests.helpers.paths import LAYERS, ROOT, source_files
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 PATHS = sorted(set(re.findall(r"`([\w.]+(?:/[\w.]*)+)`", PAGE)))
 NAMES = sorted(set(re.findall(r"`(\w+)`\s+(?:in\s+|\()`([\w./]+)`", PAGE)))
-COMING = {"physics/dispatch.py", "physics/status.py", "physics/numerics/records.py"}  # may be absent for now
 
 
 def rooms() -> set[str]:
@@ -24,13 +23,7 @@ def rooms() -> set[str]:
     return found
 
 
-def to_come(path: str) -> object:
-    return (
-        pytest.param(path, marks=pytest.mark.xfail(reason="is being added", strict=False)) if path in COMING else path
-    )
-
-
-@pytest.mark.parametrize("path", [to_come(path) for path in PATHS])
+@pytest.mark.parametrize("path", PATHS)
 def test_a_path_exists(path):
     assert (ROOT / path).is_dir() if path.endswith("/") else (ROOT / path).is_file()
 

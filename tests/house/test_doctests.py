@@ -12,13 +12,9 @@ from tests.helpers.paths import module_name, source_files
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 
 
-HIDDEN = pytest.mark.xfail(reason="the module physics/ensemble.py hides the function of its name", strict=False)
-
-
-def modules() -> list[object]:
+def modules() -> list[str]:
     """Every module with an example in it."""
-    names = [module_name(path) for path in source_files() if ">>> " in path.read_text(encoding="utf-8")]
-    return [pytest.param(name, marks=HIDDEN) if name.endswith(".ensemble") else name for name in names]
+    return [module_name(path) for path in source_files() if ">>> " in path.read_text(encoding="utf-8")]
 
 
 @pytest.mark.parametrize("name", modules())

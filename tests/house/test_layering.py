@@ -6,7 +6,6 @@ import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -18,8 +17,8 @@ from tests.helpers.paths import LAYERS, ROOT, module_name, source_files
 PHYSICS = (
     *("version", "source_digest", "atomic_files", "status"),
     *("contact", "chain", "scales", "state", "methods", "problem"),
-    *("numerics", "fixed_step", "friction", "adaptive", "reference", "pymunk_contacts", "dispatch"),
-    *("storage", "trajectory", "advice", "simulation", "ensemble", "analysis"),
+    *("numerics", "kernel_records", "fixed_step", "friction", "adaptive", "reference", "pymunk_contacts", "dispatch"),
+    *("storage", "trajectory", "advice", "simulation", "chain_ensemble", "analysis"),
 )
 SANDBOX = (
     *("resources", "user_error", "console", "output_files", "scene_runs", "trajectory_summary", "motion"),
@@ -31,25 +30,6 @@ ROOMS = (
     *(f"sandbox.{room}" for room in SANDBOX),
     *("softcradle", "__main__"),
 )
-ROOMS_TO_COME = {"physics.status", "physics.dispatch"}
-
-# Circles of modules, imports against the order of rooms, and uses of bare names that still exist.
-SCENE_PAGE = ("pointer_tool", "save_dialogs", "scene_page", "scene_view", "view_keys")
-CIRCLES_TO_GO = [
-    {"physics.storage", "physics.trajectory"},
-    {"physics.advice.choose", "physics.advice.step_cost", "physics.simulation"},
-    {"physics.fixed_step.dissipative_runner", "physics.fixed_step.runner"},
-    {f"sandbox.window.scene.{name}" for name in SCENE_PAGE},
-]
-IMPORTS_TO_GO = [
-    ("physics.numerics.dissipative_solve", "physics.fixed_step.discrete_gradient"),
-    ("physics.storage", "physics.trajectory"),
-    ("physics.advice.step_cost", "physics.simulation"),
-    ("sandbox.studies.compare.sides", "sandbox.cli.arguments"),
-]
-
-BARE_NAMES_TO_GO = ["tests/sandbox/cli/test_commands.py", "tests/sandbox/window/test_window_screen.py"]
-
 SAME_BASENAME = {
     "__init__.py": "Python's name for the file of a package",
     "__main__.py": "Python's name for what `python -m` runs",
@@ -74,6 +54,7 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
     # the reference, special functions of closed forms, the search for the nearest contact, and peers of the charts
     "scipy": (
         "physics/reference/runner.py",
+        "physics/friction/bounded_least_squares.py",
         "physics/analysis/closed_forms.py",
         "physics/analysis/matching.py",
         PEERS,
@@ -114,17 +95,8 @@ def circles() -> list[set[str]]:
     return [{name.removeprefix("softcradle.") for name in circle} for circle in cycles(import_graph())]
 
 
-def to_go(known: Iterable[object]) -> list[object]:
-    return [pytest.param(each, marks=pytest.mark.xfail(reason="is being removed", strict=False)) for each in known]
-
-
 def test_no_circle():
-    assert [sorted(found) for found in circles() if not any(found <= known for known in CIRCLES_TO_GO)] == []
-
-
-@pytest.mark.parametrize("circle", to_go(CIRCLES_TO_GO))
-def test_a_known_circle_is_gone(circle):
-    assert not any(found & circle for found in circles())
+    assert [sorted(found) for found in circles()] == []
 
 
 def test_circles_are_found():
@@ -134,7 +106,7 @@ def test_circles_are_found():
 
 def test_every_room_has_its_place():
     found = {room(module_name(path)) for path in source_files()}
-    assert found - ROOMS_TO_COME == set(ROOMS) - ROOMS_TO_COME
+    assert found == set(ROOMS)
     assert len(set(ROOMS)) == len(ROOMS)
 
 
@@ -147,12 +119,7 @@ def test_the_architecture_page_has_this_order(layer, order):
 
 def test_imports_follow_the_order_of_rooms():
     against = {(name, to) for name, to in edges() if ROOMS.index(room(to)) > ROOMS.index(room(name))}
-    assert sorted(against - set(IMPORTS_TO_GO)) == []
-
-
-@pytest.mark.parametrize("edge", to_go(IMPORTS_TO_GO))
-def test_a_known_import_is_gone(edge):
-    assert edge not in edges()
+    assert sorted(against) == []
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -197,10 +164,7 @@ TEXTS = sorted(
 )
 
 
-@pytest.mark.parametrize(
-    "file",
-    [*sorted({*FILES, *TEXTS} - {"tests/house/test_layering.py", *BARE_NAMES_TO_GO}), *to_go(BARE_NAMES_TO_GO)],
-)
+@pytest.mark.parametrize("file", sorted({*FILES, *TEXTS} - {"tests/house/test_layering.py"}))
 def test_no_bare_name(file):
     text = (ROOT / file).read_text(encoding="utf-8")
     assert BARE.findall(text) == []

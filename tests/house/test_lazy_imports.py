@@ -8,9 +8,8 @@ FILES = {
     "softcradle/__init__.py": "public names load on first use",
     "physics/__init__.py": "public names load on first use",
 }
-FILES_TO_GO = {"physics/simulation.py", "sandbox/cli/main.py"}
 
 
 def test_imports_by_string_are_where_they_should_be():
     found = [path for path in source_files() if "import_module(" in path.read_text(encoding="utf-8")]
-    assert {path.relative_to(ROOT).as_posix() for path in found} <= FILES.keys() | FILES_TO_GO
+    assert {path.relative_to(ROOT).as_posix() for path in found} == FILES.keys()

@@ -35,16 +35,12 @@ PUBLIC = [
 ]
 
 
-HIDDEN = pytest.mark.xfail(reason="the module physics/ensemble.py hides the function of its name", strict=False)
-NAMES = [pytest.param(name, marks=HIDDEN) if name == "ensemble" else name for name in PUBLIC]
-
-
 def test_exactly_these():
     assert sorted(physics.__all__) == PUBLIC
     assert dir(physics) == PUBLIC
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", PUBLIC)
 def test_importable_and_documented(name):
     value = getattr(physics, name)
     assert inspect.getdoc(value)
@@ -84,7 +80,7 @@ def test_the_version_is_that_of_the_project():
     assert dir(softcradle) == sorted([*PUBLIC, "__version__"])
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", PUBLIC)
 def test_no_module_has_a_public_name(name):
     """Python binds a module to its package on import: `physics.ensemble` would be the module, once that is imported."""
     assert not (ROOT / "physics" / f"{name}.py").exists()
