@@ -1,11 +1,11 @@
-"""Modes of what rubs, for adaptive methods: while none changes, friction is constant and the motion smooth.
+"""Stick and slip: modes of beads on a bed and of contacts with loss. While none changes, friction is constant.
 
     bead       SLIDES +-1 (friction -+ mu m g, constant) until its velocity is 0     STICKS until more than mu m g is needed
     contact    PRESSED (its own law) until its rate is 0                             RELEASED ((1 - loss) of the law) likewise
                HELD (overlap fixed) until its force leaves [(1 - loss) f, f]
 
 Beads that hold together move as one, and those that stick are a wall: a smaller chain without friction, which any method can
-move. Which of several resting contacts and beds give way is settled by accelerations: the least in the sense of Gauss.
+move. Which of several resting contacts and beads give way follows from accelerations: they are the least in the sense of Gauss.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.friction.box import box_least_squares
+from softcradle.physics.friction.bounded_least_squares import bounded_least_squares
 from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 PRESSED, RELEASED, HELD = 0, 1, 2
-RESTS = 3e-11  # of the scales of acceleration: what moves less holds
+RESTS = 3e-11  # of the scale of accelerations: a smaller one is round-off, and its bead or contact holds
 
 
 @dataclass
 class Modes:
-    """`contact` (n,) PRESSED, RELEASED or HELD; `slides` (n+1,) direction of sliding, 0 for beads that stick or do not rub;
+    """`contact` (n,) PRESSED, RELEASED or HELD; `slides` (n+1,) direction of sliding, 0 for beads that stick or have no friction;
     `sticks` (n+1,)."""
 
     contact: Ints
@@ -73,7 +73,7 @@ def resolve_modes(chain: Chain, state: State, velocity: Array) -> Modes:
     fixed = bounds[0] == bounds[1]
     wanted = -root * (0.0 if external is None else external) - matrix[:, fixed] @ bounds[0][fixed]
     x = bounds[0].copy()
-    x[~fixed] = box_least_squares(matrix[:, ~fixed], wanted, bounds[0][~fixed], bounds[1][~fixed])
+    x[~fixed] = bounded_least_squares(matrix[:, ~fixed], wanted, bounds[0][~fixed], bounds[1][~fixed])
     acceleration = root * (matrix[:, ~fixed] @ x[~fixed] - wanted)
     scale = RESTS * (root**2 * (np.abs(np.hstack((spread, np.eye(n + 1)))) @ np.abs(x))).max(initial=0.0)
     apart = acceleration[:-1] - acceleration[1:]

@@ -8,17 +8,17 @@ from softcradle.physics.state import State
 
 
 def meets_again(chain: Chain, state: State, slow: float = 0.0) -> bool:
-    """Whether two beads that are apart will meet if no contact pushes: each slides on and comes to rest v²/(2 mu g) away.
+    """Whether two beads that are apart will meet if no contact pushes.
 
-    All beads lose speed alike, so the faster of two gains on the other until both rest: where they come to rest decides.
-    Rates up to `slow` [m/s] are round-off.
+    With bed friction each bead slides v²/(2 mu g) and rests. All decelerate alike, so of two beads the faster gains on the
+    other until both rest: they meet if the places where they would rest overlap. Rates up to `slow` [m/s] count as 0.
     """
     closing = state.rate > slow
     if not chain.friction or not closing.any():
         return bool(closing.any())
     velocity = state.velocity(chain)
     with np.errstate(divide="ignore", invalid="ignore"):
-        path = np.where(velocity == 0.0, 0.0, 0.5 * velocity * np.abs(velocity) / chain.bed)  # a wall goes on for ever
+        path = np.where(velocity == 0.0, 0.0, 0.5 * velocity * np.abs(velocity) / chain.bed)  # inf for a wall
     return bool((closing & (state.overlap + path[:-1] - path[1:] > 0.0)).any())
 
 
