@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import storage
+from softcradle.physics import trajectory_file
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import from_anchor
 from softcradle.physics.status import Status, Warnings
@@ -128,35 +128,35 @@ class Trajectory:
     def _mass(self) -> Array:
         return np.array(self.chain.mass)[self._bead]
 
-    def save(self, path: storage.Path) -> None:
+    def save(self, path: trajectory_file.Path) -> None:
         """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
         values = {item.name: getattr(self, item.name) for item in fields(self)}
-        storage.save_motion(path, values, {"position": self.position, "velocity": self.velocity})
+        trajectory_file.save_motion(path, values, {"position": self.position, "velocity": self.velocity})
 
     @staticmethod
-    def load(path: storage.Path) -> Trajectory:
+    def load(path: trajectory_file.Path) -> Trajectory:
         """Read what :meth:`save` wrote.
 
         Raises:
             OSError: the file cannot be read.
             ValueError: it is no trajectory of softcradle, or one of a later version.
         """
-        return Trajectory(**storage.load_motion(path))
+        return Trajectory(**trajectory_file.load_motion(path))
 
-    def to_csv(self, path: storage.Path) -> None:
+    def to_csv(self, path: trajectory_file.Path) -> None:
         """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""
         beads = [f" {i}" for i in range(self.chain.contacts + 1)]
         contacts = [f" {i}-{i + 1}" for i in range(self.chain.contacts)]
         columns = [
-            storage.Columns("time", "s", [""], self.time),
-            storage.Columns("position", "m", beads, self.position),
-            storage.Columns("velocity", "m/s", beads, self.velocity),
-            storage.Columns("overlap", "m", contacts, self.overlap),
-            storage.Columns("force", "N", contacts, self.force),
-            storage.Columns("kinetic energy", "J", [""], self.kinetic_energy),
-            storage.Columns("contact energy", "J", [""], self.contact_energy),
-            storage.Columns("momentum", "N s", [""], self.momentum),
-            storage.Columns("absorbed by contacts", "J", [""], self.absorbed_by_contacts),
-            storage.Columns("absorbed by bed", "J", [""], self.absorbed_by_bed),
+            trajectory_file.Columns("time", "s", [""], self.time),
+            trajectory_file.Columns("position", "m", beads, self.position),
+            trajectory_file.Columns("velocity", "m/s", beads, self.velocity),
+            trajectory_file.Columns("overlap", "m", contacts, self.overlap),
+            trajectory_file.Columns("force", "N", contacts, self.force),
+            trajectory_file.Columns("kinetic energy", "J", [""], self.kinetic_energy),
+            trajectory_file.Columns("contact energy", "J", [""], self.contact_energy),
+            trajectory_file.Columns("momentum", "N s", [""], self.momentum),
+            trajectory_file.Columns("absorbed by contacts", "J", [""], self.absorbed_by_contacts),
+            trajectory_file.Columns("absorbed by bed", "J", [""], self.absorbed_by_bed),
         ]
-        storage.write_csv(path, columns)
+        trajectory_file.write_csv(path, columns)

@@ -1,7 +1,7 @@
 """Scenes: TOML files, checked on reading, that describe chains, their start velocities and how they are shown."""
 
 from softcradle.scenes.library import load, names, parse, text_of
-from softcradle.scenes.scene import Lane, Scene, View
 from softcradle.scenes.scene_errors import SceneError
+from softcradle.scenes.scene_schema import Lane, Scene, View
 
 __all__ = ["Lane", "Scene", "SceneError", "View", "load", "names", "parse", "text_of"]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from softcradle.scenes.scene_table import NotNegative, Positive
+from softcradle.scenes.toml_table import NotNegative, Positive
 
 from softcradle import physics
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, SerializeAsAny, create_model
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
-from softcradle.scenes.scene_table import Loss, Table, problem, suggestion
+from softcradle.scenes.toml_table import Loss, Table, problem, suggestion
 
 from softcradle import physics
 

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
 from softcradle.scenes.contact_table import ContactTable, Law, law_of
 from softcradle.scenes.scene_errors import SceneError, scene_error
-from softcradle.scenes.scene_table import suggestion
+from softcradle.scenes.toml_table import suggestion
 
 from softcradle import physics
 

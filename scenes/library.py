@@ -7,8 +7,8 @@ import tomllib
 from pathlib import Path
 
 from pydantic import ValidationError
-from softcradle.scenes.scene import Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
+from softcradle.scenes.scene_schema import Scene
 
 CATALOGUE = Path(__file__).parent / "catalogue"
 

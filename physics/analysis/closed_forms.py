@@ -1,4 +1,4 @@
-"""Closed forms: one contact, rigid clusters, the critical speed of draft gears, linear chains. Methods are tested by them."""
+"""Closed forms: one contact, rigid clusters, linear chains. Methods are tested by them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize, special
-from softcradle.physics.chain import mass_shares
 from softcradle.physics.contact import Contact
 
 Array = NDArray[np.float64]
@@ -77,30 +76,10 @@ def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float 
     """The struck contact while each side stays one rigid body: :func:`one_on_one` with the reduced mass of the two sides.
 
     Exact for the step force, contact time ``2n/(n+1) m v / f0`` for one on n, and for draft gears below
-    :func:`critical_speed`. A side may have a wall in it.
+    the critical speed. A side may have a wall in it.
     """
     first, second = rigid_masses(mass, strikers)
     return one_on_one(contact, 1.0 / (1.0 / first + 1.0 / second), speed)
-
-
-def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
-    """Largest speed [m/s] at which no contact but the struck one yields, so that both clusters stay exactly rigid.
-
-    While contact i inside a cluster only touches, it carries the share r_i of the struck contact's force f, Eq. (4), and the
-    peak of f is ``sqrt(F^2 + K mu v^2)``. With r the largest share, the first contact reaches F at
-    ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. Infinite for one on one.
-
-    Raises:
-        ValueError: the contact is no preloaded spring (exponent 1, stiffness > 0).
-    """
-    if gear.exponent != 1.0 or gear.stiffness == 0.0:
-        raise ValueError("a critical speed needs draft gears: exponent 1, stiffness > 0")
-    first, second = rigid_masses(mass, strikers)
-    carried = float(np.delete(mass_shares(mass, strikers - 1), strikers - 1).max(initial=0.0))
-    if carried == 0.0:
-        return math.inf
-    frequency = math.sqrt(gear.stiffness * (1.0 / first + 1.0 / second))
-    return frequency * gear.preload / gear.stiffness * math.sqrt(1.0 / carried**2 - 1.0)
 
 
 class LinearChain:

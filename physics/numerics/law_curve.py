@@ -16,7 +16,7 @@ from softcradle.physics.numerics.jit import jit
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
-MOST_CARE = 1e4  # times an error counts, at the most, that a soft contact may carry through many swings
+MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
 
 
@@ -46,11 +46,11 @@ def slope_at(preload, stiffness, exponent, overlap, force):
 
 @jit
 def care(exponent, swing, faster):
-    """How many times the error of a contact counts, from its (step times local frequency)² and how many times this
-    frequency, squared, is that of the slowest contact.
+    """Weight of a contact's error: 1 + min(h²ω², 1) min(ω/ω_slowest, MOST_CARE) for a < 1, else 1.
 
-    A soft contact deep in a cluster swings about what its neighbours ask of it, as often as it is the faster one. A step as
-    long as a swing takes some of it away, each time; at the end it is a velocity, which openings magnify.
+    `swing` is h²ω², (step times local frequency)², `faster` is (ω/ω_slowest)². A soft contact deep in a cluster oscillates
+    about its quasi-static overlap, the more often the faster it is. A step as long as a period damps this oscillation, each
+    time; at the end what is lost is a velocity, which openings magnify.
     """
     return 1.0 + min(swing, 1.0) * min(math.sqrt(faster), MOST_CARE) if exponent < 1.0 else 1.0
 

@@ -31,7 +31,8 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.contact import Contact
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
-from softcradle.physics.pymunk_contacts.chain_step import (
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
+from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,
     begin_chain_step,
     end_chain_step,
@@ -39,7 +40,6 @@ from softcradle.physics.pymunk_contacts.chain_step import (
     solve_lossy_chain_step,
     start_chain_step,
 )
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
 from softcradle.physics.pymunk_contacts.space_forces import Surroundings, centres
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from hashlib import blake2b
 from os import PathLike
 
 import numpy as np
-from softcradle.physics.storage import versions
+from softcradle.physics.trajectory_file import versions
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.snapshots import Snapshot, snapshot_from_table, snapshot_table

@@ -18,7 +18,7 @@ PHYSICS = (
     *("version", "source_digest", "atomic_files", "status"),
     *("contact", "chain", "scales", "state", "methods", "problem"),
     *("numerics", "kernel_records", "fixed_step", "friction", "adaptive", "reference", "pymunk_contacts", "dispatch"),
-    *("storage", "trajectory", "advice", "simulation", "chain_ensemble", "analysis"),
+    *("trajectory_file", "trajectory", "advice", "simulation", "chain_ensemble", "analysis"),
 )
 SANDBOX = (
     *("resources", "user_error", "console", "output_files", "scene_runs", "trajectory_summary", "motion"),

@@ -30,7 +30,7 @@ def _print_json(found: list[Claim]) -> None:
     import json
     from dataclasses import asdict
 
-    from softcradle.physics.storage import versions
+    from softcradle.physics.trajectory_file import versions
 
     print(json.dumps({"claims": [asdict(claim) for claim in found], "versions": versions()}, indent=2, allow_nan=False))
 

@@ -39,7 +39,7 @@ def _print_json(fits: list[Fit]) -> None:
     import json
     from dataclasses import asdict
 
-    from softcradle.physics.storage import versions
+    from softcradle.physics.trajectory_file import versions
 
     print(json.dumps({"fits": [asdict(fit) for fit in fits], "open": OPEN_QUESTIONS, "versions": versions()}, indent=2))
 

@@ -105,7 +105,7 @@ def _print_json(scene: Scene, summaries: list[Summary]) -> None:
     import json
     from dataclasses import asdict
 
-    from softcradle.physics.storage import versions
+    from softcradle.physics.trajectory_file import versions
 
     lanes = [asdict(summary) for summary in summaries]
     results = {"title": scene.title, "source": scene.source, "lanes": lanes, "versions": versions()}

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from softcradle.physics import Trajectory
 from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured
-from softcradle.physics.storage import versions
+from softcradle.physics.trajectory_file import versions
 from softcradle.sandbox.studies.compare.sides import Comparison, Side
 from softcradle.sandbox.trajectory_summary import summarise
 from softcradle.sandbox.user_error import UserError

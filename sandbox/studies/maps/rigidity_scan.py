@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from softcradle.physics import Chain, Trajectory, draft_gear, ensemble, one_on, power_law
-from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.sandbox.studies.data_table import Array, Table
 

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, step_force
-from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
+from softcradle.physics.analysis.closed_forms import rigid_collision
+from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.simulation import solve
 from softcradle.scenes import Scene
 

@@ -25,7 +25,7 @@ from softcradle.physics import (
 from softcradle.physics.advice import choose as auto
 from softcradle.physics.advice import step_cost as cost
 from softcradle.physics.advice.step_cost import Cost
-from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 from softcradle.scenes import load, names

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, one_on, power_law, simulate
-from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
+from softcradle.physics.analysis.closed_forms import rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
+from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.measures import dwell, energy_inside, impulses, interpolated, rigidity
 
 from tests.helpers.truth import ELASTIC, GEARS, Truth

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, step_force
-from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke
+from softcradle.physics.analysis.closed_forms import rigid_stroke
 from softcradle.physics.analysis.collision import collide
 from softcradle.physics.analysis.contact_distance import DISTANCES, squared_difference
+from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.matching import NEAR, Match, match
 
 GEAR, MASS = draft_gear(770.0, 0.0177), 0.396

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.physics import one_on, power_law, simulate
-from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, TRUTH_TOLERANCE, CaseDefinition, definitions_of
 from softcradle.scenes import load
 

@@ -1,4 +1,4 @@
-"""The model of a scene file: Scene, its lanes (one chain each) and its view; immutable."""
+"""The schema of a scene file: Scene, its lanes (one chain each) and its view; immutable."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 from softcradle.physics.methods import AUTO, refusal
 from softcradle.scenes.contact_table import ContactTable
-from softcradle.scenes.scene_table import (
+from softcradle.scenes.toml_table import (
     AtLeastOne,
     Mass,
     NotNegative,

@@ -1,4 +1,4 @@
-"""Motions on disk: an .npz file that holds everything and is read back equal, and a .csv table for other programs.
+"""Files of trajectories: an .npz file that holds everything and is read back equal, and a .csv table for other programs.
 
 The .npz file holds one array per array of a Trajectory, `position` and `velocity` for readers without softcradle,
 `contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`, a JSON text. Nothing is pickled.
