@@ -93,7 +93,8 @@ class Chain:
 
     def stored_energy(self, overlap: ArrayLike) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`."""
-        return stored_energy(*self.parameters.law.T, overlap)
+        preload, stiffness, exponent = self.parameters.law.T
+        return stored_energy(preload, stiffness, exponent, overlap)
 
     @cached_property
     def inverse_reduced_mass(self) -> Array:

@@ -5,7 +5,7 @@ A kernel that Python calls takes their fields as plain tuples, which cost less t
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.int8]
 
 # whole numbers with a type: kernels would be compiled once more for a literal among their arguments
-ZERO, ONE, NO_CONTACT = np.int64(0), np.int64(1), np.int64(-1)
+ZERO: Any = np.int64(0)
+ONE: Any = np.int64(1)
+NO_CONTACT: Any = np.int64(-1)
 
 # how a kernel ended; physics.status gives them names for everybody else
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
