@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 
 import numpy as np
 import pytest
@@ -11,110 +10,34 @@ import softcradle.physics.adaptive.runner
 import softcradle.physics.reference.phases
 import softcradle.physics.reference.runner
 from hypothesis import assume, given, settings
-from hypothesis import strategies as st
-from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_law, simulate, step_force
+from softcradle.physics import simulate
 from softcradle.physics.scales import contact_scales, default_step
 
+from tests.helpers.random_chains import collisions
 from tests.helpers.relations import (
     ADAPTIVE,
-    EPSILON,
     FIXED_STEP,
     LIVE,
+    MOST_ENERGY,
     SET_VALUED,
-    kinetic_energy,
-    momentum,
-    momentum_scale,
+    assert_momentum,
+    assert_sound,
+    closing_speed,
+    energy_error,
     separating,
+    simulate_quietly,
 )
 
-LAWS = (
-    lambda draw: power_law(draw(), 1 / 14),
-    lambda draw: power_law(draw(), 0.1 * draw() ** 0.5),
-    lambda draw: hooke(draw()),
-    lambda draw: hertz(draw()),
-    lambda draw: step_force(draw()),
-    lambda draw: draft_gear(draw(), 0.1 * draw()),
-    lambda draw: Contact(draw(), draw(), min(3.0, 0.3 * draw())),
-    lambda draw: Contact(0.0, draw(), min(3.0, 0.5 * draw())),
-)
-
-
-def random_collision(seed, most):
-    """(chain, velocity): up to three clusters, each of one velocity, or every bead its own; at most one wall.
-
-    From a seed, because lists drawn by hypothesis repeat themselves and mostly fly apart.
-    """
-    rng = np.random.default_rng(seed)
-    n = int(rng.integers(1, most + 1))
-
-    def strength():
-        return float(10.0 ** rng.uniform(-1, 1))
-
-    def law():
-        return LAWS[rng.integers(len(LAWS))](strength)
-
-    mass = 10.0 ** rng.uniform(-2, 2, n + 1) if rng.random() < 0.5 else np.full(n + 1, strength())
-    contacts = law() if rng.random() < 0.5 else [law() for _ in range(n)]
-    cluster = np.sort(rng.integers(0, 3, n + 1))
-    fastest_first = -np.sort(-rng.uniform(-1, 1, 3))
-    velocity = fastest_first[cluster] if rng.random() < 0.7 else rng.uniform(-1, 1, n + 1)
-    gap = np.where(np.diff(cluster) > 0, rng.choice([0.0, 0.1, 1.0], n), 0.0)
-    if rng.random() < 0.3:
-        wall = int(rng.choice([0, n]))
-        mass[wall], velocity[wall] = math.inf, 0.0
-    return Chain(mass, contacts, gap), velocity
-
-
-def collisions(most=40):
-    return st.integers(0, 2**32 - 1).map(lambda seed: random_collision(seed, most))
-
-
-def closing(velocity):
-    return float(np.ptp(velocity)) or 1.0
-
-
-def resting_wall(chain):
-    return chain.walls > 0
-
-
-def energy_error(found, velocity):
-    """Largest error of the energy over the run, relative to the kinetic energy that there was to exchange."""
-    energy = found.kinetic_energy + found.contact_energy
-    scale = kinetic_energy(found.chain, np.abs(velocity)) or 1.0
-    return float(np.abs(energy - energy[0]).max()) / scale
-
-
-def assert_momentum(found, velocity, tolerance=0.0):
-    """To round-off; to the tolerance in adaptive methods, where a contact that arrives slower than that comes to rest."""
-    if resting_wall(found.chain):
-        return
-    before = momentum(found.chain, velocity)
-    scale = max(momentum_scale(found.chain, row) for row in found.velocity)
-    # velocities are sums over the row, and rounding errors add up over the steps as a random walk
-    round_off = 1000 * EPSILON * math.sqrt(found.steps + 1) * (found.chain.contacts + 1) * scale
-    assert abs(momentum(found.chain, found.final_velocity) - before) < round_off + 10 * tolerance * scale
-    assert np.abs(found.momentum - before).max() < round_off + 10 * tolerance * scale
-
-
-def assert_sane(found):
-    for array in (found.position, found.velocity, found.overlap, found.force, found.final_velocity):
-        assert np.isfinite(array).all()
-    for intervals in found.contact_intervals:
-        times = [time for interval in intervals for time in interval]
-        assert times == sorted(times)
-    assert (found.force >= 0.0).all()  # contacts only push
-
-
-def run(*arguments, **options):
-    """simulate, in which a run that gives up says so in `warnings` alone."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return simulate(*arguments, **options)
+# energy error of `conserving`, for the root of the steps: the worst of 12 800 random collisions had a third of it, half of
+# them had 1e-15
+ENERGY_ROUND_OFF = 1e-10
+TOLERANCE = 1e-6
+NEWTON = 2.5e-3  # of the tolerance: momentum that a step of radau may lose, for so much Newton's iteration leaves
 
 
 @pytest.fixture(scope="module", autouse=True)
-def patience():
-    """Light beads between heavy ones may bounce thousands of times; the reference need not follow all of them here."""
+def few_steps():
+    """Light beads between heavy ones may bounce thousands of times: a run that takes so long gives up here, and says so."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 200)
         patch.setattr(softcradle.physics.reference.phases, "MOST_EVALUATIONS", 20_000)
@@ -129,8 +52,8 @@ def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
     """At their own default step; larger ones may blow up on stiff chains where the exponent is above 1."""
     chain, velocity = collision
     step = default_step(chain, velocity)
-    found = run(chain, velocity, 3000 * step, method.name, samples=31)
-    assert_sane(found)
+    found = simulate_quietly(chain, velocity, 3000 * step, method.name, samples=31)
+    assert_sound(found)
     assert_momentum(found, velocity)
 
 
@@ -138,41 +61,46 @@ def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
 @pytest.mark.parametrize("method", [m for m in FIXED_STEP if m.set_valued], ids=lambda method: method.name)
 @given(collision=collisions())
 @settings(max_examples=60)
-def test_exact_energy_at_any_step(method, parts, collision):
+def test_energy_is_exact_at_any_step(method, parts, collision):
+    """To round-off, which light beads and steps of thousands of the shortest contact times multiply."""
     chain, velocity = collision
     step = float(contact_scales(chain, velocity)[1].max()) / parts
     found = simulate(chain, velocity, 3 * parts * step, method.name, step, samples=31)  # a warning is an error
-    assert_sane(found)
+    assert_sound(found)
     assert_momentum(found, velocity)
-    assert energy_error(found, velocity) < 1e-11
+    assert energy_error(found, velocity) < ENERGY_ROUND_OFF * math.sqrt(found.steps + 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 @given(collision=collisions(most=8))
 @settings(max_examples=30)
 def test_adaptive_methods_end_with_the_beads_in_order(method, collision):
+    """Or with a warning, as chains do whose light beads bounce thousands of times."""
     chain, velocity = collision
     # alone, dop853 is for contacts that are not soft: on others it takes steps in which they swing
     assume(method.name != "dop853" or all(contact.exponent >= 1.0 for contact in chain.contact))
-    found = run(chain, velocity, None, method.name, tolerance=1e-6, samples=31)
-    assert_sane(found)
-    # every step of radau leaves what Newton leaves, 2.5e-3 of the tolerance, and a rattle takes thousands of them
-    assert_momentum(found, velocity, tolerance=1e-6 * (1.0 + 2.5e-3 * found.steps))
-    if not found.warnings:  # a chain whose light beads bounce thousands of times may be given up or off, and says so
-        assert energy_error(found, velocity) < 1e-5
-        assert separating(found.final_velocity, 1e-5 * closing(velocity))
+    found = simulate_quietly(chain, velocity, None, method.name, tolerance=TOLERANCE, samples=31)
+    assert_sound(found)
+    if not found.warnings:
+        assert_momentum(found, velocity, TOLERANCE * (1.0 + NEWTON * found.steps))
+        assert energy_error(found, velocity) < MOST_ENERGY * TOLERANCE
+        assert separating(found.final_velocity, 10.0 * TOLERANCE * closing_speed(velocity))
 
 
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 @given(collision=collisions(most=5))
 @settings(max_examples=25)
-def test_adaptive_methods_agree_with_themselves(method, collision):
-    """Two tolerances give one motion, over a time in which round-off is not yet the seed of another."""
+def test_two_tolerances_give_one_motion(method, collision):
+    """Over a time in which round-off cannot grow to another motion."""
     chain, velocity = collision
     end = float(contact_scales(chain, velocity)[1].min())
-    one, other = (run(chain, velocity, end, method.name, tolerance=tol, samples=9) for tol in (1e-5, 1e-7))
+    one, other = (
+        simulate_quietly(chain, velocity, end, method.name, tolerance=tolerance, samples=9)
+        for tolerance in (1e-5, 1e-7)
+    )
     if not (one.warnings or other.warnings):
-        assert np.abs(one.velocity - other.velocity).max() < 1e-3 * closing(velocity)
+        assert np.abs(one.velocity - other.velocity).max() < 1e-3 * closing_speed(velocity)
 
 
 @pytest.mark.parametrize("method", SET_VALUED, ids=lambda method: method.name)
@@ -181,8 +109,8 @@ def test_adaptive_methods_agree_with_themselves(method, collision):
 def test_set_valued_methods_agree_with_the_reference(method, collision):
     chain, velocity = collision
     end = float(contact_scales(chain, velocity)[1].min())
-    exact = run(chain, velocity, end, "scipy", tolerance=1e-6, samples=9)
+    exact = simulate_quietly(chain, velocity, end, "scipy", tolerance=1e-6, samples=9)
     fine = {"tolerance": 1e-7} if method.adaptive else {"step": end / 20000}
-    found = run(chain, velocity, end, method.name, samples=9, **fine)
+    found = simulate_quietly(chain, velocity, end, method.name, samples=9, **fine)
     if not (exact.warnings or found.warnings):
-        assert np.abs(found.velocity - exact.velocity).max() < 3e-3 * closing(velocity)
+        assert np.abs(found.velocity - exact.velocity).max() < 3e-3 * closing_speed(velocity)

@@ -1,132 +1,24 @@
-"""radau, dop853 and accurate: error against tolerance, switches, samples, limits, and the work they take, in counts."""
+"""radau, dop853 and accurate: samples, live steps, closed forms of gears, no collision stepped over, and the work they take."""
 
 from __future__ import annotations
 
 import math
-import warnings
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import softcradle.physics.adaptive.runner
-from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, step_force
-from softcradle.physics import simulate as checked_simulate
+from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 
-from softcradle import scenes
-from tests.helpers.relations import kinetic_energy, momentum, separating
-from tests.helpers.truth import ELASTIC, GEARS
+from tests.helpers.relations import KERNELS, PROMISE, closing_speed, kinetic_energy, momentum, separating
+from tests.helpers.truth import ELASTIC, GEAR, GEARS, gear_critical_speed
 
-KERNELS = ("radau", "dop853", "accurate")
-TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
-RATTLING = TOLERANCES[:21:2]  # half decades to 1e-8, where runs are many and long
-PROMISE = 10.0  # tolerances
-FINE_RUNS = 8  # of a motion, to see how far it is determined
-SHAKEN = (
-    1e-14  # part of its forces by which a fine run differs: a few units of the last place, as between two processors
-)
-SPREADS = 3.0  # a run may lie outside of eight others, and by less than three times their spread
 CASES = ELASTIC + GEARS
-GEAR = draft_gear(770.0, 0.0177)
 
 
-def simulate(*arguments, **options):
-    """The velocities' error is what is tested here: two samples, unless more are asked for."""
-    return checked_simulate(*arguments, **{"samples": 2} | options)
-
-
-def closing(velocity):
-    return float(np.ptp(velocity))
-
-
-def lanes():
-    """Every lane of every scene that ends by itself, once."""
-    found = {}
-    for name in scenes.names():
-        for k, lane in enumerate(scenes.load(name).lanes):
-            chain, velocity = lane.chain(), np.array(lane.velocity)
-            if (
-                chain.walls < 2 and chain.drive is None and not chain.dissipative
-            ):  # tests/physics/friction/test_friction.py has those
-                found.setdefault((chain, tuple(velocity)), f"{name}-{k}")
-    return [pytest.param(chain, np.array(velocity), id=name) for (chain, velocity), name in found.items()]
-
-
-@pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("method", ["radau", "accurate"])
-def test_error_stays_below_ten_tolerances(method, truth):
-    for tolerance in TOLERANCES:
-        found = simulate(truth.chain, truth.start, method=method, tolerance=tolerance)
-        assert np.abs(found.final_velocity - truth.final).max() < PROMISE * tolerance * closing(truth.start)
-
-
-DEEP = {5: 1 / 14, 10: 1 / 30, 20: 1 / 50}  # n: exponent
-
-
-@pytest.mark.parametrize("n", DEEP)
-def test_error_in_deep_clusters(n):
-    """One on 5 bounces six times at 1e-6 of its speed before it is over: there one part in 1e10 is a bounce."""
-    chain, start = one_on(n, power_law(1.0, DEEP[n])), np.eye(1, n + 1)[0]
-    exact = simulate(chain, start, method="radau", tolerance=1e-12).final_velocity
-    for tolerance in TOLERANCES:
-        found = simulate(chain, start, tolerance=tolerance)
-        assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
-
-
-@pytest.mark.parametrize(("chain", "velocity"), lanes())
-def test_error_in_every_scene(chain, velocity):
-    """Ten tolerances, as far as the motion is determined: the last two beads of `mixed` rattle, and end within 2e-6 m/s.
-
-    Where a contact bounces often, errors of single steps are passed on and grow: finer runs confirm these. A warning is
-    in place only where fine runs differ by more than the tolerance.
-    """
-    ends, bounces = fine_ends(chain, velocity)
-    exact, undetermined = ends.mean(axis=0), SPREADS * np.ptp(ends, axis=0)
-    for tolerance in RATTLING if bounces > 2 else TOLERANCES:
-        found = quiet_simulate(chain, velocity, tolerance=tolerance)
-        error, allowed = np.abs(found.final_velocity - exact), tolerance * closing(velocity)
-        assert (error < PROMISE * allowed + undetermined).all()
-        assert not found.warnings or undetermined.max() > allowed
-
-
-def test_error_under_a_steady_push():
-    """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity."""
-    scene = scenes.load("driven-cluster")
-    chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
-    exact = simulate(chain, velocity, scene.duration, "radau", tolerance=1e-13).final_velocity
-    for tolerance in (*RATTLING, 1e-10):
-        found = simulate(chain, velocity, scene.duration, tolerance=tolerance)
-        assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
-
-
-def test_what_no_tolerance_resolves_says_so():
-    """One on 4 at alpha = 1/20 rattles 450 times at the end, and no two tolerances agree to better than 1e-5."""
-    with pytest.warns(RuntimeWarning, match="the motion is so sensitive that accurate at tolerance"):
-        found = simulate(one_on(4, power_law(1.0, 1 / 20)), [1, 0, 0, 0, 0], 2.0, tolerance=1e-8)
-    assert len(found.warnings) == 1
-    assert kinetic_energy(found.chain, found.final_velocity) == pytest.approx(0.5, abs=1e-6)
-
-
-def quiet_simulate(*arguments, **options):
-    """`simulate`, with its warnings on the Trajectory alone."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return simulate(*arguments, **options)
-
-
-def fine_ends(chain, velocity):
-    """Final velocities (FINE_RUNS, n+1) of fine runs whose forces differ by round-off, and the most closings of a contact."""
-    shaken = np.random.default_rng(0)
-    runs = []
-    for _ in range(FINE_RUNS):
-        factors = 1.0 + SHAKEN * shaken.uniform(-1.0, 1.0, chain.contacts)
-        contacts = [
-            replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
-            for contact, factor in zip(chain.contact, factors, strict=True)
-        ]
-        runs.append(quiet_simulate(replace(chain, contact=contacts), velocity, method="radau", tolerance=1e-10))
-    closings = max(len(intervals) for run in runs for intervals in run.contact_intervals)
-    return np.array([run.final_velocity for run in runs]), closings
+def run(*arguments, **options):
+    """`simulate` with two samples unless more are wanted: most tests here are of final velocities."""
+    return simulate(*arguments, **{"samples": 2} | options)
 
 
 SMOOTH = {
@@ -143,9 +35,9 @@ SMOOTH = {
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
 def test_the_three_agree(case, tolerance):
     chain, velocity = SMOOTH[case]
-    ends = [simulate(chain, velocity, method=method, tolerance=tolerance).final_velocity for method in KERNELS]
+    ends = [run(chain, velocity, method=method, tolerance=tolerance).final_velocity for method in KERNELS]
     for end in ends[1:]:
-        assert end == pytest.approx(ends[0], abs=PROMISE * tolerance * closing(velocity))
+        assert end == pytest.approx(ends[0], abs=PROMISE * tolerance * closing_speed(velocity))
 
 
 @pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
@@ -153,10 +45,10 @@ def test_the_three_agree(case, tolerance):
 def test_a_sample_is_a_run_that_stops_there(method, truth):
     """Also inside steps that end in an event: both are within the tolerance of the same motion."""
     times = np.linspace(0.0, 1.1 * truth.contact_time, 12)[1:]
-    found = simulate(truth.chain, truth.start, times[-1], method, samples=times, tolerance=1e-7)
+    found = run(truth.chain, truth.start, times[-1], method, samples=times, tolerance=1e-7)
     for k, time in enumerate(times):
-        stopped = simulate(truth.chain, truth.start, time, method, tolerance=1e-7)
-        assert found.velocity[k] == pytest.approx(stopped.final_velocity, abs=1e-6 * closing(truth.start))
+        stopped = run(truth.chain, truth.start, time, method, tolerance=1e-7)
+        assert found.velocity[k] == pytest.approx(stopped.final_velocity, abs=1e-6 * closing_speed(truth.start))
         assert found.overlap[k] == pytest.approx(stopped.overlap[-1], abs=1e-6 * truth.largest_overlap.max())
 
 
@@ -165,7 +57,7 @@ def test_a_sample_is_a_run_that_stops_there(method, truth):
 def test_advance_is_simulate(method, case):
     chain, velocity = SMOOTH[case]
     duration, frames = 3.0, 60
-    whole = simulate(chain, velocity, duration, method, tolerance=1e-9)
+    whole = run(chain, velocity, duration, method, tolerance=1e-9)
     state = State.at_start(chain, velocity)
     for _ in range(frames):
         advance(chain, state, duration / frames, method, tolerance=1e-9)
@@ -185,29 +77,13 @@ def test_advance_from_a_turning_point(method, speed):
     assert state.velocity(chain) == pytest.approx([-expected, expected], abs=1e-7)
 
 
-@pytest.mark.parametrize("method", ["radau", "accurate"])
-@pytest.mark.parametrize("law", [power_law(1.0, 0.2), hertz(5.0), draft_gear(2.0, 0.1)], ids=str)
-def test_a_driven_chain_agrees_with_the_reference(method, law):
-    chain = Chain([1.0, 2.0, 1.0, 0.5], law, drive=[1.0, 0.0, 0.0, 0.0])
-    exact = simulate(chain, [0.0] * 4, 2.0, "scipy", tolerance=1e-10)
-    for tolerance in (1e-4, 1e-6, 1e-8):
-        found = simulate(chain, [0.0] * 4, 2.0, method, tolerance=tolerance)
-        assert found.final_velocity == pytest.approx(exact.final_velocity, abs=PROMISE * tolerance)
-
-
-def critical_speed(n):
-    """Speed [m/s] up to which one gear-car on n stays exactly rigid, design 4: unit masses."""
-    stiffness, squeeze = GEAR.stiffness, GEAR.preload / GEAR.stiffness
-    return squeeze * math.sqrt(stiffness * (n + 1) / n * ((n / (n - 1)) ** 2 - 1))
-
-
 @pytest.mark.parametrize("n", [2, 3, 10])
 @pytest.mark.parametrize("part", [0.3, 0.9, 0.99])
 @pytest.mark.parametrize("method", KERNELS)
 def test_rigid_gears_to_round_off(method, part, n):
     """Velocities, contact time and peak force in closed form: to 1e-12, and reached to 4e-15 (measured)."""
-    speed, mass, stiffness = part * critical_speed(n), n / (n + 1), GEAR.stiffness
-    found = simulate(one_on(n, GEAR), [speed] + [0.0] * n, method=method, tolerance=1e-13, samples=65)
+    speed, mass, stiffness = part * gear_critical_speed(n), n / (n + 1), GEAR.stiffness
+    found = run(one_on(n, GEAR), [speed] + [0.0] * n, method=method, tolerance=1e-13, samples=65)
     assert found.final_velocity == pytest.approx([speed * (1 - n) / (n + 1)] + [speed * 2 / (n + 1)] * n, rel=1e-12)
     during = found.force[:, 0] > 0.0
     assert (found.overlap[during, 1:] == 0.0).all()
@@ -215,23 +91,23 @@ def test_rigid_gears_to_round_off(method, part, n):
     (closed, opened), *others = found.contact_intervals[0]
     assert not others
     assert opened - closed == pytest.approx(pulse, rel=1e-12)
-    middle = simulate(one_on(n, GEAR), [speed] + [0.0] * n, pulse, method, samples=[pulse / 2], tolerance=1e-13)
+    middle = run(one_on(n, GEAR), [speed] + [0.0] * n, pulse, method, samples=[pulse / 2], tolerance=1e-13)
     peak = math.sqrt(GEAR.preload**2 + stiffness * mass * speed**2)
     assert middle.force[0] == pytest.approx(peak * np.arange(n, 0, -1) / n, rel=1e-12)
 
 
 @pytest.mark.parametrize("n", [2, 3, 10])
 @pytest.mark.parametrize("part", [1.01, 1.5, 3.0])
-def test_gears_beyond_the_critical_speed(part, n):
+def test_gears_beyond_the_gear_critical_speed(part, n):
     """Inner contacts load: no longer rigid. Explicit and implicit steps agree on the rest.
 
     To 100 tolerances: just above the critical speed, where contacts yield at a grazing force, one part in 1e10 of the
     striker's speed changes the end by 40 (measured).
     """
-    speed = part * critical_speed(n)
+    speed = part * gear_critical_speed(n)
     ends = []
     for method in KERNELS:
-        found = simulate(one_on(n, GEAR), [speed] + [0.0] * n, method=method, tolerance=1e-12, samples=65)
+        found = run(one_on(n, GEAR), [speed] + [0.0] * n, method=method, tolerance=1e-12, samples=65)
         assert found.overlap[:, 1].max() > 0.0
         assert kinetic_energy(found.chain, found.final_velocity) == pytest.approx(0.5 * speed**2, rel=1e-11)
         ends.append(found.final_velocity)
@@ -244,11 +120,11 @@ def test_gears_beyond_the_critical_speed(part, n):
 def test_the_limit_of_small_exponents_is_the_step_force(method, n):
     """What is left falls faster than any power of alpha, as the deepest overlap does: n**(-1/alpha), Eq. (6)."""
     start = [1.0] + [0.0] * n
-    limit = simulate(one_on(n, step_force(1.0)), start, method=method, tolerance=1e-8).final_velocity
+    limit = run(one_on(n, step_force(1.0)), start, method=method, tolerance=1e-8).final_velocity
     assert limit == pytest.approx([(1 - n) / (n + 1)] + [2 / (n + 1)] * n, abs=1e-7)
     gaps = []
     for alpha in (1e-1, 3e-2, 1e-2, 3e-3, 1.5e-3, 1e-3):  # overlaps from 1e-1 to below the smallest number
-        found = simulate(one_on(n, power_law(1.0, alpha)), start, method=method, tolerance=1e-8)
+        found = run(one_on(n, power_law(1.0, alpha)), start, method=method, tolerance=1e-8)
         gaps.append(float(np.abs(found.final_velocity - limit).max()))
     assert gaps[0] < 0.5
     assert all(later < max(0.5 * earlier, 1e-7) for earlier, later in pairwise(gaps))
@@ -261,7 +137,7 @@ def test_the_limit_of_small_exponents_is_the_step_force(method, n):
 def test_a_loose_tolerance_does_not_jump_over_a_collision(method, gap, tolerance):
     """A contact of a hundredth of a second after a flight of any length, in a chain where nothing else happens."""
     chain = Chain([1.0, 1.0, 1.0], hooke(1e4), [gap, gap])
-    found = simulate(chain, [1.0, 0.0, 0.0], 10.0 + 3.0 * gap, method, tolerance=tolerance)
+    found = run(chain, [1.0, 0.0, 0.0], 10.0 + 3.0 * gap, method, tolerance=tolerance)
     assert found.final_velocity == pytest.approx([0.0, 0.0, 1.0], abs=PROMISE * tolerance)
     assert [len(intervals) for intervals in found.contact_intervals] == [1, 1]
 
@@ -270,7 +146,7 @@ def test_a_loose_tolerance_does_not_jump_over_a_collision(method, gap, tolerance
 def test_nor_over_one_beside_a_slow_contact(method):
     """Two beads swing together for seconds, while a third is hit for a hundredth of one."""
     chain = Chain([1.0, 1.0, 1.0, 1e-3], [hooke(1.0), hooke(1e-9), hooke(1e3)], [0.0, 50.0, 0.5])
-    found = simulate(chain, [1.0, 0.0, 0.0, -0.5], 3.0, method, tolerance=1e-2)
+    found = run(chain, [1.0, 0.0, 0.0, -0.5], 3.0, method, tolerance=1e-2)
     assert len(found.contact_intervals[2]) == 1
     assert found.final_velocity[3] > 0.0
 
@@ -278,42 +154,42 @@ def test_nor_over_one_beside_a_slow_contact(method):
 def test_no_bead_is_lost_in_a_step_longer_than_the_contact():
     """A late closing in the middle of another contact is an event of it: the switch of the truth, at any tolerance."""
     chain = Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0])
-    counts = [len(pairs) for pairs in simulate(chain, [2, 0, 0.5, -1], tolerance=1e-10).contact_intervals]
+    counts = [len(pairs) for pairs in run(chain, [2, 0, 0.5, -1], tolerance=1e-10).contact_intervals]
     for tolerance in (1e-2, 1e-3, 1e-4):
-        found = simulate(chain, [2, 0, 0.5, -1], tolerance=tolerance)
+        found = run(chain, [2, 0, 0.5, -1], tolerance=tolerance)
         assert [len(pairs) for pairs in found.contact_intervals] == counts
 
 
 @pytest.mark.parametrize("law", [hertz(1.0), hooke(1.0), draft_gear(1.0, 0.3), power_law(1.0, 0.5)], ids=str)
 def test_a_thousand_contacts(law):
     n, start = 1000, np.eye(1, 1001)[0]
-    found = simulate(one_on(n, law), start, 3.0, tolerance=1e-5)
+    found = run(one_on(n, law), start, 3.0, tolerance=1e-5)
     assert momentum(found.chain, found.final_velocity) == pytest.approx(1.0, abs=1e-5)
     assert np.isfinite(found.final_velocity).all()
-    short = simulate(one_on(50, law), start[:51], 3.0, tolerance=1e-5)
+    short = run(one_on(50, law), start[:51], 3.0, tolerance=1e-5)
     if not law.preload:  # a rigid train feels its end at once; a wave has not come that far
         assert found.final_velocity[:5] == pytest.approx(short.final_velocity[:5], abs=1e-4)
 
 
 def test_cost_is_that_of_the_promise():
     """Steps and evaluations with margins of two over what is measured: a change that doubles them is noticed."""
-    soft = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], tolerance=1e-6)
+    soft = run(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], tolerance=1e-6)
     assert soft.steps < 200
     assert soft.evaluations < 2500
-    deep = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, tolerance=1e-6)
+    deep = run(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, tolerance=1e-6)
     assert deep.steps < 250
     assert deep.evaluations < 4200
-    wave = simulate(one_on(100, hertz(1.0)), [1] + [0] * 100, 200.0, tolerance=1e-6)
+    wave = run(one_on(100, hertz(1.0)), [1] + [0] * 100, 200.0, tolerance=1e-6)
     assert wave.steps < 900
     assert wave.evaluations < 20_000
-    rigid = simulate(one_on(10, GEAR), [0.5 * critical_speed(10)] + [0] * 10, tolerance=1e-9)
+    rigid = run(one_on(10, GEAR), [0.5 * gear_critical_speed(10)] + [0] * 10, tolerance=1e-9)
     assert rigid.steps < 20
     assert rigid.evaluations < 2000
 
 
 @pytest.mark.parametrize("law", [hertz(1.0), power_law(1.0, 0.1)], ids=str)
 def test_cost_grows_with_the_order_of_the_method(law):
-    counts = [simulate(one_on(4, law), [1, 0, 0, 0, 0], tolerance=tol).steps for tol in (1e-4, 1e-9)]
+    counts = [run(one_on(4, law), [1, 0, 0, 0, 0], tolerance=tol).steps for tol in (1e-4, 1e-9)]
     assert counts[0] < counts[1] < 12 * counts[0]  # 5 digits at order 5 are 10 times the steps
 
 
@@ -322,7 +198,7 @@ def test_giving_up_is_a_value(monkeypatch):
     chain, start = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
     for method in KERNELS:
         with pytest.warns(RuntimeWarning, match=f"{method} gave up after 20 steps at t = "):
-            found = simulate(chain, start, method=method)
+            found = run(chain, start, method=method)
         assert len(found.warnings) == 1
         assert np.isfinite(found.velocity).all()
         with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*20 steps"):
@@ -333,23 +209,8 @@ def test_a_gap_between_clusters_counts_from_the_first_touch():
     """Beads that rest against each other unpushed are open; the cluster closes as one when it is hit."""
     chain, start = Chain([1.0] * 5, hooke(2.0), [0.0, 0.3, 0.0, 0.0]), [1, 1, 0, 0, 0]
     for method in KERNELS:
-        found = simulate(chain, start, method=method, tolerance=1e-8)
+        found = run(chain, start, method=method, tolerance=1e-8)
         for intervals in found.contact_intervals:
             assert intervals[0][0] == pytest.approx(0.3, abs=1e-12)
             assert all(math.isfinite(time) for interval in intervals for time in interval)
         assert separating(found.final_velocity, 1e-7)
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
-@pytest.mark.parametrize("method", ["radau", "dop853", "accurate"])
-@pytest.mark.parametrize(("n", "ratio"), [(4, 1.005), (4, 1.014), (10, 1.005), (10, 1.014)])
-def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
-    """Just above the critical speed an inner contact passes its preload by a part in a thousand, between the nodes of a step."""
-    chain = one_on(n, GEAR)
-    speed = ratio * critical_speed(n)
-    start = [speed] + [0.0] * n
-    reference = simulate(chain, start, method="radau", tolerance=1e-12, samples=2)
-    found = simulate(chain, start, method=method, tolerance=tolerance, samples=2)
-    assert np.abs(found.final_velocity - reference.final_velocity).max() < 10.0 * tolerance * speed
-    assert np.ptp(found.final_velocity[1:]) > 1e-5
-    assert len(found.contact_intervals[1]) == len(reference.contact_intervals[1])

@@ -1,0 +1,72 @@
+"""Random chains with their start velocities, each from a seed: collisions without dissipation, and chains with both kinds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import strategies as st
+from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_law, step_force
+
+LAWS = (
+    lambda draw: power_law(draw(), 1 / 14),
+    lambda draw: power_law(draw(), 0.1 * draw() ** 0.5),
+    lambda draw: hooke(draw()),
+    lambda draw: hertz(draw()),
+    lambda draw: step_force(draw()),
+    lambda draw: draft_gear(draw(), 0.1 * draw()),
+    lambda draw: Contact(draw(), draw(), min(3.0, 0.3 * draw())),
+    lambda draw: Contact(0.0, draw(), min(3.0, 0.5 * draw())),
+)
+
+
+def random_collision(seed, most):
+    """(chain, velocity): up to three clusters, each of one velocity, or every bead its own; at most one wall.
+
+    From a seed, because lists drawn by hypothesis repeat themselves and mostly fly apart.
+    """
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, most + 1))
+
+    def strength():
+        return float(10.0 ** rng.uniform(-1, 1))
+
+    def law():
+        return LAWS[rng.integers(len(LAWS))](strength)
+
+    mass = 10.0 ** rng.uniform(-2, 2, n + 1) if rng.random() < 0.5 else np.full(n + 1, strength())
+    contacts = law() if rng.random() < 0.5 else [law() for _ in range(n)]
+    cluster = np.sort(rng.integers(0, 3, n + 1))
+    fastest_first = -np.sort(-rng.uniform(-1, 1, 3))
+    velocity = fastest_first[cluster] if rng.random() < 0.7 else rng.uniform(-1, 1, n + 1)
+    gap = np.where(np.diff(cluster) > 0, rng.choice([0.0, 0.1, 1.0], n), 0.0)
+    if rng.random() < 0.3:
+        wall = int(rng.choice([0, n]))
+        mass[wall], velocity[wall] = math.inf, 0.0
+    return Chain(mass, contacts, gap), velocity
+
+
+def collisions(most=40):
+    """A hypothesis strategy of random collisions with up to `most` contacts."""
+    return st.integers(0, 2**32 - 1).map(lambda seed: random_collision(seed, most))
+
+
+def random_dissipative(seed, most=6):
+    """(chain, velocity) with friction: mixed masses and laws, losses, gaps, sometimes a wall or a drive."""
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(1, most + 1))
+    mass = 10 ** draw.uniform(-1, 1, n + 1)
+    if draw.random() < 0.2:
+        mass[-1] = math.inf
+    kinds = [
+        lambda: power_law(10 ** draw.uniform(-1, 1), float(draw.choice([0.05, 0.1, 0.3]))),
+        lambda: draft_gear(10 ** draw.uniform(0, 3), 10 ** draw.uniform(-3, 0)),
+        lambda: hertz(10 ** draw.uniform(0, 4)),
+        lambda: Contact(draw.uniform(0, 2), draw.uniform(0.1, 10), float(draw.choice([0.1, 0.5, 1, 1.5]))),
+    ]
+    laws = [replace(kinds[int(draw.integers(4))](), loss=float(draw.choice([0, 0.3, 0.8, 0.95]))) for _ in range(n)]
+    gap = np.where(draw.random(n) < 0.7, 0.0, draw.uniform(0, 0.1, n))
+    drive = np.where(np.isfinite(mass), draw.normal(size=n + 1), 0.0) if draw.random() < 0.2 else None
+    velocity = np.where(np.isfinite(mass), draw.normal(size=n + 1), 0.0)
+    return Chain(mass, laws, gap, drive, float(draw.choice([0.001, 0.01, 0.1, 0.5]))), velocity

@@ -1,0 +1,137 @@
+"""Errors of radau, dop853 and accurate against their tolerance: ten tolerances at the most, or a warning."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, draft_gear, hertz, one_on, power_law, simulate
+
+from softcradle import scenes
+from tests.helpers.relations import PROMISE, closing_speed, kinetic_energy, simulate_quietly
+from tests.helpers.truth import ELASTIC, GEAR, GEARS, gear_critical_speed
+
+TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
+RATTLING = TOLERANCES[:21:2]  # half decades to 1e-8, for motions whose runs are many and long
+FINE_RUNS = 8  # of a motion, to see how far it is determined
+SHAKEN = 1e-14  # relative change of forces between fine runs: a few units of the last place, as between two processors
+SPREADS = 3.0  # spreads of the fine runs by which another run may lie away from their mean
+CASES = ELASTIC + GEARS
+
+
+def run(*arguments, **options):
+    """`simulate` with two samples unless more are wanted: the error of final velocities is what is tested here."""
+    return simulate(*arguments, **{"samples": 2} | options)
+
+
+def lanes():
+    """Every lane of every scene that ends by itself, once."""
+    found = {}
+    for name in scenes.names():
+        for k, lane in enumerate(scenes.load(name).lanes):
+            chain, velocity = lane.chain(), tuple(lane.velocity)
+            if chain.walls < 2 and chain.drive is None and not chain.dissipative:
+                found.setdefault((chain, velocity), f"{name}-{k}")
+    marks = {"mixed-0": pytest.mark.slow}
+    return [
+        pytest.param(chain, np.array(velocity), id=name, marks=marks.get(name, ()))
+        for (chain, velocity), name in found.items()
+    ]
+
+
+@pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
+@pytest.mark.parametrize("method", ["radau", "accurate"])
+def test_error_stays_below_ten_tolerances(method, truth):
+    for tolerance in TOLERANCES:
+        found = run(truth.chain, truth.start, method=method, tolerance=tolerance)
+        assert np.abs(found.final_velocity - truth.final).max() < PROMISE * tolerance * closing_speed(truth.start)
+
+
+DEEP = {5: 1 / 14, 10: 1 / 30, 20: 1 / 50}  # n: exponent
+
+
+@pytest.mark.parametrize("n", DEEP)
+def test_error_in_deep_clusters(n):
+    """One on 5 bounces six times at 1e-6 of its speed before it is over: there one part in 1e10 is a bounce."""
+    chain, start = one_on(n, power_law(1.0, DEEP[n])), np.eye(1, n + 1)[0]
+    exact = run(chain, start, method="radau", tolerance=1e-12).final_velocity
+    for tolerance in TOLERANCES:
+        found = run(chain, start, tolerance=tolerance)
+        assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
+
+
+@pytest.mark.parametrize(("chain", "velocity"), lanes())
+def test_error_in_every_scene(chain, velocity):
+    """Ten tolerances, as far as the motion is determined: the last two beads of `mixed` rattle, and end within 2e-6 m/s.
+
+    Where a contact bounces often, errors of single steps are passed on and grow: finer runs confirm these. A warning is
+    in place only where fine runs differ by more than the tolerance.
+    """
+    ends, bounces = fine_ends(chain, velocity)
+    exact, undetermined = ends.mean(axis=0), SPREADS * np.ptp(ends, axis=0)
+    for tolerance in RATTLING if bounces > 2 else TOLERANCES:
+        found = simulate_quietly(chain, velocity, tolerance=tolerance, samples=2)
+        error, allowed = np.abs(found.final_velocity - exact), tolerance * closing_speed(velocity)
+        assert (error < PROMISE * allowed + undetermined).all()
+        assert not found.warnings or undetermined.max() > allowed
+
+
+def fine_ends(chain, velocity):
+    """Final velocities (FINE_RUNS, n+1) of fine runs whose forces differ by round-off, and the most closings of a contact."""
+    shaken = np.random.default_rng(0)
+    runs = []
+    for _ in range(FINE_RUNS):
+        factors = 1.0 + SHAKEN * shaken.uniform(-1.0, 1.0, chain.contacts)
+        contacts = [
+            replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
+            for contact, factor in zip(chain.contact, factors, strict=True)
+        ]
+        runs.append(
+            simulate_quietly(replace(chain, contact=contacts), velocity, method="radau", samples=2, tolerance=1e-10)
+        )
+    closings = max(len(intervals) for run in runs for intervals in run.contact_intervals)
+    return np.array([run.final_velocity for run in runs]), closings
+
+
+def test_error_under_a_steady_push():
+    """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity."""
+    scene = scenes.load("driven-cluster")
+    chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
+    exact = run(chain, velocity, scene.duration, "radau", tolerance=1e-13).final_velocity
+    for tolerance in (*RATTLING, 1e-10):
+        found = run(chain, velocity, scene.duration, tolerance=tolerance)
+        assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
+
+
+def test_what_no_tolerance_resolves_says_so():
+    """One on 4 at alpha = 1/20 rattles 450 times at the end, and no two tolerances agree to better than 1e-5."""
+    with pytest.warns(RuntimeWarning, match="the motion is so sensitive that accurate at tolerance"):
+        found = run(one_on(4, power_law(1.0, 1 / 20)), [1, 0, 0, 0, 0], 2.0, tolerance=1e-8)
+    assert len(found.warnings) == 1
+    assert kinetic_energy(found.chain, found.final_velocity) == pytest.approx(0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", ["radau", "accurate"])
+@pytest.mark.parametrize("law", [power_law(1.0, 0.2), hertz(5.0), draft_gear(2.0, 0.1)], ids=str)
+def test_a_driven_chain_agrees_with_the_reference(method, law):
+    chain = Chain([1.0, 2.0, 1.0, 0.5], law, drive=[1.0, 0.0, 0.0, 0.0])
+    exact = run(chain, [0.0] * 4, 2.0, "scipy", tolerance=1e-10)
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        found = run(chain, [0.0] * 4, 2.0, method, tolerance=tolerance)
+        assert found.final_velocity == pytest.approx(exact.final_velocity, abs=PROMISE * tolerance)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("method", ["radau", "dop853", "accurate"])
+@pytest.mark.parametrize(("n", "ratio"), [(4, 1.005), (4, 1.014), (10, 1.005), (10, 1.014)])
+def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
+    """Just above the critical speed an inner contact passes its preload by a part in a thousand, between the nodes of a step."""
+    chain = one_on(n, GEAR)
+    speed = ratio * gear_critical_speed(n)
+    start = [speed] + [0.0] * n
+    reference = run(chain, start, method="radau", tolerance=1e-12, samples=2)
+    found = run(chain, start, method=method, tolerance=tolerance, samples=2)
+    assert np.abs(found.final_velocity - reference.final_velocity).max() < 10.0 * tolerance * speed
+    assert np.ptp(found.final_velocity[1:]) > 1e-5
+    assert len(found.contact_intervals[1]) == len(reference.contact_intervals[1])
