@@ -1,0 +1,78 @@
+"""Friction and loss in scenes, files and the session: kept, checked, and booked."""
+
+from __future__ import annotations
+
+import pytest
+from softcradle.physics import Trajectory, draft_gear, simulate
+from softcradle.sandbox.session import Session
+from softcradle.sandbox.session.inputs import SetContact, SetMethod
+from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
+from softcradle.sandbox.trajectory_summary import summarise
+from softcradle.scenes import SceneError, parse
+
+SCENE = """
+title = "Wagons"
+[[lanes]]
+beads = [1, 2]
+mass = 80e3
+contact = {law = "draft_gear", stiffness = 2e7, precompression = 0.01, loss = 0.8}
+velocity = 1.5
+approach = 0.1
+friction = 0.002
+"""
+
+
+def test_scene_and_files_keep_friction_and_loss(tmp_path):
+    scene = parse(SCENE)
+    assert parse(scene.to_toml()) == scene
+    lane = scene.lanes[0]
+    chain = lane.chain()
+    assert chain.friction == 0.002
+    assert {contact.loss for contact in chain.contact} == {0.8}
+    found = simulate(chain, lane.velocity, method="conserving")
+    found.save(tmp_path / "wagons.npz")
+    read = Trajectory.load(tmp_path / "wagons.npz")
+    assert read.chain == chain
+    assert (read.ledger == found.ledger).all()
+    assert read.absorbed_by_contacts[-1] > 0.0
+    found.to_csv(tmp_path / "wagons.csv")
+    header, *rows = (tmp_path / "wagons.csv").read_text().splitlines()
+    assert header.endswith("absorbed by contacts [J],absorbed by bed [J]")
+    assert float(rows[-1].split(",")[-1]) == pytest.approx(found.absorbed_by_bed[-1])
+    summary = summarise("", found)
+    assert summary.energy_error < 1e-12
+    assert summary.absorbed_by_contacts == found.absorbed_by_contacts[-1]
+    assert summary.momentum_error is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("loss = 0.8", "loss = 1.0", "lanes[0].contact.loss must be less than 1"),
+        ("loss = 0.8", "loss = -1", "loss"),
+        ("friction = 0.002", "friction = -1", "lanes[0].friction must be greater than or equal to 0"),
+        ('title = "Wagons"', 'title = "Wagons"\nmethod = "yoshida4"', "yoshida4"),
+    ],
+)
+def test_a_scene_says_what_is_wrong(old, new, message):
+    with pytest.raises(SceneError) as error:
+        parse(SCENE.replace(old, new))
+    assert message in str(error.value)
+
+
+def test_absorbed_energy_is_no_error_of_the_session():
+    """Edits keep friction and loss, and a method that takes neither is refused."""
+    session = Session(parse(SCENE.replace("velocity = 1.5", "velocity = 3")))
+    session.step_frames(100)
+    health = session.health(0)
+    assert health.energy_error < 1e-10
+    assert health.momentum_error is None
+    assert session.lanes[0].ledger[[BY_CONTACTS, BY_BED]].sum() > 0.0
+    with pytest.raises(ValueError, match="yoshida4"):
+        session.apply(SetMethod(0, "yoshida4"))
+    session.apply(SetContact(0, 0, draft_gear(1e7, 0.01, 0.5)))
+    session.step_frames(10)
+    assert session.health(0).energy_error < 1e-10
+    lane = parse(session.to_scene().to_toml()).lanes[0]
+    assert lane.friction == 0.002
+    assert [contact.loss for contact in lane.chain().contact] == [0.5, 0.8]
