@@ -1,7 +1,7 @@
 """Compiled force callbacks for pymunk springs, by way of pymunk's private C interface.
 
-The interface is not promised by pymunk: everything used of it is checked once, with a spring made for that, and any
-surprise means that Python callbacks are used instead.
+pymunk does not promise the interface: every part that is used is checked once, with a spring made for that, and where a
+check fails Python callbacks are used instead.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from typing import Any
 import pymunk
 from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, push_address
 
-LAW_TYPE = "double[5]"  # preload, stiffness, exponent, touching distance, overlap (NaN: from the distance)
+LAW_TYPE = (
+    "double[5]"  # preload, stiffness, exponent, touching distance, and overlap or NaN: it follows from the distance
+)
 
 
 def unavailable() -> str:
@@ -22,9 +24,9 @@ def unavailable() -> str:
 
 
 def attach(spring: pymunk.DampedSpring) -> Any:
-    """Let compiled code push instead of `spring`'s own force; returns its law, five numbers to be written at any time.
+    """Replace the force of `spring` by compiled code; returns its law, five numbers that may be written at any time.
 
-    The law must live as long as the spring: keep a reference to it there.
+    The law must live as long as the spring: store a reference to it there.
     """
     from pymunk._chipmunk_cffi import ffi, lib
 
@@ -53,7 +55,7 @@ def _probe(stiffness: float) -> pymunk.DampedSpring:
 
 
 def _check_layout(ffi: Any) -> None:
-    """The slot for the law's address must be the spring's stiffness, which a force of our own never reads."""
+    """The slot for the law's address must be the spring's stiffness, which the compiled force does not use."""
     for stiffness in (1.25e67, -3.5e-41):
         if ffi.cast("double *", _probe(stiffness)._constraint)[LAW_SLOT] != stiffness:
             raise RuntimeError(f"pymunk {pymunk.version} lays its springs out in another way")

@@ -1,4 +1,4 @@
-"""Work that a callback of a pymunk step leaves for the end of the step, where pymunk lets exceptions through."""
+"""Tasks and errors that callbacks of a pymunk step leave for its end, where pymunk lets exceptions through."""
 
 from __future__ import annotations
 
@@ -10,40 +10,40 @@ import pymunk
 
 
 @dataclass
-class _Waiting:
+class _Pending:
     tasks: list[Callable[[], None]] = field(default_factory=list)
     errors: list[BaseException] = field(default_factory=list)
 
 
-_waiting: WeakKeyDictionary[pymunk.Space, _Waiting] = WeakKeyDictionary()
+_pending: WeakKeyDictionary[pymunk.Space, _Pending] = WeakKeyDictionary()
 
 
 def call_after_step(constraint: pymunk.Constraint, task: Callable[[], None]) -> None:
-    """Let the step under way call `task` at its end."""
+    """Call `task` at the end of the step under way."""
     _of(constraint).tasks.append(task)
 
 
 def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> None:
-    """Let the step under way end by raising `error`: pymunk prints and swallows what its callbacks raise."""
+    """Raise `error` at the end of the step under way: pymunk prints errors in its callbacks and goes on."""
     _of(constraint).errors.append(error)
 
 
-def _of(constraint: pymunk.Constraint) -> _Waiting:
+def _of(constraint: pymunk.Constraint) -> _Pending:
     space = constraint.a.space or constraint.b.space
     assert space is not None
     space.add_post_step_callback(_finish, _finish)
-    return _waiting.setdefault(space, _Waiting())
+    return _pending.setdefault(space, _Pending())
 
 
 def _finish(space: pymunk.Space, key: object) -> None:
-    """Do what waits and raise the first error. After an error pymunk calls this once more, with nothing waiting."""
-    waiting = _waiting.pop(space, _Waiting())
-    for task in waiting.tasks:
+    """Do the pending tasks and raise the first error. After an error pymunk calls this once more, with nothing pending."""
+    pending = _pending.pop(space, _Pending())
+    for task in pending.tasks:
         try:
             task()
-        except Exception as error:  # what failed in the step itself comes first
-            waiting.errors.append(error)
-    if waiting.errors:
-        if len(waiting.errors) > 1:
-            waiting.errors[0].add_note(f"{len(waiting.errors) - 1} more callbacks failed in the same step")
-        raise waiting.errors[0]
+        except Exception as error:  # errors of the step itself are before those of its tasks
+            pending.errors.append(error)
+    if pending.errors:
+        if len(pending.errors) > 1:
+            pending.errors[0].add_note(f"{len(pending.errors) - 1} more callbacks failed in the same step")
+        raise pending.errors[0]

@@ -40,31 +40,31 @@ from softcradle.physics.pymunk_contacts.soft_chain_step import (
     solve_lossy_chain_step,
     start_chain_step,
 )
-from softcradle.physics.pymunk_contacts.space_forces import Surroundings, centres
+from softcradle.physics.pymunk_contacts.space_forces import SpaceForces, centres
 
 Array = NDArray[np.float64]
 
-METHODS = ("conserving",)
-_solve: Any = solve_chain_step  # their arguments are unpacked from tuples, which type checkers cannot count
+CHAIN_METHODS = ("conserving",)  # values of the argument `method`
+_solve: Any = solve_chain_step  # Any: its arguments are unpacked from tuples, which type checkers cannot count
 _solve_lossy: Any = solve_lossy_chain_step
 
 
 class SoftChain:
-    """Takes over the contacts of a row of bodies, each touching the next; other joints, shapes and gravity go on.
+    """The contacts between neighbours in a row of bodies; other joints, shapes and gravity act beside them.
 
     Iterating gives its constraints, one between every two neighbours: ``space.add(*chain)``, ``space.remove(*chain)``;
-    neighbours' shapes no longer collide. In every step of the Space the first constraint to be asked solves all
-    contacts, by the method `conserving`: a collision keeps energy and momentum to round-off in steps of any size. How
-    it shares them out is second-order in the step, right to 1e-3 where the collision lasts some tens of steps. A body
-    must not pass its neighbour's centre in one step.
+    neighbours' shapes no longer collide. In every step of the Space the first constraint that is evaluated solves all
+    contacts, by the method `conserving`: a collision keeps energy and momentum to round-off in steps of any size. Their
+    distribution among the bodies is second-order in the step, right to 1e-3 where the collision lasts some tens of steps. A
+    body must not pass its neighbour's centre in one step.
 
     pymunk's bodies are half a step behind their velocities: ``x = X + (step/2) V``, in :attr:`positions`, is where
     kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and :attr:`energy` add up to a constant.
 
     Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
-    and strings (pin joints, taut slide joints) to things that do not give way are foreseen; other joints are expected
-    to do what they did in the last step, so one that stops a body all at once takes energy. A body that is moved or
-    given another velocity between steps goes on from there. Copy and pickle of the Space keep the chain.
+    and strings (pin joints, taut slide joints) to kinematic and static bodies are known before the contacts are solved. Other
+    joints are expected to act as in the last step, so one that stops a body within a step takes energy. A body that is moved
+    or given another velocity between steps continues from there. Copy and pickle of the Space include the chain.
     """
 
     _contacts: tuple[Contact, ...]
@@ -85,8 +85,8 @@ class SoftChain:
         :param str method: "conserving", the only one so far.
         :raises ValueError: wrong lengths or values.
         """
-        if method not in METHODS:
-            raise ValueError(f"method of a SoftChain must be one of {', '.join(METHODS)}, not {method!r}")
+        if method not in CHAIN_METHODS:
+            raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {method!r}")
         if len(bodies) < 2 or len(set(bodies)) < len(bodies):
             raise ValueError(f"a SoftChain needs at least 2 different bodies, not {len(set(bodies))}")
         self.method = method
@@ -98,7 +98,7 @@ class SoftChain:
         self._beads = np.zeros((BEAD_ROWS, n + 1))
         self._absorbed = np.zeros(1)
         self._step = 0.0  # of the last step; 0 when there was none
-        self._waiting: list[float | None] = [None] * n
+        self._unread: list[float | None] = [None] * n  # forces of the step under way that pymunk has not read yet
         self.contacts = contacts
         self.touching_distances = touching_distances
         self._links = tuple(_Link.between(self, i) for i in range(n))
@@ -111,7 +111,7 @@ class SoftChain:
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """The n laws; one for all or n others count from the next step on."""
+        """The n laws; set one for all or n of them: they count from the next step on."""
         return self._contacts
 
     @contacts.setter
@@ -128,7 +128,7 @@ class SoftChain:
 
     @property
     def touching_distances(self) -> Array:
-        """(n,) distances of the centres of two bodies that just touch [m]; one for all or n others count at once."""
+        """(n,) distances of the centres of two bodies that just touch [m]; set one for all or n: they count at once."""
         return self._touching.copy()
 
     @touching_distances.setter
@@ -143,7 +143,7 @@ class SoftChain:
 
     @property
     def overlaps(self) -> Array:
-        """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; as they are before any."""
+        """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; before any step, those now."""
         if self._step:
             return self._overlap.copy()
         between = np.diff(centres(self.bodies)[0], axis=0)
@@ -157,70 +157,70 @@ class SoftChain:
 
     @property
     def energy(self) -> float:
-        """Energy [J] stored in the contacts; those with loss give only a part of it back."""
+        """Energy [J] stored in the contacts; contacts with loss give only a part of it back."""
         pairs = zip(self._contacts, self.overlaps.tolist(), strict=True)
         return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
 
     @property
     def absorbed(self) -> float:
-        """Energy [J] that contacts with loss have kept so far: with it, kinetic energy and :attr:`energy` are constant."""
+        """Energy [J] that contacts with loss have absorbed; with kinetic energy and :attr:`energy` it is a constant sum."""
         return float(self._absorbed[0])
 
     @property
     def positions(self) -> list[pymunk.Vec2d]:
-        """Where the bodies' centres of gravity are at the time of their velocities, half a step on from `position`."""
+        """Centres of gravity [m] at the time of the bodies' velocities, half a step after ``position``."""
         position, velocity = centres(self.bodies)
         return [pymunk.Vec2d(*place) for place in (position + 0.5 * self._step * velocity).tolist()]
 
     def _take_force(self, link: _Link) -> float:
-        """Force of `link` for the step under way; the first to ask has all of them solved."""
+        """Force of `link` for the step under way; the first call in a step solves all contacts."""
         try:
-            if self._waiting[link.index] is None:
+            if self._unread[link.index] is None:
                 self._begin_step(link)
-            return self._waiting[link.index] or 0.0
+            return self._unread[link.index] or 0.0
         finally:
-            self._waiting[link.index] = None
+            self._unread[link.index] = None
 
     def _begin_step(self, link: _Link) -> None:
         n = len(self._links)
-        self._waiting = [0.0] * n  # should the solver fail: no forces rather than old ones, and one error
+        self._unread = [0.0] * n  # if the solver raises, the other links push with 0 and there is one error
         space = link.a.space or link.b.space
         assert space is not None
         step = space.current_time_step
-        around = Surroundings.of(space, self.bodies, step)
-        bodies = self._touching, around.position, around.velocity, self._place, self._speed
+        outside = SpaceForces.of(space, self.bodies, step)
+        bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
         if not self._step:
             start_chain_step(step, *bodies, *own, self._force)
         begin_chain_step(step, self._step or step, *bodies, self._direction, *own)
         self._step = step
         call_after_step(link, self._end_step)
-        motion = around.mobility, around.expected, around.velocity, self._direction, self._outside
+        motion = outside.mobility, outside.expected, outside.velocity, self._direction, self._outside
         own_rows = self._overlap, self._rate, self._force, self._beads, self._work
         if self._loss.any():
             solved = _solve_lossy(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
         else:
             solved = _solve(step, self._law, None, self._absorbed, *motion, *own_rows)
-        self._waiting = self._force.tolist()
+        self._unread = self._force.tolist()
         if not solved:
             warnings.warn(
                 "the contacts of a SoftChain did not converge: take a smaller step", RuntimeWarning, stacklevel=2
             )
 
     def _end_step(self) -> None:
-        asked = [force is None for force in self._waiting]
-        self._waiting = [None] * len(self._links)
+        read = [force is None for force in self._unread]
+        self._unread = [None] * len(self._links)
         end_chain_step(
             self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
             self._rate, self._lag, self._outside,
         )  # fmt: skip
-        for link, was_asked in zip(self._links, asked, strict=True):
-            if not was_asked and not (link.a.is_sleeping or link.b.is_sleeping):
+        for link, was_read in zip(self._links, read, strict=True):
+            if not was_read and not (link.a.is_sleeping or link.b.is_sleeping):
                 raise RuntimeError("only a part of a SoftChain is in the Space: add or remove all, space.add(*chain)")
 
 
 class _Link(pymunk.DampedSpring):
-    """One contact of a SoftChain: a spring whose force the chain gives."""
+    """One contact of a SoftChain: a spring whose force is the chain's."""
 
     _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + ["anchor_a", "anchor_b"]  # noqa: RUF005 - as its base
 
@@ -244,7 +244,7 @@ class _Link(pymunk.DampedSpring):
 
     @staticmethod
     def chain_force(link: _Link, dist: float) -> float:
-        """The force that the chain has solved; an error ends the step, as in :meth:`SoftContact.contact_force`."""
+        """The force that the chain has solved for; an error is raised as in :meth:`SoftContact.contact_force`."""
         try:
             return link.chain._take_force(link)
         except BaseException as error:

@@ -33,7 +33,7 @@ Pair = tuple[float, float]
 
 
 class Law(Protocol):
-    """What a SoftContact needs of its `contact`: a Contact, or anyone's own law."""
+    """What a SoftContact needs of its `contact`: a Contact has it, and a law of your own may."""
 
     def force(self, overlap: float, /) -> Any:
         """Force [N] at `overlap` > 0 [m]."""
@@ -43,16 +43,16 @@ class SoftContact(pymunk.DampedSpring):
     """Two bodies that push each other apart while their anchors are nearer than they can be without pressing.
 
     Works like a :py:class:`pymunk.DampedSpring` whose force is that of a :class:`~softcradle.physics.contact.Contact`, and only
-    while ``overlap = touching_distance - distance > 0``. It is evaluated once a step, after the bodies have moved, as
-    symplectic Euler wants it: use many substeps, contacts last short. The direction is that of the line between the
-    anchors, so the overlap must stay smaller than `touching_distance`.
+    while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have moved, as
+    in symplectic Euler: use many substeps, for contacts are short. It acts along the line between the anchors, so the
+    overlap must stay smaller than `touching_distance`.
 
-    It takes the place of the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
+    It replaces the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
 
-    A Contact with loss pushes with a part of its force while the bodies move apart; that takes their velocities, so it is
-    always a Python callback.
+    A Contact with loss pushes with a part of its force while the bodies move apart. Its force depends on their velocities,
+    so it is always a Python callback.
 
-    Copy and pickle keep it, other than a `force_func` of one's own.
+    Copy and pickle include it, but not a `force_func` of your own.
     """
 
     _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + [  # noqa: RUF005 - as its base class writes it
@@ -101,8 +101,8 @@ class SoftContact(pymunk.DampedSpring):
     def contact_force(spring: SoftContact, dist: float) -> float:
         """Default force function: the contact's force at this distance of the anchors, 0 when they are apart.
 
-        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step; pymunk alone would print
-        it and go on with a wrong force.
+        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step; pymunk by itself prints it
+        and goes on with a wrong force.
         """
         overlap = spring._known_overlap
         if math.isnan(overlap):
@@ -112,13 +112,13 @@ class SoftContact(pymunk.DampedSpring):
         try:
             force = spring._law(overlap)
             return force if spring._loss == 0.0 or spring.rate >= 0.0 else (1.0 - spring._loss) * force
-        except BaseException as error:  # KeyboardInterrupt too: pymunk would swallow it
+        except BaseException as error:  # KeyboardInterrupt too, which pymunk would only print
             raise_after_step(spring, error)
             return 0.0
 
     @property
     def contact(self) -> Law:
-        """The law of the contact; a new one counts from the next step on."""
+        """The law of the contact; set it, and the new one counts from the next step on."""
         return self._contact
 
     @contact.setter
@@ -144,13 +144,13 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def overlap(self) -> float:
-        """How far the bodies are pressed into each other now [m]; negative: how far they are apart."""
+        """Overlap of the bodies now [m]; negative: their distance."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         return self._touching_distance - (ends[1] - ends[0]).length
 
     @property
     def rate(self) -> float:
-        """How fast the overlap grows now [m/s]; negative while the bodies move apart."""
+        """Rate of the overlap now [m/s]; negative while the bodies move apart."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         line = ends[1] - ends[0]
         closing = self.a.velocity_at_world_point(ends[0]) - self.b.velocity_at_world_point(ends[1])
@@ -180,7 +180,7 @@ class SoftContact(pymunk.DampedSpring):
         raise AttributeError("a SoftContact has no damping: a damper would pull bodies that are apart")
 
     def _take_overlap(self, overlap: float) -> None:
-        """Push by this overlap from now on, kept by the caller with more digits than positions leave to it."""
+        """Use this overlap [m] from now on: the caller knows it to more digits than the positions have."""
         self._known_overlap = overlap
         if self._compiled_law is not None:
             self._compiled_law[4] = overlap
@@ -191,7 +191,7 @@ class SoftContact(pymunk.DampedSpring):
             return False
         reason = compiled.unavailable() if isinstance(contact, Contact) else f"{contact!r} is not a Contact"
         if isinstance(contact, Contact) and contact.loss:
-            reason = "a contact with loss has to look at velocities"
+            reason = "the force of a contact with loss depends on velocities"
         if self._native and reason:
             raise RuntimeError(f"no compiled callback for this contact: {reason}; native=None takes a Python one")
         return not reason

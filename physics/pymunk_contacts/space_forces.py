@@ -1,7 +1,7 @@
-"""What the rest of a Space will do to some bodies in the step under way, as far as it can be told beforehand.
+"""Forces of a Space on some bodies in the step under way, other than their contacts: gravity, damping, forces, strings.
 
-Gravity, damping, forces and strings: without them the contacts of a SoftChain would push bodies as if they were free,
-and what a string takes back of such a push is energy lost.
+Without them the contacts of a SoftChain would be solved as if the bodies were free, and the part of an impulse that a string
+takes back would be energy lost.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-TAUT = 1e-6  # of its length: a string nearer to its end than this is taut
-STIFFNESS = 1.0 - 1e-4  # part of an impulse that a string takes: a body that could not move at all has no finite forces
+TAUT = 1e-6  # of the length of a string: nearer to its end than this it is taut
+STIFFNESS = 1.0 - 1e-4  # part of an impulse that a string takes; a body without any mobility would have no finite force
 
 
 @dataclass
-class Surroundings:
-    """Bodies in a step, between drift and kick.
+class SpaceForces:
+    """Bodies in a step, after the drift and before the kick, and how they will respond to impulses of contacts.
 
     Attributes:
         position: (n, 2) centres of gravity [m].
         velocity: (n, 2) velocities [m/s].
-        expected: (n, 2) velocities at the end of the step if no contact pushes [m/s].
+        expected: (n, 2) velocities at the end of the step without contact forces [m/s].
         mobility: (n, 2, 2) change of velocity at the end of the step by an impulse on the centre [1/kg].
     """
 
@@ -35,8 +35,8 @@ class Surroundings:
     mobility: Array
 
     @classmethod
-    def of(cls, space: pymunk.Space, bodies: tuple[pymunk.Body, ...], step: float) -> Surroundings:
-        """Look at `bodies` in a callback of a step of `space`."""
+    def of(cls, space: pymunk.Space, bodies: tuple[pymunk.Body, ...], step: float) -> SpaceForces:
+        """The forces on `bodies`, in a callback of a step of `space`."""
         position, velocity = centres(bodies)
         inverse_mass = np.array([1.0 / body.mass if body.body_type == body.DYNAMIC else 0.0 for body in bodies])
         force = np.array([body.force for body in bodies])
@@ -55,13 +55,13 @@ class Surroundings:
 
 @dataclass
 class _String:
-    """A string from a body's centre to something that does not give way; it keeps the speed along itself at `speed`."""
+    """A string from a body's centre to a kinematic or static body; it holds the speed along itself at `speed` [m/s]."""
 
     direction: Array
     speed: float
 
     def hold(self, expected: Array, mobility: Array) -> None:
-        """Take out what the string does not allow, in place."""
+        """Remove the motion and the mobility along the string, in place."""
         pulled = mobility @ self.direction
         yielding = float(self.direction @ pulled)
         if yielding > 0.0:
@@ -76,7 +76,7 @@ def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:
 
 
 def _strings(body: pymunk.Body, centre: Array) -> list[_String]:
-    """Pin and taut slide joints of `body`."""
+    """The pin joints and taut slide joints of `body` as strings."""
     joints = [joint for joint in body.constraints if isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint))]
     return [line for line in (_string(joint, body, centre) for joint in joints) if line is not None]
 
