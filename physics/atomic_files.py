@@ -1,4 +1,4 @@
-"""Whole files or none: write beside the target under another name, move into place at the end, clean up on failure."""
+"""Files and folders written whole or not at all: under another name first, moved into place at the end."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pathlib import Path
 
 @contextmanager
 def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path with the suffix of `path`; it takes the place of `path` when the block ends without error.
+    """Yield a temporary path with the suffix of `path`; the file there replaces `path` when the block ends without error.
 
-    The temporary file exists, empty, while the block runs: a folder that cannot be written to is found before any work.
+    The temporary file exists, empty, when the block begins: a folder that cannot be written to is an error before any work.
 
     Raises:
         OSError: `path` is a folder, or its folder is missing or cannot be written to; the message is one sentence.
@@ -35,7 +35,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def output_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give an empty temporary folder that becomes `path` when the block ends without error.
+    """Yield an empty temporary folder that becomes `path` when the block ends without error.
 
     Raises:
         OSError: `path` exists and is not an empty folder, or its parent cannot be written to; one sentence.
@@ -51,14 +51,14 @@ def output_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         yield temporary
         if target.exists():
-            target.rmdir()  # empty, as checked above; not every system moves a folder onto another
+            target.rmdir()  # empty, as checked above; some systems do not move a folder onto another
         temporary.rename(target)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _hidden_sibling(target: Path) -> Path:
-    """A name in the same folder, so that the final move stays on one file system and is atomic."""
+    """A name in the same folder: a move on one file system is atomic."""
     return target.with_name(f".{target.stem}.{os.getpid()}.part{target.suffix}")
 
 
@@ -66,6 +66,6 @@ def _refusal(target: Path, error: OSError) -> OSError:
     folder = target.absolute().parent
     if not folder.is_dir():
         return FileNotFoundError(f"cannot write {target}: there is no folder {folder}")
-    if isinstance(error, FileNotFoundError):  # file systems such as /proc answer so
+    if isinstance(error, FileNotFoundError):  # the error of file systems such as /proc
         return PermissionError(f"cannot write {target}: nothing can be written to {folder}")
     return type(error)(f"cannot write {target}: {(error.strerror or str(error)).lower()}")

@@ -1,4 +1,4 @@
-"""Phases of contacts, for the reference: while no contact changes its mode, the right-hand side is smooth.
+"""Phases of the reference: while no contact changes its mode, the right-hand side is smooth.
 
     OPEN      d < 0            f = 0                          until d = 0
     TOUCHING  d = 0, w = 0     f the multiplier of w' = 0     until f leaves [0, C]
@@ -6,9 +6,9 @@
 
     d' = w,   w' = -L f + B M^-1 push,   L = B M^-1 B^T
 
-The capacity C is the preload F, and beside it the force at the least overlap that the tolerance can tell from 0: inside
-a rigid-like cluster the beads behind a soft interface start with overlaps of 1e-100, which no step could follow.
-Which of several touching contacts give way at a switch is a linear complementarity problem in f.
+The capacity C is the law's force at the least overlap that the tolerance distinguishes from 0, so it exceeds the preload F:
+inside a rigid-like cluster the beads behind a soft interface start with overlaps of 1e-100, which no step could follow.
+Which of several touching contacts load or open at a switch is a linear complementarity problem in f.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ Modes = NDArray[np.int8]
 
 OPEN, TOUCHING, LOADED = 0, 1, 2
 
-# local error a step, as a part of the wanted error of the velocities, so that thousands of steps stay below it
-RELATIVE_SMOOTH, RELATIVE_STIFF = 1e-4, 1e-3
-FINEST = 3e-14  # smallest relative tolerance that double precision can keep
-MULTIPLIER_SLACK = 1e-12  # of the capacity: a multiplier is out of [0, F] when it is out by this much
-MOST_EVALUATIONS = 20_000_000  # some minutes
+RELATIVE_SMOOTH = 1e-4  # local error of a step in parts of the wanted error, so that thousands of steps stay below it
+RELATIVE_STIFF = 1e-3  # the same with stiff contacts, whose steps are damped
+FINEST = 3e-14  # smallest relative tolerance that double precision allows
+MULTIPLIER_SLACK = 1e-12  # of the capacity: a multiplier further than this outside of [0, C] ends the phase
+MOST_EVALUATIONS = 20_000_000  # of a run: some minutes
 
 
 class OutOfEvaluationsError(Exception):
-    """The evaluations are used up."""
+    """The run has used all evaluations that it may."""
 
 
 class System:
@@ -51,7 +51,7 @@ class System:
         self.stiff = bool((self.stiffness * (self.exponent < 1.0)).any())
         self.push = np.zeros(self.n + 1) if push is None else push
         self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
-        # an overlap of energy F d is felt in velocities as its square root
+        # an overlap d of energy F d changes velocities by the square root of d
         self.depth, self.least_overlap = depth, depth * tolerance**2
         self.least_rate = 1e-3 * tolerance * speed
         self.relative = max((RELATIVE_STIFF if self.stiff else RELATIVE_SMOOTH) * tolerance, FINEST)
@@ -77,7 +77,7 @@ class System:
 
 @dataclass
 class Phase:
-    """A stretch of time in which no contact changes its mode.
+    """An interval of time in which no contact changes its mode.
 
     `carried` (n, n) and `carried_push` (n,) give the multipliers of the touching contacts from the loaded forces.
     """
@@ -93,7 +93,7 @@ class Phase:
         touching = mode == TOUCHING
         carried, carried_push = np.zeros((system.n, system.n)), np.zeros(system.n)
         if touching.any():
-            # least squares: between two walls the multipliers are not unique
+            # pseudo-inverse: between two walls the multipliers are not unique
             solved = np.linalg.pinv(system.coupling[np.ix_(touching, touching)])
             carried[touching] = -solved @ system.coupling[touching]
             carried[:, touching] = 0.0
@@ -106,11 +106,11 @@ class Phase:
         return loaded + self.carried @ loaded + self.carried_push
 
     def shown_overlap(self, overlap: Array, force: Array) -> Array:
-        """(n,) overlaps with those that count as 0 here, but are set by the force, filled in."""
+        """(n,) overlaps for samples: a contact without preload that counts as touching has the overlap of its force."""
         system = self.system
-        hidden = (self.mode == TOUCHING) & (system.preload == 0.0)
+        small = (self.mode == TOUCHING) & (system.preload == 0.0)
         shown = overlap.copy()
-        shown[hidden] = (np.maximum(force[hidden], 0.0) / system.stiffness[hidden]) ** (1.0 / system.exponent[hidden])
+        shown[small] = (np.maximum(force[small], 0.0) / system.stiffness[small]) ** (1.0 / system.exponent[small])
         return shown
 
     def slope(self, y: Array) -> Array:
@@ -128,7 +128,7 @@ class Phase:
         return change
 
     def jacobian(self, y: Array) -> Array:
-        """(2n+2, 2n+2) derivative of the slope; where a power law has an infinite one, at overlap 0, taken as 0."""
+        """(2n+2, 2n+2) derivative of the slope; at overlap 0, where that of a power law may be infinite, 0."""
         system, n = self.system, self.system.n
         pressed = (self.mode == LOADED) & (y[:n] > 0.0)
         stiffness = np.zeros(n)
@@ -144,9 +144,9 @@ class Phase:
         return matrix
 
     def margins(self, y: Array) -> Array:
-        """(n,) how far each contact is from its next switch, as a part of its depth or capacity; negative past it.
+        """(n,) distance of each contact from its next switch, as a part of its depth or capacity; negative past it.
 
-        The slack keeps a contact that has just switched at d = 0 from switching back at once by round-off.
+        With the slack a contact that has just switched at d = 0 does not switch back by round-off.
         """
         system = self.system
         overlap = y[: system.n]
@@ -160,14 +160,14 @@ class Phase:
 
 
 def first_modes(system: System, y: Array) -> Modes:
-    """Modes at the start of a run, where nothing is known but overlaps and rates."""
+    """Modes at the start of a run, from overlaps and rates alone."""
     n = system.n
     mode = np.where(y[:n] > 0.0, LOADED, OPEN).astype(np.int8)
-    return settle(system, y, mode, np.abs(y[:n]) <= system.least_overlap)
+    return switched_modes(system, y, mode, np.abs(y[:n]) <= system.least_overlap)
 
 
-def settle(system: System, y: Array, mode: Modes, undecided: NDArray[np.bool_]) -> Modes:
-    """Modes right after a switch; the `undecided` contacts are at overlap 0 (they are put there exactly)."""
+def switched_modes(system: System, y: Array, mode: Modes, undecided: NDArray[np.bool_]) -> Modes:
+    """Modes right after a switch of the `undecided` contacts; their overlaps in `y` are set to 0 exactly."""
     n = system.n
     overlap, rate = y[:n], y[n : 2 * n]
     overlap[undecided] = 0.0
@@ -177,16 +177,16 @@ def settle(system: System, y: Array, mode: Modes, undecided: NDArray[np.bool_]) 
     if resting.any():
         rate[resting] = 0.0
         overlap[resting] = system.least_overlap[resting]
-        new[resting] = _give_way(system, overlap, new, resting)
+        new[resting] = _resting_modes(system, overlap, new, resting)
         overlap[resting & (new != LOADED)] = 0.0
     return new
 
 
-def _give_way(system: System, overlap: Array, mode: Modes, resting: NDArray[np.bool_]) -> Modes:
+def _resting_modes(system: System, overlap: Array, mode: Modes, resting: NDArray[np.bool_]) -> Modes:
     """Modes of the `resting` contacts: f in [0, C], and w' <= 0 at f = 0, w' = 0 between, w' >= 0 at f = C.
 
-    Active sets: contacts are held at C until their w' is negative there, then solved for with w' = 0, and let go where
-    the multiplier turns out below 0. L is an M-matrix, so each round lowers every force and the rounds are few.
+    Active sets: a contact begins at C; where its w' is negative there it is solved for with w' = 0, and where its multiplier
+    is then below 0 it opens. L is an M-matrix, so each round lowers every force and the rounds are few.
     """
     trial = np.where(resting, LOADED, mode).astype(np.int8)
     for _ in range(2 * system.n + 2):

@@ -1,7 +1,7 @@
 """The reference, method `scipy`: its own right-hand side in NumPy, SciPy's `solve_ivp`, every contact switch located.
 
-It shares no kernel with what it checks. Time is cut into phases in which no contact changes its mode; a phase ends at
-the located root of the first margin that runs out, and the next begins there with the modes settled anew.
+It shares no kernel with what it checks. Time is divided into phases in which no contact changes its mode; a phase ends at
+the located root of the first margin that reaches 0, and the next begins there with new modes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from softcradle.physics.reference.phases import (
     Phase,
     System,
     first_modes,
-    settle,
+    switched_modes,
 )
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import State
@@ -29,11 +29,12 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-EVALUATIONS_A_STEP = 3  # at the most, where steps are counted
+EVALUATIONS_A_STEP = 3  # evaluations that count as a step where steps are limited
 
-SMOOTH, STIFF = "DOP853", "Radau"  # contacts of exponent >= 1 are never stiff; below it stiffness has no bound
-ROOT = 4e-15  # of a contact time: what a located switch may be early or late (scipy asks brentq for 4 ulp of 1)
-MOST_PHASES = 20_000  # a run with more is given up: the contacts chatter
+SMOOTH = "DOP853"  # integrator where all exponents are >= 1: such contacts are never stiff
+STIFF = "Radau"  # integrator where an exponent is below 1: stiffness has no bound
+ROOT = 4e-15  # of a contact time: error of a located switch, for SciPy gives brentq a tolerance of 4 ulp of 1
+MOST_PHASES = 20_000  # of a run: in one with more the contacts chatter
 
 
 @dataclass
@@ -48,7 +49,7 @@ class _Segment:
 
 
 class _Run:
-    """Phase after phase from a start state; keeps what samples and switches need."""
+    """Phase after phase from a start state, with what samples and switches need."""
 
     def __init__(self, chain: Chain, state: State, tolerance: float, most: int | None = None) -> None:
         velocity = state.velocity(chain)
@@ -69,10 +70,10 @@ class _Run:
         self.warnings: Warnings = ()
 
     def until(self, end: float) -> None:
-        """Integrate to `end`; with an infinite end until no contact pushes or can come to push."""
+        """Integrate to `end`; with an infinite end until all contacts are open and none closes again."""
         try:
             while self.time < end and not self.status.gave_up:
-                if np.isinf(end) and self._apart():
+                if np.isinf(end) and self._is_separated():
                     self.status = Status.SEPARATED
                     break
                 if len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations):
@@ -90,7 +91,7 @@ class _Run:
         self.status = status
         self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
 
-    def _apart(self) -> bool:
+    def _is_separated(self) -> bool:
         n = self.system.n
         return not self._carries().any() and bool((self.y[n : 2 * n] <= self.system.least_rate).all())
 
@@ -126,11 +127,11 @@ class _Run:
     def _switch(self) -> None:
         margins = self.phase.margins(self.y)
         reached = margins <= max(0.0, margins.min())
-        self.phase = Phase.of(self.system, settle(self.system, self.y, self.phase.mode, reached))
+        self.phase = Phase.of(self.system, switched_modes(self.system, self.y, self.phase.mode, reached))
         self._note_openings()
 
     def _note_closings(self, overlap: Array) -> None:
-        """Called with the overlaps (n, steps) of a phase before time moves on: a contact at rest at 0 never closed."""
+        """Log the contacts that closed in a phase with overlaps (n, steps); one that only rested at 0 did not close."""
         mode, force = self.phase.mode, self.phase.force(overlap[:, -1])
         pressed = np.where(mode == LOADED, (overlap > 0.0).any(axis=1), (mode == TOUCHING) & (force > 0.0))
         self._note(pressed & ~self.closed)

@@ -1,4 +1,4 @@
-"""The reference itself: contact modes, located switches, pushes, and every other method against it."""
+"""The reference itself: contact modes, located switches, pushes, and every other method compared with it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from softcradle.physics import (
     simulate,
 )
 from softcradle.physics import step_force as step
-from softcradle.physics.reference.phases import LOADED, OPEN, TOUCHING, Phase, System, settle
+from softcradle.physics.reference.phases import LOADED, OPEN, TOUCHING, Phase, System, switched_modes
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.truth import GEAR, GEARS
@@ -49,7 +49,7 @@ def system(chain, velocity, push=None):
 def modes(chain, velocity):
     built, y = system(chain, velocity)
     everywhere = np.ones(chain.contacts, dtype=bool)
-    mode = settle(built, y, np.full(chain.contacts, OPEN, dtype=np.int8), everywhere)
+    mode = switched_modes(built, y, np.full(chain.contacts, OPEN, dtype=np.int8), everywhere)
     return mode.tolist(), Phase.of(built, mode).force(y[: chain.contacts])
 
 
@@ -64,7 +64,7 @@ def test_the_paper_case():
 
 
 def test_an_alpha_of_a_thirtieth_is_no_hindrance():
-    """Inner overlaps of 1e-29: they rest on their multiplier until the tolerance can tell them from 0."""
+    """Inner overlaps of 1e-29 count as touching, with a multiplier, until the tolerance distinguishes them from 0."""
     found = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, method="scipy", tolerance=1e-7)
     finer = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, method="scipy", tolerance=1e-8)
     assert found.final_velocity == pytest.approx(finer.final_velocity, abs=1e-6)
@@ -84,6 +84,7 @@ def test_fixed_steps_agree_with_it(method, case):
     assert np.abs(found.final_velocity - exact.final_velocity).max() < bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CHAINS)
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 def test_adaptive_methods_agree_with_it(method, case):
@@ -123,7 +124,7 @@ def test_touching_contacts_carry_a_multiplier():
     assert found.contact_intervals[1:] == (found.contact_intervals[0],) * 2  # they push exactly as long as it does
 
 
-def test_beads_at_rest_are_let_alone():
+def test_beads_at_rest_stay_at_rest():
     found = simulate(Chain([1, 1, 1, 1], GEAR, [0, 0.5, 0]), [0, 0, 0, 0], 1.0, "scipy", samples=3)
     assert not found.velocity.any()
     assert found.contact_intervals == ((), (), ())
@@ -139,8 +140,8 @@ def test_modes_at_a_touch(law):
     assert modes(Chain([1, 1, 1], law), [0, 0, 0])[0] == [TOUCHING, TOUCHING]
 
 
-def test_which_contacts_give_way_is_a_complementarity_problem():
-    """At f = 0 or between nothing closes, at the capacity nothing opens: over random preloads and masses."""
+def test_modes_of_touching_contacts_solve_the_complementarity_problem():
+    """At f = 0 or between no contact closes, at the capacity none opens: over random preloads and masses."""
     draw = np.random.default_rng(5)
     for _ in range(200):
         n = int(draw.integers(2, 12))
@@ -170,7 +171,7 @@ def test_jacobian_is_the_slope_of_the_slope():
 
 @pytest.mark.parametrize(("push", "spread"), [(0.5, 0.0), (3.0, 0.1)])
 def test_a_push_on_touching_gears(push, spread):
-    """Below the preload the row moves as one, exactly; above it the first contact yields and swings."""
+    """Below the preload the chain moves as one, exactly; above it the first contact loads and swings."""
     chain = Chain([1.0, 1.0, 1.0], draft_gear(4.0, 0.25))
     state = State.at_start(chain, [0, 0, 0])
     state.push = np.array([push, 0.0, 0.0])
