@@ -32,11 +32,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reduction:
-    """Which contacts of a chain are modes of their own, and the chain that these make.
+    """The contacts of a chain that are modes, and the chain of these alone.
 
     Attributes:
         chain: the whole chain.
-        modes: indices of the contacts that are kept, neighbours all: psi-bar (if any), Phi (if any), psi (if any).
+        modes: indices of the contacts that are modes, neighbours all: psi-bar (if any), Phi (if any), psi (if any).
         struck: index of Phi's contact, or None for a driven cluster, which nothing strikes.
     """
 
@@ -64,13 +64,13 @@ class Reduction:
 
     @cached_property
     def lumps(self) -> tuple[slice, ...]:
-        """The beads of the whole chain that each bead of the reduced one stands for."""
+        """The beads of the whole chain that are lumped into each bead of the reduced one."""
         edges = (0, *(i + 1 for i in self.modes), self.chain.contacts + 1)
         return tuple(slice(a, b) for a, b in pairwise(edges))
 
     @cached_property
     def reduced(self) -> Chain:
-        """The chain of the modes: lumped masses, the kept contacts; the drive of a lump is the sum over it."""
+        """The chain of the modes: lumped masses, the contacts that are modes; the drive of a lump is the sum over it."""
         chain = self.chain
         drive = None if chain.drive is None else [sum(chain.drive[lump]) for lump in self.lumps]
         masses = [sum(chain.mass[lump]) for lump in self.lumps]
@@ -78,7 +78,7 @@ class Reduction:
 
     @cached_property
     def carrier(self) -> NDArray[np.int64]:
-        """(n,) per contact of the whole chain the contact of the reduced one whose force it shares."""
+        """(n,) for each contact of the whole chain, the contact of the reduced one whose force it passes on."""
         found = np.arange(self.chain.contacts).clip(self.modes[0], self.modes[-1]) - self.modes[0]
         return np.asarray(found, dtype=np.int64)
 
@@ -95,13 +95,13 @@ class Reduction:
         While its mode is open a cluster carries no force: its overlaps are 0.
         """
         modes, rates = overlap[:, self.carrier], rate[:, self.carrier]
-        kept = np.isin(np.arange(self.chain.contacts), self.modes)
+        is_mode = np.isin(np.arange(self.chain.contacts), self.modes)
         pressed = np.maximum(modes, 0.0)
         factor, power = self.profile
         with np.errstate(divide="ignore", invalid="ignore"):
             inner = factor * pressed**power
             inner_rate = np.where(pressed > 0.0, power * inner / pressed * rates, 0.0)
-        return np.where(kept, modes, inner), np.where(kept, rates, inner_rate)
+        return np.where(is_mode, modes, inner), np.where(is_mode, rates, inner_rate)
 
     @cached_property
     def profile(self) -> tuple[Array, Array]:
@@ -111,8 +111,8 @@ class Reduction:
         carrier = self.carrier + self.modes[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = (self.share * stiffness[carrier] / stiffness) ** (1.0 / exponent)
-        kept = np.isin(np.arange(exponent.size), self.modes)
-        return np.where(kept, 1.0, factor), np.where(kept, 1.0, exponent[carrier] / exponent)
+        is_mode = np.isin(np.arange(exponent.size), self.modes)
+        return np.where(is_mode, 1.0, factor), np.where(is_mode, 1.0, exponent[carrier] / exponent)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +186,7 @@ def mode_coupling(
 ) -> ModeCoupling:
     """Solve the mode-coupling equations (7), (A2), (A3) of `chain` and give all its overlaps and forces.
 
-    Arguments as in :func:`physics.simulate`; the start is one cluster that strikes another, or one at rest with a drive
+    Arguments as in :func:`simulate`; the start is one cluster that strikes another, or one at rest with a drive
     on its first bead. Without a duration until every mode has returned to zero.
 
     Raises:
