@@ -9,6 +9,7 @@ from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, ste
 from softcradle.physics.pymunk_contacts.soft_chain import SoftChain
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 
+FRAME = 1.0 / 60.0  # [s]
 LAWS = [power_law(2.0, 0.1), hertz(50.0), hooke(30.0), draft_gear(40.0, 0.1), step_force(3.0), Contact(0.5, 7.0, 2.5)]
 
 
@@ -33,12 +34,13 @@ def cradle(law, native=None, beads=5, speed=1.0):
 
 
 def run(space, step=1e-3, count=500):
+    """Take `count` steps."""
     for _ in range(count):
         space.step(step)
 
 
 class Quadratic:
-    """A law of the user's own."""
+    """A law that is no Contact; it fails beyond the overlap `fails_at`."""
 
     def __init__(self, fails_at=math.inf):
         self.fails_at = fails_at
@@ -68,7 +70,7 @@ def _body(mass):
 
 
 def momentum(bodies):
-    """Along x."""
+    """Momentum along x."""
     return sum(body.mass * body.velocity.x for body in bodies)
 
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Contact, hooke, power_law
-from softcradle.physics.pymunk_contacts import compiled_force as native
+from softcradle.physics.pymunk_contacts import compiled_force
 
 from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
 
-compiled_only = pytest.mark.skipif(bool(native.unavailable()), reason=native.unavailable())
+compiled_only = pytest.mark.skipif(bool(compiled_force.unavailable()), reason=compiled_force.unavailable())
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -48,19 +48,19 @@ def test_same_force_to_the_last_bit(preload, stiffness, exponent, overlap):
 
 @compiled_only
 def test_many_contacts_share_one_compiled_function():
-    before = native._callback()
+    before = compiled_force._callback()
     contacts = [cradle(power_law(1.0, 0.1 + 0.01 * i), True)[2] for i in range(50)]
-    assert native._callback() is before
+    assert compiled_force._callback() is before
     assert len({id(contact._compiled_law) for row in contacts for contact in row}) == 200
 
 
 @compiled_only
 def test_changing_a_contact_compiles_nothing():
     space, _, contact = pair(0.75, native=True)
-    law, address = contact._compiled_law, native._callback()[0]
+    law, address = contact._compiled_law, compiled_force._callback()[0]
     contact.contact = power_law(5.0, 0.3)
     assert contact._compiled_law is law
-    assert native._callback()[0] is address
+    assert compiled_force._callback()[0] is address
     space.step(1.0)
     assert contact.impulse == 5.0 * 0.25**0.3
 
@@ -73,7 +73,7 @@ def test_native_true_refuses_what_it_cannot_compile():
 CHECK_FALLBACK = """
 import pymunk
 from softcradle.physics import hertz
-from softcradle.physics.pymunk_contacts import compiled_force as native
+from softcradle.physics.pymunk_contacts import compiled_force
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 space = pymunk.Space()
 balls = [pymunk.Body(1, 1) for _ in range(3)]
@@ -85,7 +85,7 @@ space.add(*contacts)
 balls[0].velocity = 1, 0
 for _ in range(1000):
     space.step(1e-4)
-print(native.unavailable(), [c.native for c in contacts], [b.velocity.x.hex() for b in balls], sep="|")
+print(compiled_force.unavailable(), [c.native for c in contacts], [b.velocity.x.hex() for b in balls], sep="|")
 try:
     SoftContact(*balls[:2], (0, 0), (0, 0), 1, hertz(1.0), native=True)
 except RuntimeError as error:
@@ -114,13 +114,13 @@ def test_without_compiler_the_python_callback_gives_the_same_digits():
 
 def test_another_memory_layout_is_noticed(monkeypatch):
     """As if pymunk kept something else in the slot: the callback is not used, the contact works."""
-    native._callback.cache_clear()
-    monkeypatch.setattr(native, "LAW_SLOT", 17)
+    compiled_force._callback.cache_clear()
+    monkeypatch.setattr(compiled_force, "LAW_SLOT", 17)
     try:
-        assert "another way" in native.unavailable()
+        assert "another way" in compiled_force.unavailable()
         space, (a, _), contact = pair(0.75, hooke(10.0))
         space.step(1.0)
         assert contact.native is False
         assert a.velocity.x == -2.5
     finally:
-        native._callback.cache_clear()
+        compiled_force._callback.cache_clear()

@@ -1,4 +1,4 @@
-"""Method `pymunk`: the digits and the records of `euler`, from bodies in a Space."""
+"""Method `pymunk`: the digits, steps and switches of `euler`, from bodies in a Space."""
 
 import math
 
@@ -36,13 +36,13 @@ def test_agrees_with_euler_over_a_collision(case):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_books_what_euler_books(case):
+def test_logs_the_steps_and_switches_of_euler(case):
     chain, velocity = CASES[case]
     euler, pymunk = both(chain, velocity, step=2e-3)
     assert (pymunk.steps, pymunk.evaluations) == (euler.steps, euler.evaluations)
     assert [len(each) for each in pymunk.contact_intervals] == [len(each) for each in euler.contact_intervals]
     for ours, theirs in zip(pymunk.contact_intervals, euler.contact_intervals, strict=True):
-        np.testing.assert_allclose(ours, theirs, atol=0.05)  # a contact that closes at no speed closes at no clear time
+        np.testing.assert_allclose(ours, theirs, atol=0.05)  # a contact that closes at speed 0 has no sharp time
         opened = [end for _, end in ours], [end for _, end in theirs]
         np.testing.assert_allclose(*opened, atol=1e-6)
 
@@ -62,7 +62,7 @@ def test_momentum_to_round_off_with_a_draft_gear():
     np.testing.assert_allclose(trajectory.momentum, 0.3945 * 0.3, rtol=1e-13)
 
 
-def test_samples_leave_the_path_alone():
+def test_samples_do_not_change_the_motion():
     chain, velocity = CASES["hertz"]
     few, many = (simulate(chain, velocity, 5.0, "pymunk", 0.01, samples) for samples in (2, 777))
     assert (few.final_velocity == many.final_velocity).all()
@@ -77,8 +77,8 @@ def test_touching_distance_fits_the_speed(speed):
     np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-12 * speed)
 
 
-def test_anchors_give_way_to_a_press():
-    """Two walls that close in: overlaps a hundred times those of the start."""
+def test_anchors_move_apart_under_deep_overlaps():
+    """Two walls approach: overlaps grow to a hundred times those of the start."""
     chain = Chain([math.inf, 1.0, math.inf], hertz(100.0))
     euler, pymunk = both(chain, [1.0, 0.0, -1.0], duration=30.0, step=1e-3)
     assert euler.overlap[-1].max() > 25.0

@@ -9,14 +9,12 @@ import pytest
 from softcradle.physics import SoftChain, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.chain import Chain
 
-from tests.helpers.spaces import LAWS, chain_row, momentum, total_energy
-
-FRAME = 1.0 / 60.0
+from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_energy
 
 
-def run(space, seconds, step=FRAME):
-    for _ in range(round(seconds / step)):
-        space.step(step)
+def run_for(space, seconds, step=FRAME):
+    """Take the steps of so many seconds."""
+    run(space, step, round(seconds / step))
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.3])
@@ -81,7 +79,7 @@ def test_velocities_of_the_paper_in_steps_of_a_frame():
     errors = []
     for step in (FRAME, FRAME / 4):
         space, bodies, _ = chain_row(power_law(1.0, 0.1), gap=[0.3, 0, 0, 0], masses=[1.0] * 5)
-        run(space, 8.0, step)
+        run_for(space, 8.0, step)
         errors.append(np.abs(np.array([body.velocity.x for body in bodies]) - truth).max())
     assert errors[0] < 1e-3
     assert errors[1] < 0.3 * errors[0]
@@ -92,7 +90,7 @@ def test_a_row_in_any_direction(direction):
     straight = chain_row(hertz(1e3), gap=0.3)
     turned = chain_row(hertz(1e3), gap=0.3, direction=direction)
     for space, _, _ in (straight, turned):
-        run(space, 3.0)
+        run_for(space, 3.0)
     for body, other in zip(straight[1], turned[1], strict=True):
         assert other.velocity.dot(direction) == pytest.approx(body.velocity.x, abs=1e-9)
         assert other.velocity.cross(direction) == pytest.approx(0.0, abs=1e-12)
@@ -112,7 +110,7 @@ def test_a_bent_row(law):
         start = bodies[0].velocity = pymunk.Vec2d(1.0, 0.0).rotated(0.35)
         chain = SoftChain(bodies, law, 1.0)
         space.add(*bodies, *chain)
-        run(space, 4.0, step)
+        run_for(space, 4.0, step)
         total = sum((body.velocity for body in bodies), pymunk.Vec2d(0.0, 0.0))
         assert total == pytest.approx(start, abs=1e-12)
         assert bodies[5].velocity.length > 0.1
@@ -124,7 +122,7 @@ def test_a_bent_row(law):
 def test_a_wall_that_moves():
     """A kinematic body drives the row: bodies leave an elastic wall of speed u at 2 u."""
     space, bodies, chain = chain_row(hertz(1e5), beads=2, masses=[math.inf, 1.0], gap=0.5)
-    run(space, 2.0)
+    run_for(space, 2.0)
     assert bodies[0].velocity.x == 1.0
     assert bodies[1].velocity.x == pytest.approx(2.0, rel=1e-9)
     assert chain.energy == 0.0
@@ -152,7 +150,7 @@ def test_a_column_rests_on_its_preload():
         draft_gear(1e4, 0.02), beads=5, direction=(0, 1), masses=[math.inf] + [1.0] * 4, speed=0
     )
     space.gravity = 0.0, -10.0
-    run(space, 10.0)
+    run_for(space, 10.0)
     np.testing.assert_allclose([body.position.y for body in bodies], range(5), atol=1e-12)
     np.testing.assert_allclose(chain.forces, [40.0, 30.0, 20.0, 10.0], rtol=1e-9)
 
@@ -207,6 +205,6 @@ def test_a_hanging_cradle_starts_like_a_free_one():
     """The first blow at the lowest point, its speed from the fall: as if there were no strings."""
     law, speed = hertz(1e6), math.sqrt(2.0 * 9.81 * (1.0 - math.cos(0.6)))
     space, bodies, _ = hanging(law)
-    run(space, 0.54, FRAME / 64)
+    run_for(space, 0.54, FRAME / 64)
     expected = simulate(one_on(4, law), [speed, 0, 0, 0, 0]).final_velocity
     np.testing.assert_allclose([body.velocity.x for body in bodies], expected, atol=0.01)

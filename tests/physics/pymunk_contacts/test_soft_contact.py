@@ -8,7 +8,7 @@ import pickle
 import pymunk
 import pytest
 from softcradle.physics import draft_gear, hertz, hooke, power_law
-from softcradle.physics.pymunk_contacts import compiled_force as native
+from softcradle.physics.pymunk_contacts import compiled_force
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 
 from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
@@ -120,14 +120,14 @@ def test_a_new_contact_or_distance_counts_at_once(native):
     assert contact.touching_distance == 0.5
 
 
-def test_a_law_of_ones_own():
+def test_a_law_that_is_no_contact():
     space, (a, _), contact = pair(0.75, Quadratic())
     assert contact.native is False
     space.step(1.0)
     assert contact.impulse == 6.25
     assert a.velocity.x == -6.25
     contact.contact = hooke(4.0)
-    assert contact.native is not bool(native.unavailable())
+    assert contact.native is not bool(compiled_force.unavailable())
     contact.contact = Quadratic()
     assert contact.native is False
 
@@ -147,7 +147,7 @@ def test_an_error_in_a_law_reaches_the_caller_of_step_once():
     assert a.velocity.x < -0.1
 
 
-def test_several_errors_of_a_step_are_told_as_one():
+def test_several_errors_of_a_step_are_raised_as_one():
     space, bodies, _ = cradle(Quadratic(fails_at=0.0))
     for i, body in enumerate(bodies):
         body.position = 0.9 * i, 0.0
@@ -189,7 +189,7 @@ def test_copies_move_alike(native, duplicate):
     assert bodies[4].velocity.x > 0.03
 
 
-def test_a_force_func_of_ones_own_replaces_the_contact():
+def test_a_force_func_of_the_user_replaces_the_contact():
     space, _, contact = pair(0.75)
     contact.force_func = lambda spring, distance: 7.0
     space.step(1.0)
@@ -220,7 +220,7 @@ def test_bad_contacts_leave_the_old_one():
 
 
 @pytest.mark.parametrize("collide", [False, True])
-def test_it_takes_the_place_of_a_collision(collide):
+def test_it_replaces_the_collision_of_shapes(collide):
     """Discs that overlap are pushed by the contact alone, unless the user wants both."""
     space, bodies, contact = pair(0.75, hooke(1e-6))
     assert not contact.collide_bodies

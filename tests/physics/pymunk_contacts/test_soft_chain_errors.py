@@ -1,0 +1,99 @@
+"""SoftChain: copies, errors, bad arguments, and the same digits without a compiler."""
+
+import copy
+import math
+import os
+import pickle
+import subprocess
+import sys
+
+import pymunk
+import pytest
+from softcradle.physics import SoftChain, hertz, power_law
+from softcradle.physics.pymunk_contacts import soft_chain
+
+from tests.helpers.spaces import FRAME, chain_row, run
+
+
+@pytest.mark.parametrize(
+    "duplicate", [copy.deepcopy, lambda space: space.copy(), lambda s: pickle.loads(pickle.dumps(s))]
+)
+def test_copies_move_alike(duplicate):
+    space, bodies, chain = chain_row(power_law(1.0, 0.1), gap=0.1)
+    run(space, FRAME, 20)
+    assert chain.energy > 0.0
+    other = duplicate(space)
+    theirs = next(iter(other.constraints)).chain
+    assert theirs is not chain
+    assert list(theirs) == list(other.constraints)
+    for each in (space, other):
+        run(each, FRAME, 200)
+    assert [tuple(body.velocity) for body in other.bodies] == [tuple(body.velocity) for body in bodies]
+    assert (theirs.overlaps == chain.overlaps).all()
+
+
+def test_an_error_in_the_solver_reaches_the_caller_once(monkeypatch):
+    space, bodies, _ = chain_row(hertz(1e4), gap=0.01)
+
+    def failing(*arguments):
+        raise FloatingPointError("no forces")
+
+    monkeypatch.setattr(soft_chain, "_solve", failing)
+    with pytest.raises(FloatingPointError, match="no forces") as caught:
+        space.step(FRAME)
+    assert not hasattr(caught.value, "__notes__")
+    monkeypatch.undo()
+    run(space, FRAME, 120)
+    assert bodies[4].velocity.x > 0.1
+
+
+def test_a_solver_that_does_not_converge_says_so(monkeypatch):
+    space, _, _ = chain_row(hertz(1e4), gap=0.01)
+    monkeypatch.setattr(soft_chain, "_solve", lambda *arguments: False)
+    with pytest.raises(RuntimeWarning, match="did not converge"):
+        space.step(FRAME)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"bodies": 1}, "at least 2 different bodies"),
+        ({"contacts": [hertz(1.0)]}, "one Contact for all or 2"),
+        ({"contacts": 3.0}, "one Contact for all or 2"),
+        ({"touching_distances": [1.0]}, "one or 2 finite numbers"),
+        ({"touching_distances": 0.0}, "finite numbers > 0"),
+        ({"touching_distances": math.nan}, "finite numbers > 0"),
+        ({"method": "euler"}, "one of conserving, not 'euler'"),
+    ],
+)
+def test_bad_arguments(arguments, message):
+    bodies = [pymunk.Body(1, 1) for _ in range(arguments.pop("bodies", 3))]
+    good = {"bodies": bodies, "contacts": hertz(1.0), "touching_distances": 1.0}
+    with pytest.raises(ValueError, match=message):
+        SoftChain(**{**good, **arguments})
+
+
+DIGITS = """
+from tests.helpers.spaces import chain_row
+from softcradle.physics import power_law
+space, bodies, chain = chain_row(power_law(1.0, 0.1), gap=0.1)
+for _ in range(100):
+    space.step(1 / 60)
+print([body.velocity.x.hex() for body in bodies])
+"""
+
+
+def test_without_compiler_the_same_digits():
+    def digits(switch):
+        environment = {**os.environ, "NUMBA_DISABLE_JIT": switch, "PYTHONPATH": os.path.dirname(__file__)}
+        command = [sys.executable, "-c", DIGITS]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+
+    assert digits("1") == digits("0")
+
+
+def test_a_part_of_a_chain_is_an_error():
+    space, _, chain = chain_row(hertz(1e5), gap=0.5)
+    space.remove(list(chain)[2])
+    with pytest.raises(RuntimeError, match="only a part"):
+        space.step(FRAME)
