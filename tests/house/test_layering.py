@@ -54,7 +54,6 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
     # the reference, special functions of closed forms, the search for the nearest contact, and peers of the charts
     "scipy": (
         "physics/reference/runner.py",
-        "physics/friction/bounded_least_squares.py",
         "physics/analysis/closed_forms.py",
         "physics/analysis/matching.py",
         PEERS,
