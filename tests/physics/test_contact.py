@@ -1,4 +1,4 @@
-"""The contact law: force is the slope of energy, overlap undoes force, and one overlap answers every push."""
+"""The contact law: force is the slope of energy, overlap inverts force, and the resolvent is unique."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def resolvent(contact, s, b):
         return 0.0, b / s
     if contact.stiffness == 0.0:
         return b - s * contact.preload, contact.preload
-    low, high = contact.preload, b / s  # in force: deep in a cluster overlaps of 1e-40 still carry some
+    low, high = contact.preload, b / s  # in force: even overlaps of 1e-40 carry some
     for _ in range(100):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if contact.overlap(middle) + s * middle > b else (middle, high)
@@ -46,7 +46,7 @@ def test_force_is_the_slope_of_energy(contact, overlap):
 
 
 @given(contacts, overlaps)
-def test_overlap_undoes_force(contact, overlap):
+def test_overlap_inverts_force(contact, overlap):
     assume(contact.stiffness > 0.0)
     force = contact.force(overlap)
     lost = 1.0 + contact.preload / (contact.stiffness * overlap**contact.exponent)  # digits, to the preload
@@ -76,7 +76,7 @@ def test_an_open_contact_neither_pushes_nor_pulls(contact, distance):
 
 
 @given(contacts, st.floats(1e-6, 1e3), st.floats(-10.0, 1e3))
-def test_resolvent_has_one_answer_in_each_state(contact, s, b):
+def test_resolvent_has_one_solution_in_each_state(contact, s, b):
     overlap, force = resolvent(contact, s, b)
     # one unit in the last place of the force is force / (a (force - preload)) of them in the overlap
     excess = force - contact.preload
@@ -94,7 +94,7 @@ def test_resolvent_has_one_answer_in_each_state(contact, s, b):
 
 
 @given(contacts, st.floats(1e-3, 1e3), st.floats(-10.0, 1e3), st.floats(-10.0, 1e3))
-def test_resolvent_never_spreads_two_pushes_apart(contact, s, one, other):
+def test_resolvent_is_monotone_and_nonexpansive(contact, s, one, other):
     (d1, f1), (d2, f2) = resolvent(contact, s, one), resolvent(contact, s, other)
     slack = 1e-9 * (1.0 + abs(one) + abs(other))
     assert (d1 - d2) * (one - other) >= -slack  # monotone
