@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.contact import is_closed
 from softcradle.physics.numerics import contact_law as kernel
 
 preloads = st.one_of(st.just(0.0), st.floats(1e-3, 1e3))
@@ -106,6 +107,11 @@ def test_kernels_have_the_same_law(contact, overlap):
     for d in (overlap, -overlap, 0.0):
         assert kernel.force(*row(contact), d) == pytest.approx(contact.force(d), rel=2e-15)
         assert kernel.energy(*row(contact), d) == pytest.approx(contact.energy(d), rel=2e-15)
+
+
+def test_closed_is_loaded_or_touching_with_a_force():
+    overlap, force = np.array([[-1.0, 0.0], [0.0, 1e-300]]), np.array([[5.0, 0.0], [1e-300, 0.0]])
+    assert is_closed(overlap, force).tolist() == [[False, False], [True, True]]
 
 
 def test_named_constructors():
