@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.physics import Chain, State, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, step_force
-from softcradle.physics.chain import accelerated_mass, mass_shares
+from softcradle.physics import Chain, State, cluster_on_cluster, hertz, hooke, one_on, power_law
 from softcradle.physics.state import from_anchor
 
 LAW = power_law(1.0, 0.1)
@@ -116,36 +115,3 @@ def test_a_gap_below_zero_is_a_contact_pressed_from_the_start():
     assert state.overlap.tolist() == [-0.5, 0.25]
     assert state.position(chain).tolist() == [0.0, 0.5, 0.25]
     assert state.force.tolist() == [0.0, LAW.force(0.25)]
-
-
-def test_stored_energy_is_that_of_the_contacts():
-    chain = Chain([1, 2, 3, 4, 5], [power_law(2.0, 0.1), hertz(3.0), draft_gear(5.0, 0.2), step_force(4.0)])
-    overlap = np.array([[0.1, 0.2, 0.3, 0.4], [-1.0, 0.0, 1e-9, 2.0]])
-    expected = [[contact.energy(d) for contact, d in zip(chain.contact, row, strict=True)] for row in overlap]
-    assert chain.stored_energy(overlap) == pytest.approx(np.array(expected), rel=1e-15)
-    assert chain.stored_energy(overlap[0]).shape == (4,)
-
-
-def test_inverse_reduced_mass_is_the_diagonal_of_the_coupling():
-    chain = Chain([1.0, 2.0, math.inf, 4.0], LAW)
-    difference = np.eye(3, 4) - np.eye(3, 4, 1)
-    coupling = difference * chain.parameters.inverse_mass @ difference.T
-    assert chain.inverse_reduced_mass.tolist() == np.diag(coupling).tolist()
-
-
-@pytest.mark.parametrize("struck", range(4))
-def test_mass_shares_give_both_clusters_one_acceleration(struck):
-    """Eq. (4): with these forces all beads of a side accelerate alike."""
-    mass = np.array([1.0, 2.0, 0.5, 3.0, 1.5])
-    force = mass_shares(mass, struck)
-    acceleration = (np.append(0.0, force) - np.append(force, 0.0)) / mass
-    assert force[struck] == 1.0
-    for side in (acceleration[: struck + 1], acceleration[struck + 1 :]):
-        assert side == pytest.approx(np.full(side.size, side[0]))
-    beyond = accelerated_mass(mass, struck)
-    assert beyond.tolist() == [*np.cumsum(mass)[:struck], *[mass[i + 1 :].sum() for i in range(struck, 4)]]
-
-
-def test_a_wall_takes_all_of_the_force():
-    assert mass_shares([1, 1, 1, math.inf], 0).tolist() == [1.0, 1.0, 1.0]
-    assert mass_shares([math.inf, 1, 1, 1], 1).tolist() == [1.0, 1.0, 0.5]

@@ -1,4 +1,4 @@
-"""A steady external force on beads: in every method, its work and impulse balance, and bad ones are refused."""
+"""A steady external force on beads: every method knows it, its work and impulse balance, and bad ones are refused."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def test_advance_drives_and_adds_the_push(method):
     np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9, atol=1e-8 * method.adaptive)
 
 
-def test_a_bead_pushed_against_a_wall_bounces_on_its_contact():
-    """A bead under weight on a linear spring: ``d = F/k (1 - cos)``, period 2 pi sqrt(m/k)."""
+def test_pushed_against_a_wall_bounces_on_its_contact():
+    """A bead under weight on a linear spring: ``w d / w_static = 1 - cos``, period 2 pi sqrt(m/k)."""
     chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])
     period = 2.0 * math.pi * math.sqrt(2.0 / 50.0)
     found = simulate(chain, [0.0, 0.0], period, method="scipy", samples=33)
@@ -110,8 +110,8 @@ def test_a_bad_drive_in_a_scene_is_refused(change, sentence):
         scenes.parse(SCENE.replace(*change))
 
 
-def test_kernels_get_one_type_of_external_force():
-    """A read-only array is another type: all of a method would be compiled once more, while the window runs."""
+def test_kernels_see_one_type_of_force_from_outside():
+    """A read-only array is another type to them: all of a method would be compiled once more, in the middle of play."""
     chain = Chain([1.0, 1.0], power_law(1.0, 0.1), drive=[1.0, 0.0])
     state = State.at_start(chain, [0.0, 0.0])
     force = state.external(chain)

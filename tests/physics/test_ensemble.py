@@ -36,10 +36,10 @@ def test_durations_and_steps_may_differ_from_chain_to_chain():
 
 
 def test_progress_counts_every_chain_once():
-    counts = []
-    ensemble(CHAINS * 20, STARTS * 20, method="conserving", step=0.01, progress=counts.append)
-    assert sum(counts) == 20 * len(CHAINS)
-    assert len(counts) > 5
+    told = []
+    ensemble(CHAINS * 20, STARTS * 20, method="conserving", step=0.01, progress=told.append)
+    assert sum(told) == 20 * len(CHAINS)
+    assert len(told) > 5
 
 
 def test_warnings_stay_on_their_trajectory(recwarn):
@@ -50,7 +50,7 @@ def test_warnings_stay_on_their_trajectory(recwarn):
     assert not recwarn.list
 
 
-def test_an_empty_ensemble():
+def test_nothing_is_an_ensemble_too():
     assert ensemble([], []) == []
 
 

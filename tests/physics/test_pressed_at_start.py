@@ -1,4 +1,4 @@
-"""Contacts pressed from the start (a gap below 0): in every method they release their energy, or rest in equilibrium."""
+"""Contacts pressed from the start (a gap below 0): every method lets them go, or keeps them where they are at rest."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_a_pressed_spring_gives_its_energy_to_both_ends(method):
 
 
 @pytest.mark.parametrize("method", ["conserving", "radau", "accurate", "scipy"])
-def test_a_pressed_chain_in_equilibrium_stays(method):
+def test_a_pressed_row_at_rest_under_its_press_stays(method):
     contact = power_law(1.0, 0.1)
     gap = -float(contact.overlap(0.75))
     chain = Chain([1.0] * 4, contact, gap, drive=[0.75, 0.0, 0.0, -0.75])
@@ -35,20 +35,20 @@ def test_a_pressed_chain_in_equilibrium_stays(method):
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-10)
 
 
-def test_accurate_agrees_with_the_reference_on_a_pressed_chain():
+def test_accurate_agrees_with_the_reference_on_a_row_let_go():
     chain = Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2])
     ours, reference = (simulate(chain, [0.0] * 4, 6.0, method, tolerance=1e-9) for method in ("accurate", "scipy"))
     np.testing.assert_allclose(ours.final_velocity, reference.final_velocity, atol=1e-8)
     assert np.ptp(ours.final_velocity) > 0.5
 
 
-def test_speed_scale_includes_the_energy_of_pressed_contacts():
+def test_speed_scale_knows_the_press():
     assert speed_scale(SPRUNG, [0.0, 0.0]) == pytest.approx((2.0 * 0.5 / 0.75) ** 0.5)
     assert speed_scale(one_on(2, hooke(1.0)), [0.0, 0.0, 0.0]) == 1.0
 
 
 @pytest.mark.parametrize("name", ["stiff-springs", "prestressed"])
-def test_scenes_with_pressed_contacts_begin_in_equilibrium(name):
+def test_the_contrast_scenes_begin_at_rest_under_their_press(name):
     lane = scenes.load(name).lanes[1]
     chain = lane.chain()
     found = simulate(chain, [0.0] * (chain.contacts + 1), 1.0, "conserving")
@@ -56,7 +56,7 @@ def test_scenes_with_pressed_contacts_begin_in_equilibrium(name):
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-9)
 
 
-def test_a_saved_scene_keeps_its_pressed_contacts(tmp_path):
+def test_a_saved_scene_keeps_what_was_pressed(tmp_path):
     session = Session(scenes.load("stiff-springs"))
     session.apply(Place(0, 0, -1.0))
     session.save_scene(tmp_path / "mine.toml")

@@ -79,7 +79,7 @@ def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):
     assert_equal(Trajectory.load(path), made)
 
 
-def test_a_file_needs_no_pickle_and_names_its_versions(collision, tmp_path):
+def test_file_needs_no_pickle_and_says_what_made_it(collision, tmp_path):
     collision.save(tmp_path / "one.npz")
     with np.load(tmp_path / "one.npz", allow_pickle=False) as file:
         metadata = json.loads(str(file["metadata"]))
@@ -122,7 +122,7 @@ def test_other_files_are_refused_in_a_sentence(content, tmp_path):
         Trajectory.load(path)
 
 
-def test_other_npz_files_and_later_formats_are_refused(collision, tmp_path):
+def test_npz_of_someone_else_and_of_the_future_is_refused(collision, tmp_path):
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     with pytest.raises(ValueError, match="not a trajectory"):
         Trajectory.load(tmp_path / "other.npz")
@@ -146,7 +146,7 @@ def test_failed_write_leaves_the_old_file(collision, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("write", [Trajectory.save, Trajectory.to_csv])
-def test_a_missing_folder_is_named(collision, tmp_path, write):
+def test_folder_that_is_not_there_is_named(collision, tmp_path, write):
     with pytest.raises(FileNotFoundError, match=r"there is no folder .*missing"):
         write(collision, tmp_path / "missing" / "one")
     assert list(tmp_path.iterdir()) == []
@@ -163,13 +163,13 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
     assert [path.name for path in target.iterdir()] == ["1.png"]
 
 
-def test_an_error_leaves_no_folder(tmp_path):
+def test_broken_folder_leaves_nothing(tmp_path):
     def breaks() -> None:
         with output_folder(tmp_path / "frames") as temporary:
             (temporary / "1.png").write_bytes(b"one")
-            raise RuntimeError("stopped")
+            raise RuntimeError("no ink")
 
-    with pytest.raises(RuntimeError, match="stopped"):
+    with pytest.raises(RuntimeError, match="no ink"):
         breaks()
     assert list(tmp_path.iterdir()) == []
 

@@ -1,4 +1,4 @@
-"""What `simulate` returns and `advance` does: samples, durations, gaps, events, and no memory allocated in a step."""
+"""What `simulate` returns and `advance` does: samples, durations, gaps, events, and no memory taken a step."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_given_sample_times_are_those(method):
 
 
 @pytest.mark.parametrize("method", NAMES)
-def test_samples_do_not_change_the_motion(method):
+def test_samples_leave_the_path_alone(method):
     ends = [simulate(CRADLE, START, 2.0, method, samples=s).final_velocity for s in (2, 37, [0.5, 1.234])]
     assert ends[0].tolist() == ends[1].tolist() == ends[2].tolist()
 
@@ -104,14 +104,14 @@ def test_a_duration_of_zero_is_the_start(method):
 
 
 @pytest.mark.parametrize("method", NAMES)
-def test_a_run_of_parting_beads_ends_at_once(method):
+def test_beads_that_part_are_done_at_once(method):
     found = simulate(one_on(2, hertz(1.0)), [-1.0, 0.0, 2.0], method=method, samples=2)
     assert found.time.tolist() == [0.0, 0.0]
     assert found.contact_intervals == ((), ())
 
 
 @pytest.mark.parametrize("method", NAMES)
-def test_a_gap_is_crossed_in_free_flight(method):
+def test_a_gap_is_flown_through_freely(method):
     chain = Chain([1.0, 1.0], hertz(1.0), 100.0)
     found = simulate(chain, [0.5, 0.0], method=method, samples=[0.0, 100.0, 199.0], duration=210.0)
     assert found.position[:, 0] == pytest.approx([0.0, 50.0, 99.5], abs=1e-9)
@@ -123,7 +123,7 @@ def test_a_gap_is_crossed_in_free_flight(method):
 
 
 @pytest.mark.parametrize("method", [method.name for method in FIXED_STEP])
-def test_free_flight_costs_hardly_any_steps(method):
+def test_free_flight_costs_no_steps_worth_mentioning(method):
     near = simulate(Chain([1.0, 1.0], hertz(1.0), 0.0), [1.0, 0.0], method=method, samples=2)
     far = simulate(Chain([1.0, 1.0], hertz(1.0), 1e4), [1.0, 0.0], method=method, samples=2)
     if method != "pymunk":  # which steps its Space through the gap
@@ -132,7 +132,7 @@ def test_free_flight_costs_hardly_any_steps(method):
 
 
 @pytest.mark.parametrize("method", NAMES)
-def test_intervals_end_when_a_contact_opens_for_good(method):
+def test_intervals_tell_when_a_contact_opened_for_good(method):
     found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], method=method)
     assert found.contact_intervals[0][0] == pytest.approx((0.0, math.pi / math.sqrt(2)), abs=0.01)
     cut = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1.0, method)
@@ -163,10 +163,10 @@ def test_advance_by_nothing_changes_nothing(method):
 
 
 @pytest.mark.parametrize("method", [method.name for method in LIVE])
-def test_advance_allocates_no_memory_in_a_step(method):
+def test_advance_takes_no_memory_a_step(method):
     chain = one_on(50, hertz(1.0))
     state = State.at_start(chain, [1.0] + [0.0] * 50)
-    advance(chain, state, 0.01, method, step=1e-3)  # compiles, and allocates its scratch memory
+    advance(chain, state, 0.01, method, step=1e-3)  # compiles, and takes its scratch memory
     peaks = []
     for count in (10, 10_000):
         gc.collect()

@@ -104,7 +104,7 @@ def test_error_under_a_steady_push():
         assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
 
 
-def test_a_motion_that_no_tolerance_resolves_gets_a_warning():
+def test_what_no_tolerance_resolves_says_so():
     """One on 4 at alpha = 1/20 rattles 450 times at the end, and no two tolerances agree to better than 1e-5."""
     with pytest.warns(RuntimeWarning, match="the motion is so sensitive that accurate at tolerance"):
         found = run(one_on(4, power_law(1.0, 1 / 20)), [1, 0, 0, 0, 0], 2.0, tolerance=1e-8)

@@ -143,7 +143,7 @@ def test_a_loose_tolerance_does_not_jump_over_a_collision(method, gap, tolerance
 
 
 @pytest.mark.parametrize("method", KERNELS)
-def test_a_loose_tolerance_does_not_jump_over_one_beside_a_slow_contact(method):
+def test_nor_over_one_beside_a_slow_contact(method):
     """Two beads swing together for seconds, while a third is hit for a hundredth of one."""
     chain = Chain([1.0, 1.0, 1.0, 1e-3], [hooke(1.0), hooke(1e-9), hooke(1e3)], [0.0, 50.0, 0.5])
     found = run(chain, [1.0, 0.0, 0.0, -0.5], 3.0, method, tolerance=1e-2)
@@ -151,7 +151,7 @@ def test_a_loose_tolerance_does_not_jump_over_one_beside_a_slow_contact(method):
     assert found.final_velocity[3] > 0.0
 
 
-def test_a_closing_during_another_contact_is_an_event():
+def test_no_bead_is_lost_in_a_step_longer_than_the_contact():
     """A late closing in the middle of another contact is an event of it: the switch of the truth, at any tolerance."""
     chain = Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0])
     counts = [len(pairs) for pairs in run(chain, [2, 0, 0.5, -1], tolerance=1e-10).contact_intervals]
@@ -171,7 +171,7 @@ def test_a_thousand_contacts(law):
         assert found.final_velocity[:5] == pytest.approx(short.final_velocity[:5], abs=1e-4)
 
 
-def test_cost_stays_within_twice_the_measured_one():
+def test_cost_is_that_of_the_promise():
     """Steps and evaluations with margins of two over what is measured: a change that doubles them is noticed."""
     soft = run(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], tolerance=1e-6)
     assert soft.steps < 200

@@ -1,7 +1,8 @@
-"""Motions in which small errors grow: deep soft contacts that swing, gears that rattle between two strikers."""
+"""Motions that make much of small errors: deep soft contacts that swing, gears that rattle between two strikers."""
 
 from __future__ import annotations
 
+import warnings
 from functools import cache
 
 import numpy as np
@@ -9,21 +10,19 @@ import pytest
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, one_on, power_law, simulate
 
-from tests.helpers.relations import PROMISE, simulate_quietly
-
-SWINGING = ((2, 16), (3, 14), (3, 24))  # (n, 1/alpha) of one on n: its deepest contact swings with 1e-6 m/s
+PROMISE = 10.0  # times the tolerance
+SWINGING = ((2, 16), (3, 14), (3, 24))  # one on n, alpha = 1 / this: a velocity of 1e-6 in the deepest contact
 
 
 @cache
 def by_scipy(n: int, softness: int) -> tuple[float, ...]:
-    """Final velocities by the reference, which shares no kernel and follows every swing."""
+    """Final velocities by a method that shares no kernel, which follows every swing."""
     chain, velocity = one_on(n, power_law(1.0, 1.0 / softness)), np.eye(1, n + 1)[0]
     end = simulate(chain, velocity, samples=2, method="radau", tolerance=1e-6).time[-1]
     found = simulate(chain, velocity, float(end) + 0.01, method="scipy", tolerance=1e-9, samples=2)
     return tuple(found.final_velocity)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize(("n", "softness"), SWINGING)
 def test_swings_of_deep_contacts_are_kept(n: int, softness: int, method: str) -> None:
@@ -38,15 +37,17 @@ def test_swings_of_deep_contacts_are_kept(n: int, softness: int, method: str) ->
 def hit_from_both_sides(
     n: int, stiffness: float, precompression: float, last: float, tolerance: float, method: str = "accurate"
 ) -> Trajectory:
-    """A run of gears between two strikers, with its warnings on the Trajectory alone."""
+    """Gears between two strikers; a warning is a value here."""
     velocity: NDArray[np.float64] = np.zeros(n + 1)
     velocity[0], velocity[-1] = 1.0, last
     chain = Chain(np.ones(n + 1), draft_gear(stiffness, precompression))
-    return simulate_quietly(chain, velocity, method=method, samples=2, tolerance=tolerance)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return simulate(chain, velocity, method=method, samples=2, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
-def test_a_finer_run_with_the_same_steps_is_no_check(method: str) -> None:
+def test_runs_of_like_steps_are_no_confirmation(method: str) -> None:
     """Steps between sharp events are the same at 1e-6 and 1e-7, errors of 6e-3 and all: the finer run is of a shaken chain."""
     truth = hit_from_both_sides(4, 5.0, 10.0, -0.5, 1e-10).final_velocity
     for tolerance in 10.0 ** -np.arange(3.0, 9.0):
@@ -55,8 +56,8 @@ def test_a_finer_run_with_the_same_steps_is_no_check(method: str) -> None:
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
-def test_a_motion_that_round_off_determines_gets_a_warning(method: str) -> None:
-    """Far below their preload gears are rigid spheres, whose outcome depends on round-off; energy and momentum do not."""
+def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
+    """Far below their preload gears are rigid spheres, and many that touch are a lottery; energy and momentum are not."""
     found = hit_from_both_sides(4, 1.0, 10.0, -0.2, 1e-6, method)
     assert any(warning.code == "sensitive" for warning in found.warnings)
     assert np.sum(found.final_velocity) == pytest.approx(0.8, abs=1e-12)
@@ -65,8 +66,8 @@ def test_a_motion_that_round_off_determines_gets_a_warning(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("n", [4, 5, 8, 13])
-def test_two_equal_strikers_on_gears_are_a_mirror(n: int, method: str) -> None:
-    """All contacts reach their preload at once and yield together: the order that round-off gave them led to NaN."""
+def test_two_strikers_on_a_row_of_gears_are_a_mirror(n: int, method: str) -> None:
+    """All contacts are at their preload at once, and yield together: round-off chose among them, and it ended in NaN."""
     found = hit_from_both_sides(n, 1.0, 1.0, -1.0, 1e-6, method)
     assert not found.warnings
     np.testing.assert_allclose(found.final_velocity, -found.final_velocity[::-1], atol=1e-5)
@@ -74,11 +75,13 @@ def test_two_equal_strikers_on_gears_are_a_mirror(n: int, method: str) -> None:
 
 
 def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
-    """Strikers at both ends of 13 gears: whatever the steps and warnings, the velocities are finite."""
+    """Strikers at both ends of 13 gears: whatever the steps it takes or the warnings it gives, its numbers are numbers."""
     mass = np.random.default_rng(1).uniform(0.1, 6.0, 14)
     velocity = np.zeros(14)
     velocity[0], velocity[-1] = 1.0, -0.41
     chain = Chain(mass, draft_gear(1.88, 106.0))
-    found = simulate_quietly(chain, velocity, 1e-3, samples=2, tolerance=1e-6)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = simulate(chain, velocity, 1e-3, samples=2, tolerance=1e-6)
     assert np.isfinite(found.final_velocity).all()
     assert np.sum(mass * found.final_velocity) == pytest.approx(float(mass @ velocity), abs=1e-9)

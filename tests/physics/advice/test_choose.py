@@ -1,4 +1,4 @@
-"""Method "auto": the wanted error holds, the choice is explained and fits the costs, and the costs are measured once."""
+"""Method auto: the wanted error holds, the choice is said and fits the costs, and the costs are measured once."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from softcradle.physics import (
     power_law,
     simulate,
 )
-from softcradle.physics.advice import choose, step_cost
+from softcradle.physics.advice import choose as auto
+from softcradle.physics.advice import step_cost as cost
 from softcradle.physics.advice.step_cost import Cost
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.sandbox.cli.main import main
@@ -32,13 +33,13 @@ from softcradle.scenes.library import SceneError
 
 ERRORS = tuple(10.0**-k for k in range(3, 10))
 CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
-# costs for most tests in place of those of this machine, so that the choice, and with it the digits, are the same everywhere
-EVEN = {key: Cost(3e-8, 1e-8) if key[0] != "accurate" else Cost(3e-6, 1e-6) for key in step_cost.TIMED}
+# what this machine would say is left out of most tests: the choice, and with it the digits, is to be the same everywhere
+EVEN = {key: Cost(3e-8, 1e-8) if key[0] != "accurate" else Cost(3e-6, 1e-6) for key in cost.TIMED}
 
 
 @pytest.fixture(autouse=True)
 def even_costs(monkeypatch):
-    monkeypatch.setattr(choose, "costs", lambda: EVEN)
+    monkeypatch.setattr(auto, "costs", lambda: EVEN)
 
 
 @pytest.fixture(scope="module", params=list(CASES))
@@ -62,10 +63,10 @@ def test_the_wanted_error_holds_at_every_tight_tolerance():
 
 @pytest.mark.parametrize("method", ["verlet", "yoshida4", "conserving", "accurate"])
 @pytest.mark.parametrize("error", [1e-3, 1e-4, 1e-5])
-def test_the_error_holds_for_every_candidate(case, method, error):
+def test_the_error_holds_whatever_is_cheapest(case, method, error):
     """Each candidate is made the cheapest: its own estimate of its error must hold, not that of the usual choice."""
-    price = {key: Cost(1e-12 if key[0] == method else 1.0, 0.0) for key in step_cost.TIMED}
-    choice = choose.choose(case.chain, case.velocity, case.run_duration, error, price)
+    price = {key: Cost(1e-12 if key[0] == method else 1.0, 0.0) for key in cost.TIMED}
+    choice = auto.choose(case.chain, case.velocity, case.run_duration, error, price)
     if choice.method != method or case.run_duration / (choice.step or 1.0) > 3e5:
         pytest.skip("no candidate here, or one of minutes")
     starts = case.starts([0.0, 0.4 * choice.step]) if choice.step else case.starts([0.0])
@@ -80,17 +81,17 @@ def test_the_error_holds_for_every_candidate(case, method, error):
 )
 @pytest.mark.parametrize("n", [1, 3, 8])
 @pytest.mark.parametrize("error", [1e-3, 1e-5, 1e-7])
-def test_the_wanted_error_holds_on_other_chains(contact, n, error):
+def test_the_wanted_error_holds_on_chains_it_was_not_made_for(contact, n, error):
     chain = one_on(n, contact, mass=np.linspace(0.3, 2.0, n + 1))
     velocity = 3.0 * np.eye(1, n + 1)[0]
     duration = float(simulate(chain, velocity, tolerance=1e-6, samples=2).time[-1])
-    duration = min(duration, 5.0 * choose.collision_time(chain, velocity))
+    duration = min(duration, 5.0 * auto.collision_time(chain, velocity))
     truth = simulate(chain, velocity, duration, method="radau", tolerance=1e-11).final_velocity
     found = simulate(chain, velocity, duration, method="auto", tolerance=error)
     assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
 
 
-def test_the_trajectory_has_the_choice_and_its_reason(case):
+def test_the_choice_is_said_with_its_reason(case):
     found = simulate(case.chain, case.velocity, case.duration, method="auto", tolerance=1e-4, samples=2)
     assert found.method in {method.name for method in METHODS}
     assert found.choice.startswith(f"{found.method}, ")
@@ -98,12 +99,12 @@ def test_the_trajectory_has_the_choice_and_its_reason(case):
     assert "expected cost" in found.choice
 
 
-def test_methods_that_chatter_are_left_out_with_a_reason():
+def test_what_chatters_is_left_out_and_it_is_said_why():
     gear = one_on(3, draft_gear(1.0, 1.0))
     assert "verlet" not in {
-        choice.method for choice in choose._candidates(gear, [1, 0, 0, 0], 9.0, 1e-3, EVEN, near=False)
+        choice.method for choice in auto._candidates(gear, [1, 0, 0, 0], 9.0, 1e-3, EVEN, near=False)
     }
-    assert "chatters" in choose.choose(gear, [1, 0, 0, 0], 9.0, 1e-3, EVEN).reason
+    assert "chatters" in auto.choose(gear, [1, 0, 0, 0], 9.0, 1e-3, EVEN).reason
 
 
 @pytest.mark.parametrize(
@@ -115,12 +116,12 @@ def test_methods_that_chatter_are_left_out_with_a_reason():
     ],
 )
 def test_fixed_steps_are_left_out_where_collisions_follow_collisions(chain):
-    found = list(choose._candidates(chain, [1.0, 0.5, 0.0], 3.0, 1e-3, EVEN, near=False))
+    found = list(auto._candidates(chain, [1.0, 0.5, 0.0], 3.0, 1e-3, EVEN, near=False))
     assert [choice.method for choice in found] == ["accurate"]
-    assert "left out" in choose.choose(chain, [1.0, 0.5, 0.0], 3.0, 1e-3, EVEN).reason
+    assert "left out" in auto.choose(chain, [1.0, 0.5, 0.0], 3.0, 1e-3, EVEN).reason
 
 
-DISSIPATIVE = (
+DRY = (
     Chain([1.0] * 4, Contact(0.0, 1.0, 0.1, loss=0.3)),
     Chain([1.0] * 6, Contact(0.0, 1.0, 1.5, loss=0.5)),
     Chain([1.0] * 4, power_law(1.0, 0.1), friction=0.02),
@@ -128,9 +129,9 @@ DISSIPATIVE = (
 )
 
 
-@pytest.mark.parametrize("chain", DISSIPATIVE)
+@pytest.mark.parametrize("chain", DRY)
 @pytest.mark.parametrize("error", [1e-2, 1e-3, 1e-4])
-def test_a_dissipative_chain_gets_conserving(chain, error):
+def test_where_something_rubs_it_is_conserving(chain, error):
     velocity, duration = np.eye(1, chain.contacts + 1)[0], 6.0
     found = simulate(chain, velocity, duration, method="auto", tolerance=error)
     truth = simulate(chain, velocity, duration, method="conserving", step=duration / 300_000, samples=2)
@@ -150,39 +151,37 @@ def test_a_gear_that_yields_for_a_moment_is_not_taken_for_rigid(error, ratio):
     assert "critical speed" in found.choice
 
 
-def test_nearly_yields_near_a_critical_speed_alone():
+def test_near_a_critical_speed_is_said_of_what_is_near():
     gear = draft_gear(1.0, 1.0)
     critical = critical_speed(gear, np.ones(5), 1)
-    near = [
-        choose.nearly_yields(one_on(4, gear), ratio * critical * np.eye(1, 5)[0]) for ratio in (0.8, 0.95, 1.1, 1.3)
-    ]
+    near = [auto.nearly_yields(one_on(4, gear), ratio * critical * np.eye(1, 5)[0]) for ratio in (0.8, 0.95, 1.1, 1.3)]
     assert near == [False, True, True, False]
-    assert not choose.nearly_yields(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0])
-    assert not choose.nearly_yields(one_on(4, gear), np.zeros(5))
+    assert not auto.nearly_yields(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0])
+    assert not auto.nearly_yields(one_on(4, gear), np.zeros(5))
 
 
-def test_an_error_that_no_method_holds_is_refused():
+def test_what_no_method_holds_is_refused():
     with pytest.raises(ValueError, match="no method holds an error of 1e-10"):
-        simulate(DISSIPATIVE[0], [1, 0, 0, 0], 6.0, method="auto", tolerance=1e-10)
+        simulate(DRY[0], [1, 0, 0, 0], 6.0, method="auto", tolerance=1e-10)
 
 
 def test_the_choice_follows_the_costs():
     chain, velocity = one_on(20, hertz(1.0)), np.eye(1, 21)[0]
-    expensive = {key: Cost(1.0, 1.0) if key[0] == "accurate" else Cost(1e-8, 1e-9) for key in step_cost.TIMED}
-    cheap = {key: Cost(1e-9, 1e-9) if key[0] == "accurate" else Cost(1.0, 1.0) for key in step_cost.TIMED}
-    slow = {**expensive, ("yoshida4", step_cost.SMOOTH): Cost(3e-8, 3e-9)}  # it takes three forces a step
-    assert choose.choose(chain, velocity, 50.0, 1e-2, slow).method == "verlet"
-    assert choose.choose(chain, velocity, 50.0, 1e-6, expensive).method == "yoshida4"
-    assert choose.choose(chain, velocity, 50.0, 1e-3, cheap).method == "accurate"
-    assert choose.choose(chain, velocity, None, 1e-3, expensive).method == "accurate"
-    assert "never see the end" in choose.choose(chain, velocity, None, 1e-3, expensive).reason
+    dear = {key: Cost(1.0, 1.0) if key[0] == "accurate" else Cost(1e-8, 1e-9) for key in cost.TIMED}
+    cheap = {key: Cost(1e-9, 1e-9) if key[0] == "accurate" else Cost(1.0, 1.0) for key in cost.TIMED}
+    slow = {**dear, ("yoshida4", cost.SMOOTH): Cost(3e-8, 3e-9)}  # it takes three forces a step
+    assert auto.choose(chain, velocity, 50.0, 1e-2, slow).method == "verlet"
+    assert auto.choose(chain, velocity, 50.0, 1e-6, dear).method == "yoshida4"
+    assert auto.choose(chain, velocity, 50.0, 1e-3, cheap).method == "accurate"
+    assert auto.choose(chain, velocity, None, 1e-3, dear).method == "accurate"
+    assert "never see the end" in auto.choose(chain, velocity, None, 1e-3, dear).reason
 
 
 def test_a_smaller_error_never_costs_less():
     for definition in CASE_DEFINITIONS:
         chain = definition.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0]
-        prices = [choose.choose(chain, velocity, definition.duration, error, EVEN).seconds for error in ERRORS]
+        prices = [auto.choose(chain, velocity, definition.duration, error, EVEN).seconds for error in ERRORS]
         assert prices == sorted(prices)
 
 
@@ -192,24 +191,24 @@ def test_a_saved_trajectory_keeps_its_choice(tmp_path):
     assert Trajectory.load(tmp_path / "x.npz").choice == found.choice != ""
 
 
-def test_other_methods_have_no_choice():
+def test_other_methods_have_no_choice_to_tell():
     assert simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0]).choice == ""
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("wish", "said"),
     [
         ({"step": 0.1}, "'auto' chooses its own steps"),
         ({"tolerance": 0.0}, "tolerance must be > 0"),
         ({"duration": -1.0}, "duration"),
     ],
 )
-def test_bad_options_are_refused(options, message):
-    with pytest.raises(ValueError, match=message):
-        simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0], method="auto", **options)
+def test_refusals(wish, said):
+    with pytest.raises(ValueError, match=said):
+        simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0], method="auto", **wish)
 
 
-def test_advance_refuses_auto():
+def test_advance_wants_a_name():
     chain = one_on(2, power_law(1.0, 0.1))
     with pytest.raises(ValueError, match="'auto' is for simulate"):
         advance(chain, State.at_start(chain, [1, 0, 0]), 0.1, method="auto")
@@ -217,55 +216,55 @@ def test_advance_refuses_auto():
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(step_cost, "cache_file", lambda: tmp_path / "deep" / "costs.json")
-    step_cost.costs.cache_clear()
+    monkeypatch.setattr(cost, "cache_file", lambda: tmp_path / "deep" / "costs.json")
+    cost.costs.cache_clear()
     yield tmp_path / "deep"
-    step_cost.costs.cache_clear()
+    cost.costs.cache_clear()
 
 
-def test_costs_are_measured_once_and_stored(folder, monkeypatch):
+def test_costs_are_measured_once_and_kept(folder, monkeypatch):
     calls = []
-    monkeypatch.setattr(step_cost, "measure", lambda: calls.append(1) or dict(EVEN))
-    assert step_cost.costs() == EVEN
-    step_cost.costs.cache_clear()  # another process
-    assert step_cost.costs() == EVEN
+    monkeypatch.setattr(cost, "measure", lambda: calls.append(1) or dict(EVEN))
+    assert cost.costs() == EVEN
+    cost.costs.cache_clear()  # another process
+    assert cost.costs() == EVEN
     assert calls == [1]
 
 
 @pytest.mark.parametrize("content", ["", "[]", "[1]", '{"a": 1}', '[["verlet", "soft", 1e-8, NaN]]', "[[1, 2, 3]]"])
-def test_costs_in_a_damaged_file_are_measured_again(folder, monkeypatch, content):
+def test_a_spoilt_file_is_measured_anew(folder, monkeypatch, content):
     folder.mkdir()
     (folder / "costs.json").write_text(content)
-    monkeypatch.setattr(step_cost, "measure", lambda: dict(EVEN))
-    assert step_cost.costs() == EVEN
+    monkeypatch.setattr(cost, "measure", lambda: dict(EVEN))
+    assert cost.costs() == EVEN
     assert len(json.loads((folder / "costs.json").read_text())) == len(EVEN)
 
 
-def test_a_folder_that_cannot_be_written_is_no_error(monkeypatch):
-    monkeypatch.setattr(step_cost, "cache_file", lambda: Path("/dev/null/costs.json"))
-    monkeypatch.setattr(step_cost, "measure", lambda: dict(EVEN))
-    step_cost.costs.cache_clear()
-    assert step_cost.costs() == EVEN
-    step_cost.costs.cache_clear()
+def test_a_folder_that_cannot_be_written_is_no_failure(monkeypatch):
+    monkeypatch.setattr(cost, "cache_file", lambda: Path("/dev/null/costs.json"))
+    monkeypatch.setattr(cost, "measure", lambda: dict(EVEN))
+    cost.costs.cache_clear()
+    assert cost.costs() == EVEN
+    cost.costs.cache_clear()
 
 
-def test_the_name_of_the_file_depends_on_the_kernels(tmp_path, monkeypatch):
-    before = step_cost.cache_file()
+def test_the_file_belongs_to_these_kernels(tmp_path, monkeypatch):
+    before = cost.cache_file()
     (tmp_path / "law.py").write_text("changed = True\n")
-    monkeypatch.setattr(step_cost, "kernel_sources", lambda: [tmp_path / "law.py"])
-    assert step_cost.cache_file() != before
-    assert step_cost.cache_file().parent == before.parent
+    monkeypatch.setattr(cost, "kernel_sources", lambda: [tmp_path / "law.py"])
+    assert cost.cache_file() != before
+    assert cost.cache_file().parent == before.parent
 
 
 def test_measured_costs_are_those_of_steps(monkeypatch):
-    monkeypatch.setattr(step_cost, "ROUNDS", 2)
-    found = step_cost.measure()
-    assert set(found) == set(step_cost.TIMED)
+    monkeypatch.setattr(cost, "ROUNDS", 2)
+    found = cost.measure()
+    assert set(found) == set(cost.TIMED)
     for price in found.values():
         assert 0.0 < price.of(1.0, 10) < 1.0
 
 
-def test_command_and_scenes_take_auto(capsys, tmp_path):
+def test_run_and_scenes_take_it(capsys, tmp_path):
     assert main(["run", "one-on-four", "--method", "auto", "--tolerance", "1e-4"]) == 0
     assert "wanted error of 0.0001" in " ".join(capsys.readouterr().out.split())
     scene = tmp_path / "mine.toml"
@@ -279,6 +278,6 @@ def test_command_and_scenes_take_auto(capsys, tmp_path):
     assert "one-on-four" in names()
 
 
-def test_render_takes_auto(tmp_path):
+def test_render_takes_it(tmp_path):
     assert main(["render", "one-on-four", "--method", "auto", "--size", "320x180", "-o", str(tmp_path / "x.png")]) == 0
     assert (tmp_path / "x.png").stat().st_size > 1000

@@ -1,4 +1,4 @@
-"""Limits of explicit methods: chatter and long steps are warnings on the trajectory, and the estimate of the step holds."""
+"""Failure is a value: what an explicit method cannot do is said by the trajectory, with what to use instead."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ EXPLICIT = [method.name for method in METHODS if not method.set_valued]
 
 
 @pytest.mark.parametrize("method", EXPLICIT)
-def test_a_draft_gear_that_should_rest_chatters_with_a_warning(method):
+def test_a_draft_gear_that_should_rest_is_reported_to_chatter(method):
     chain = one_on(3, draft_gear(770.0, 0.0177), mass=0.396)
     with pytest.warns(RuntimeWarning, match="chatter"):
         result = simulate(chain, [0.5, 0, 0, 0], method=method, step=1e-4)
@@ -25,7 +25,7 @@ def test_a_step_past_the_limit_is_reported():
 
 
 @pytest.mark.parametrize("method", ["conserving", "accurate", "radau"])
-def test_methods_for_touching_contacts_give_no_warning(method):
+def test_methods_that_carry_touching_contacts_have_nothing_to_report(method):
     chain = one_on(3, draft_gear(770.0, 0.0177), mass=0.396)
     assert simulate(chain, [0.5, 0, 0, 0], method=method).warnings == ()
 

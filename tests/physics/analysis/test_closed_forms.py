@@ -60,7 +60,7 @@ def test_one_on_one_agrees_with_the_truth():
     assert stroke == pytest.approx((truth.largest_overlap[0], truth.contact_time, truth.peak_force[0]), rel=1e-14)
 
 
-def test_laws_without_a_closed_form_are_refused():
+def test_no_closed_form_is_said_in_a_sentence():
     with pytest.raises(ValueError, match=r"no closed form for a preload with exponent 1\.5"):
         one_on_one(Contact(1.0, 1.0, 1.5), 1.0, 1.0)
     with pytest.raises(ValueError, match="needs draft gears"):
@@ -156,12 +156,12 @@ def test_eigenmodes_of_unequal_beads_agree_with_the_reference():
 
 
 def test_a_long_linear_chain_returns_a_bessel_number():
-    final, time = long_linear_chain()
-    assert (final, time) == pytest.approx((-0.1322795, 2.56781), rel=2e-6)
+    kept, time = long_linear_chain()
+    assert (kept, time) == pytest.approx((-0.1322795, 2.56781), rel=2e-6)
     modes = LinearChain(np.ones(40), 1.0, np.eye(40)[0])
     assert modes.first_opening() == pytest.approx(time, rel=1e-12)
-    assert modes.velocity(time)[0] == pytest.approx(final, rel=1e-12)
-    assert long_linear_chain(4.0, 9.0) == pytest.approx((final, time * 2 / 3))
+    assert modes.velocity(time)[0] == pytest.approx(kept, rel=1e-12)
+    assert long_linear_chain(4.0, 9.0) == pytest.approx((kept, time * 2 / 3))
 
 
 def test_hertz_one_on_nine():

@@ -48,12 +48,12 @@ def test_lost_restitution_is_energy_inside_the_clusters(case):
 
 
 @pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
-def test_the_integral_of_the_force_is_the_momentum_passed(case):
+def test_force_summed_up_is_the_momentum_passed(case):
     trajectory = collide(case.chain, case.start)
     summed = np.trapezoid(trajectory.force, trajectory.time, axis=0)
     assert impulses(trajectory, case.struck) == pytest.approx(
         summed, rel=1e-3
-    )  # forces of soft contacts rise steeply at the touch
+    )  # forces of soft contacts leap up at the touch
 
 
 @pytest.mark.parametrize("share", [0.3, 0.99])
@@ -139,7 +139,7 @@ def test_rigidity():
     assert math.isinf(rigidity([-1.0, 1.0]))
 
 
-def test_values_between_samples_are_interpolated():
+def test_between_samples():
     trajectory = simulate(cluster_on_cluster(1, 1, power_law(1.0, 0.5)), [1, 0], samples=11)
     assert interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
     assert interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
@@ -156,21 +156,19 @@ def test_loss_of_one_on_one_is_its_restitution():
     assert found.energy_deficit == pytest.approx(found.absorbed_by_contacts, rel=1e-2)
 
 
-def test_bed_friction_takes_momentum():
-    friction, speed, gap = 0.2, 1.0, 0.05
-    chain = Chain([MASS] * 4, GEAR, [gap, 0.0, 0.0], friction=friction)
+def test_the_bed_takes_momentum():
+    friction, speed, way = 0.2, 1.0, 0.05
+    chain = Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction)
     trajectory = collide(chain, [speed, 0.0, 0.0, 0.0])
     found = measured(trajectory)
     left = 0.5 * MASS * (trajectory.velocity[-1] ** 2).sum() / (0.5 * MASS * speed**2)
     assert found.absorbed_by_bed == pytest.approx(1.0 - left, rel=1e-9)
     assert found.rigidity == pytest.approx(0.0, abs=1e-9)
-    assert found.contacts[1].touching == pytest.approx(
-        found.contact_time, rel=2e-3
-    )  # beads at rest side by side carry no force
-    impact = math.sqrt(speed**2 - 2.0 * friction * 9.80665 * gap)
+    assert found.contacts[1].touching == pytest.approx(found.contact_time, rel=2e-3)  # resting side by side is no touch
+    impact = math.sqrt(speed**2 - 2.0 * friction * 9.80665 * way)
     free = measured(collide(one_on(3, GEAR, MASS), [impact, 0.0, 0.0, 0.0]))
     assert found.contact_time == pytest.approx(free.contact_time, rel=0.2)
-    # friction acts on up to four beads while the striker touches
+    # the bed pulls at up to four beads while the striker touches
     most = 4.0 * friction * 9.80665 * found.contact_time / impact
     assert 0.2 * most < found.momentum_deficit < most
     assert 0.0 < found.energy_deficit < 0.5
@@ -182,7 +180,7 @@ def test_bed_friction_takes_momentum():
     assert last == pytest.approx((gained + taken) / 3.0, rel=2e-3)
 
 
-def test_without_dissipation_there_are_no_deficits():
+def test_where_nothing_rubs_nothing_is_missing_but_what_contacts_store():
     found = measured(collide(one_on(3, GEAR, MASS), [0.5, 0.0, 0.0, 0.0]))
     assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
     assert found.energy_deficit == pytest.approx(0.0, abs=1e-9)

@@ -1,4 +1,4 @@
-"""Matching: contacts of the family are found again, round trips, monotone relations, and the distance of the result."""
+"""Matching: what is already of the family is found again, round trips, monotone facts, and honest distances."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_a_linear_spring_is_in_both_families():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 1.0])
-def test_a_match_of_the_match_is_the_first_contact(alpha):
+def test_there_and_back(alpha):
     there = soft_match(alpha)
     back = match(one_on(4, there.contact), [1, 0, 0, 0, 0], family="power_law")
     assert back.contact.exponent == pytest.approx(alpha, rel=0.25)
@@ -94,7 +94,7 @@ def test_outcome_of_rigid_clusters_can_be_had_by_a_power_law():
     assert opened == pytest.approx(stroke.contact_time, rel=1e-3)
 
 
-def test_the_residual_is_the_distance_of_the_forces():
+def test_the_residual_is_the_distance_that_it_says():
     found = soft_match(0.3)
     ends, forces = [], []
     grid = np.linspace(0.0, 4.0, 40_001)
@@ -108,8 +108,8 @@ def test_the_residual_is_the_distance_of_the_forces():
 
 
 @pytest.mark.parametrize(("f0", "alpha"), [(1.03, 1.0), (0.97, 1.0), (1.0, 1.05), (1.0, 0.95)])
-def test_no_neighbour_of_the_match_is_nearer(f0, alpha):
-    """Force curves of contacts a few percent away in one number."""
+def test_nothing_beside_the_nearest_is_nearer(f0, alpha):
+    """The distance of neighbours, by a search that may not move."""
     found = gear_match(0.9)
     beside = power_law(f0 * found.contact.stiffness, alpha * found.contact.exponent)
     chain = one_on(3, GEAR, MASS)
@@ -124,7 +124,7 @@ def test_no_neighbour_of_the_match_is_nearer(f0, alpha):
     assert math.sqrt(squared_difference(*curves) / whole) > found.residual
 
 
-def test_a_gap_before_the_collision_does_not_change_the_match():
+def test_pairs_strike_pairs_after_a_gap():
     near = match(cluster_on_cluster(2, 2, GEAR, MASS), [0.5, 0.5, 0, 0])
     far = match(Chain([MASS] * 4, GEAR, [0, 0.05, 0]), [0.5, 0.5, 0, 0])
     assert far.contact.exponent == pytest.approx(near.contact.exponent, rel=1e-2)
@@ -133,7 +133,7 @@ def test_a_gap_before_the_collision_does_not_change_the_match():
 
 
 @pytest.mark.parametrize(
-    ("chain", "velocity", "options", "message"),
+    ("chain", "velocity", "options", "said"),
     [
         (Chain([1, 1, 1], [hooke(1.0), hertz(1.0)]), [1, 0, 0], {}, "all alike"),
         (one_on(1, step_force(1.0)), [1, 0], {}, "between power laws"),
@@ -143,6 +143,6 @@ def test_a_gap_before_the_collision_does_not_change_the_match():
         (Chain([math.inf, 1, math.inf], hooke(1.0), 0.5), [0, 1, 0], {}, "second wall"),
     ],
 )
-def test_bad_arguments_are_refused(chain, velocity, options, message):
-    with pytest.raises(ValueError, match=message):
+def test_refusals(chain, velocity, options, said):
+    with pytest.raises(ValueError, match=said):
         match(chain, velocity, **options)

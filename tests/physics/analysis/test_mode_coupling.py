@@ -46,7 +46,7 @@ def test_the_modes_solve_their_equations():
         np.testing.assert_allclose(second, found.acceleration[1:-1, k], atol=2e-4)
 
 
-def test_overlaps_follow_from_the_first_one():
+def test_overlaps_follow_the_first_one():
     """Eq. (A1), written out; Eq. (6) is its homogeneous case."""
     found = mode_coupling(MIXED, HIT)
     psi, mass = np.maximum(found.psi, 0.0), MIXED.mass

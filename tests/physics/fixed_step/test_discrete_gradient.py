@@ -19,7 +19,7 @@ from tests.helpers.random_chains import random_collision
 from tests.helpers.relations import EPSILON, assert_momentum, assert_sound, energy_error, kinetic_energy, total_energy
 from tests.helpers.truth import GEAR, gear_critical_speed
 
-STEPS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # [s], the same for all scenes
+STEPS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # [s], whatever the scene's own times
 MOST_STEPS = 20_000  # of the shortest step: enough for the whole of most collisions
 
 
@@ -85,7 +85,7 @@ def test_collisions_that_were_hard(seed, parts):
 
 
 def test_a_step_on_which_newton_cycles_keeps_the_energy():
-    """Seed 9 at a part of its step: 129 iterations repeat in a cycle, and the step is done in shorter ones."""
+    """Seed 9 at a part of its step: 129 iterations go round in a ring. Energy is kept all the same."""
     chain, velocity = random_collision(9, 40)
     step = float(contact_scales(chain, velocity)[1].max()) / 3
     state = State.at_start(chain, velocity)

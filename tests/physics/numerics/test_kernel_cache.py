@@ -80,11 +80,10 @@ def test_without_numba_the_same_functions_run(tmp_path):
     assert run(DIGITS, PYTHONPATH=str(tmp_path)) == run(DIGITS)
 
 
-@pytest.mark.slow
 def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     """Doubling the force in a copy of the package, with the compiled originals in the same cache, doubles it."""
     pytest.importorskip("numba")
-    home = tmp_path / "copy"
+    home = tmp_path / "house"
     for name in ("physics", "softcradle"):
         shutil.copytree(ROOT / name, home / name, ignore=shutil.ignore_patterns("__pycache__"))
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
