@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.numerics.law_functions import functions_of
+from softcradle.physics.numerics.own_contacts import OwnLaws
 from softcradle.physics.numerics.records import COUNTERS, SWITCH, Dissipation, SwitchLog
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
@@ -24,15 +26,39 @@ def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], Dissipat
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
-    law, inverse_mass = chain.parameters
-    law, inverse_mass = law.copy(), inverse_mass.copy()
+    law, inverse_mass, own = chain.law_rows.copy(), chain.inverse_mass.copy(), _own_laws(chain)
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if chain.dissipative else None
     push = state.external(chain)
     if push is None:
-        return (law, inverse_mass, NOTHING, NOTHING, chain.anchor), dissipation
+        return (law, inverse_mass, NOTHING, NOTHING, chain.anchor, own), dissipation
     acceleration = push * inverse_mass
     external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
-    return (law, inverse_mass, push, external, chain.anchor), dissipation
+    return (law, inverse_mass, push, external, chain.anchor, own), dissipation
+
+
+def _own_laws(chain: Chain) -> OwnLaws | None:
+    """The record of the laws of one's own; None for a chain without."""
+    if not chain.own_laws:
+        return None
+    number = {law: k for k, law in enumerate(chain.own_laws)}
+    numbers = np.full(chain.contacts, -1, dtype=np.int64)
+    for i, law in chain.own_contacts:
+        numbers[i] = number[law]
+    functions = functions_of(chain.own_laws)
+    return OwnLaws(numbers, functions.force, functions.energy)
+
+
+def require_finite_motion(chain: Chain, state: State) -> None:
+    """Raise what a law of one's own has raised in a kernel, or ValueError where one has given no number."""
+    if not chain.own_laws:
+        return
+    functions_of(chain.own_laws).raise_again()
+    if not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
+        names = " or ".join(repr(law.name) for law in chain.own_laws)
+        raise ValueError(
+            f"contact law {names} gave no number in the course of the motion, which ended at t = {state.time:.6g} s: "
+            "its force and energy must be finite as far as the contact is pressed"
+        )
 
 
 def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> tuple[Any, ...]:

@@ -2,46 +2,90 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.chain import GRAVITY, Chain
+from softcradle.physics.chain import Chain
+from softcradle.physics.checked_input import SMALLEST
 
 Array = NDArray[np.float64]
 
+ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
+LEAST_SCALE = (
+    1e-10  # of the largest difference of velocities: the least scale, for round-off of velocities ends not far below
+)
+LEAST_DEPTH, MOST_DEPTH = (
+    1e-60,
+    1e25,
+)  # [m] of contacts that are computed: with powers of them, floats end not far beyond
 STEPS_A_CONTACT = 1000  # default fixed steps in the shortest contact time
 STEPS_A_STOP = 100  # default fixed steps, at the least, in the time in which bed friction stops a bead
 
 
 def closing_speed(velocity: ArrayLike) -> float:
-    """Largest speed [m/s] at which any two beads approach; 1 where nothing moves, so that scales stay finite."""
+    """Largest speed [m/s] at which any two beads approach or part; 1 where nothing moves, so that scales stay finite."""
     speeds = np.asarray(velocity, dtype=np.float64)
     return float(np.ptp(speeds)) or 1.0
 
 
+def _approach(values: Array) -> float:
+    """Largest of ``values[j] - values[k]`` for beads j to the left of k; 0 where none is positive."""
+    ahead = np.maximum.accumulate(values)[:-1] - np.minimum.accumulate(values[::-1])[-2::-1]
+    return max(float(ahead.max()), 0.0)
+
+
 def speed_scale(chain: Chain, velocity: ArrayLike) -> float:
     """Largest of the closing speed and the speeds that the drive and pressed contacts can give [m/s]; 1 where all are 0."""
-    inner = max(_driven_speed(chain), _released_speed(chain))
+    overlap = -np.asarray(chain.gap, dtype=np.float64)
+    driven = max((_driven_speed(chain, force) for force in chain.drives), default=0.0)
+    inner = max(driven, _released_speed(chain, overlap))
     return max(float(np.ptp(np.asarray(velocity))), inner) if inner else closing_speed(velocity)
 
 
-def _released_speed(chain: Chain) -> float:
-    """Largest speed [m/s] at which a contact that is pressed at the start drives its two beads apart; 0 without."""
-    squares = [
-        2.0 * float(contact.energy(-gap)) * float(weight)
-        for contact, gap, weight in zip(chain.contact, chain.gap, chain.inverse_reduced_mass, strict=True)
-        if gap < 0.0
-    ]
-    return max(squares, default=0.0) ** 0.5
+def closing_scale(
+    chain: Chain, velocity: Array, overlap: Array, external: Array | None, duration: float | None
+) -> float:
+    """The speed [m/s] that the tolerance of a motion from here is relative to: that of the fastest closing there can be.
+
+    It is the largest of the speeds at which beads approach, that contacts have stored, that `external` forces (n+1,) [N] can
+    give by pressing on contacts and over the gaps; in a motion without any of these, of what moves at all.
+    """
+    approach = _approach(velocity)
+    if approach <= ROUND_OFF * float(np.abs(velocity).max()):
+        approach = 0.0
+    found = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external))
+    if external is not None:
+        acceleration = external * chain.inverse_mass
+        gap = float(-np.minimum(overlap, 0.0).sum())
+        pull = _approach(acceleration)
+        fall = math.sqrt(approach**2 + 2.0 * pull * gap)
+        if duration is not None:
+            fall = min(fall, approach + pull * duration)
+        found = max(found, fall)
+        if not found and duration is not None:
+            found = float(np.abs(acceleration).max()) * duration
+    return max(found, LEAST_SCALE * float(np.ptp(velocity))) or closing_speed(velocity)
 
 
-def _driven_speed(chain: Chain) -> float:
-    """Largest speed [m/s] that a contact reaches under the force by which the drive accelerates a rigid chain; 0 without."""
-    if chain.drive_force is None:
+def _released_speed(chain: Chain, overlap: Array) -> float:
+    """Largest speed [m/s] at which a contact that is pressed in to `overlap` drives its two beads apart; 0 without."""
+    if not (overlap > 0.0).any():
         return 0.0
-    preload, stiffness, exponent = chain.parameters.law.T
-    force = np.maximum(_rigid_forces(chain, chain.drive_force) - preload, 0.0)
+    return float(np.sqrt(2.0 * chain.stored_energy(overlap) * chain.inverse_reduced_mass).max())
+
+
+def _driven_speed(chain: Chain, force: Array | None) -> float:
+    """Largest speed [m/s] that a contact reaches under the force by which the drive accelerates a rigid chain; 0 without."""
+    if force is None:
+        return 0.0
+    preload, stiffness, exponent = chain.law_rows.T
+    force = np.maximum(_rigid_forces(chain, force) - preload, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = ((1.0 + exponent) * force / stiffness) ** (1.0 / exponent)
+    for i, law in chain.own_contacts:
+        depth[i] = law.overlap(2.0 * (force[i] + law.preload))
+    with np.errstate(invalid="ignore"):
         speed = np.sqrt(2.0 * force * depth * chain.inverse_reduced_mass)
     return float(np.max(speed, where=np.isfinite(speed), initial=0.0))
 
@@ -60,23 +104,45 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
     """(n,) estimates of largest overlap [m] and contact time [s] if every contact were struck alone.
 
     Energy balance ``F d + K d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu, taken from the smaller of its two
-    one-term solutions; the time is that of crossing this overlap and back at the closing speed.
+    one-term solutions, or of the energy of a law of one's own; the time is that of crossing this overlap and back at the
+    closing speed.
     """
-    preload, stiffness, exponent = chain.parameters.law.T
+    preload, stiffness, exponent = chain.law_rows.T
     speed = speed_scale(chain, velocity)
     energy = 0.5 * speed**2 / chain.inverse_reduced_mass
     with np.errstate(divide="ignore"):
         by_power = ((1.0 + exponent) * energy / stiffness) ** (1.0 / (1.0 + exponent))
         depth = np.minimum(energy / preload, by_power)
+    for i, law in chain.own_contacts:
+        depth[i] = law.depth(float(energy[i]))
     return depth, 2.0 * depth / speed
+
+
+def require_computable(chain: Chain, velocity: ArrayLike) -> None:
+    """Raise ValueError where a contact would be pressed so little or so far that powers of it are no floats any more."""
+    speed = speed_scale(chain, velocity)
+    if not speed >= SMALLEST:
+        raise ValueError(f"the closing speed must be 0 or at least {SMALLEST:g} m/s, not {speed:g}: choose other units")
+    with np.errstate(over="ignore", under="ignore"):
+        depth = contact_scales(chain, velocity)[0]
+    for i, law in chain.own_contacts:
+        if math.isinf(depth[i]):
+            raise ValueError(f"contact {i}-{i + 1}: the law {law.name!r} never stores the energy of this motion")
+    for i in np.flatnonzero(~((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)))[:1].tolist():
+        range_ = f"from {LEAST_DEPTH:g} to {MOST_DEPTH:g} m can be computed: choose other units"
+        raise ValueError(f"contact {i}-{i + 1} would be pressed by about {depth[i]:.2g} m; depths {range_}")
+    for law in chain.own_laws:
+        deepest = max(float(depth[i]) for i, own in chain.own_contacts if own == law)
+        law.require_usable(deepest)
 
 
 def default_step(chain: Chain, velocity: ArrayLike) -> float:
     """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact time.
 
-    With bed friction it is at most a hundredth of the time in which friction stops a bead.
+    With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
     """
     shortest = float(contact_scales(chain, velocity)[1].min()) / STEPS_A_CONTACT
-    if not chain.friction:
+    strongest = float(chain.bed.max(initial=0.0))
+    if not strongest:
         return shortest
-    return min(shortest, speed_scale(chain, velocity) / (chain.friction * GRAVITY) / STEPS_A_STOP)
+    return min(shortest, speed_scale(chain, velocity) / strongest / STEPS_A_STOP)

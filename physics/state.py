@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown
 from softcradle.physics.contact import is_closed
 from softcradle.physics.status import Status, Warnings
 
@@ -28,6 +29,7 @@ class State:
             it adds to the chain's drive.
         switches: how often contacts have closed or opened in all `advance` of a fixed-step method so far.
         absorbed: (2,) energy [J] that contacts with loss and the bed have absorbed so far.
+        given: (2,) work [J] and impulse [N s] of the chain's forces over time so far.
         status: how the last `advance` ended; where its method gave up, `conserving` went on to the end.
         warnings: what the last `advance` could not do; empty where it did as it should.
         work: scratch memory of the methods, theirs alone.
@@ -41,6 +43,7 @@ class State:
     push: Array | None = None
     switches: int = 0
     absorbed: Array = field(default_factory=lambda: np.zeros(2))
+    given: Array = field(default_factory=lambda: np.zeros(2))
     status: Status = Status.DONE
     warnings: Warnings = ()
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -48,6 +51,7 @@ class State:
     @classmethod
     def at_start(cls, chain: Chain, velocity: ArrayLike) -> State:
         """The start of a scene: bead 0 at position 0, the chain's gaps between neighbours, `velocity` (n+1,) [m/s]."""
+        require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
         gap = np.array(chain.gap)
         position = np.concatenate(([0.0], np.cumsum(gap)))
@@ -77,7 +81,9 @@ class State:
         return kinetic + float(chain.stored_energy(self.overlap).sum())
 
     def external(self, chain: Chain) -> Array | None:
-        """(n+1,) external force on each bead [N], the chain's drive and the push; None where there is neither.
+        """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
+
+        Forces over time are pieces of this: :mod:`softcradle.physics.force_pieces` adds each to the push.
 
         An array that can be written to: to a kernel one that cannot is of another type, for which all of it would be
         compiled anew.
@@ -91,7 +97,7 @@ class State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
         arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
-        return State(self.time, *arrays, push, self.switches, self.absorbed.copy())
+        return State(self.time, *arrays, push, self.switches, self.absorbed.copy(), self.given.copy())
 
 
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
@@ -103,9 +109,13 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
     """`velocity` as (n+1,) finite floats, or a ValueError that says what is wrong."""
-    speeds = np.asarray(velocity, dtype=np.float64)
+    speeds = number_array("velocity", velocity)
     if speeds.shape != (chain.contacts + 1,):
-        raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not shape {speeds.shape}")
+        raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not {shown(velocity)}")
     if not np.isfinite(speeds).all():
         raise ValueError("every velocity must be finite")
+    if np.abs(speeds).max() > LARGEST:
+        raise ValueError(
+            f"every velocity must be at most {LARGEST:g} m/s, not {np.abs(speeds).max():g}: choose other units"
+        )
     return speeds.copy()

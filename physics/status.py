@@ -14,6 +14,9 @@ class Status(IntEnum):
     SEPARATED = 1  # no contact pushes and none can close again, or all beads rest
     OUT_OF_STEPS = 2  # the method gave up before the end: too many steps
     FAILED = 3  # the method gave up before the end: it could not go on
+    UNDETERMINED = (
+        4  # the end was reached, but the motion determines it less well than the tolerance: see velocity_error
+    )
 
     @property
     def gave_up(self) -> bool:
@@ -34,6 +37,7 @@ class WarningCode(StrEnum):
     CHATTER = "chatter"  # contacts switch as often as steps are taken
     COARSE_STEP = "coarse-step"  # the step is too long to resolve the shortest contact
     LATE_START = "late-start"  # the motion began before its first sample
+    UNUSUAL = "unusual"  # a number can be computed with but is hardly meant
     UNKNOWN = "unknown"  # read from a file that knew no codes
 
 

@@ -20,9 +20,13 @@ NO_CONTACT: Any = np.int64(-1)
 
 # how a kernel ended; physics.status gives them names for everybody else
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
+PAUSED = 9  # a kernel hands back now and then, so that Python can be interrupted; it is called again
 
-# modes of a contact in an adaptive step: open, overlap held at 0, or on the curve of its law
-OPEN, TOUCHING, LOADED = 0, 1, 2
+# modes of a contact in an adaptive step
+OPEN = 0  # no force
+TOUCHING = 1  # the overlap is held, the force is a multiplier
+LOADED = 2  # on the curve of its law
+FROZEN = 3  # between two beads that do not move: overlap and force are held
 
 # entries of the counter array
 EVALUATION = 0  # evaluations of all contact forces
@@ -32,7 +36,8 @@ UNCONVERGED = 3  # steps taken although the solver of the contact forces did not
 FALLBACK = 4  # steps of the discrete gradient in place of one that failed
 SAMPLE = 5  # sample rows filled
 SWITCH = 6  # contact switches, those beyond the end of the log included
-COUNTERS = 7
+FLIGHT = 7  # free flights
+COUNTERS = 8
 
 
 class ChainData(NamedTuple):
@@ -43,6 +48,7 @@ class ChainData(NamedTuple):
     push: Array  # (n+1,) external force on each bead [N]; (0,) without any
     external: Array  # (n+1,) accelerations by it of the overlaps, then of the anchor [m/s²]; (0,) without any
     anchor_bead: int  # index of the bead whose position and velocity are kept
+    own: Any = None  # OwnLaws, or None where all contacts are power laws
 
 
 class Dissipation(NamedTuple):
@@ -60,7 +66,7 @@ class Motion(NamedTuple):
     anchor: Array  # (2,) position [m] and velocity [m/s] of the anchor bead
     force: Array  # (n,) contact forces [N] of the last step
     absorbed: Array  # (2,) energy [J] absorbed by contacts and by the bed
-    mode: Flags  # (n,) OPEN, TOUCHING or LOADED; (0,) for fixed steps
+    mode: Flags  # (n,) OPEN, TOUCHING, LOADED or FROZEN; (0,) for fixed steps
     held: Flags  # (n,) nonzero: this mode has just been set by an event; (0,) for fixed steps
 
 

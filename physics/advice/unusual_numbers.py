@@ -1,0 +1,76 @@
+"""Warnings of numbers that can be computed with but are hardly meant, such as millimetres given for metres."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from softcradle.physics.chain import Chain
+from softcradle.physics.scales import contact_scales
+from softcradle.physics.status import CodedWarning, WarningCode, Warnings
+
+LARGEST_TOLERANCE = 0.1  # of the closing speed: beyond, velocities are not determined
+LEAST_YIELD = 1e-3  # depth as a share of the precompression: below, the spring of a gear has no part in the motion
+LARGEST_FRICTION = 5.0  # coefficient of the bed: rubber on concrete has 1
+
+
+def unusual_warnings(chain: Chain, velocity: ArrayLike, tolerance: float) -> Warnings:
+    """Warnings of a tolerance, a precompression or a friction that is out of any sensible range for `chain`.
+
+    Arguments:
+        chain: the Chain.
+        velocity: (n+1,) start velocities [m/s].
+        tolerance: wanted error; 0 where the step is fixed.
+    """
+    found = (*_of_tolerance(tolerance), *_of_gears(chain, velocity), *_of_friction(chain.friction))
+    return (*found, *_of_own_laws(chain, velocity))
+
+
+def _of_tolerance(tolerance: float) -> Warnings:
+    if tolerance <= LARGEST_TOLERANCE:
+        return ()
+    sentence = (
+        f"a tolerance of {tolerance:g} leaves the velocities open: it is their error relative to the closing speed"
+    )
+    return (CodedWarning(WarningCode.UNUSUAL, f"{sentence}; usual are 1e-3 to 1e-10", {"tolerance": tolerance}),)
+
+
+def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
+    """A warning for the gear that yields least, where that is hardly at all."""
+    preload, stiffness, exponent = chain.law_rows.T
+    gears = (preload > 0.0) & (stiffness > 0.0) & (exponent == 1.0)
+    if not (gears.any() and np.ptp(np.asarray(velocity)) > 0.0):
+        return ()
+    depth = contact_scales(chain, velocity)[0]
+    share = np.full(chain.contacts, np.inf)
+    np.divide(depth * stiffness, preload, out=share, where=gears)
+    i = int(np.argmin(share))
+    if share[i] >= LEAST_YIELD:
+        return ()
+    length = preload[i] / stiffness[i]
+    sentence = (
+        f"contact {i}-{i + 1} is precompressed by {length:.3g} m and yields by about {depth[i]:.1g} m only, as a step force "
+        "would: is the precompression given in metres?"
+    )
+    return (CodedWarning(WarningCode.UNUSUAL, sentence, {"precompression": float(length), "yield": float(depth[i])}),)
+
+
+def _of_friction(friction: float) -> Warnings:
+    if friction <= LARGEST_FRICTION:
+        return ()
+    sentence = f"a coefficient of friction of {friction:g} is unusual: rubber on concrete has 1"
+    return (CodedWarning(WarningCode.UNUSUAL, sentence, {"friction": friction}),)
+
+
+def _of_own_laws(chain: Chain, velocity: ArrayLike) -> Warnings:
+    """A warning for each law of one's own whose force falls as the contact is pressed in."""
+    depth = contact_scales(chain, velocity)[0] if chain.own_laws else np.zeros(0)
+    found = []
+    for law in chain.own_laws:
+        at = law.falls(max(float(depth[i]) for i, own in chain.own_contacts if own == law))
+        if at:
+            sentence = (
+                f"the force of contact law {law.name!r} falls from an overlap of {at:.3g} m on: the motion may jump there, "
+                "and 'conserving' may not find its step"
+            )
+            found.append(CodedWarning(WarningCode.UNUSUAL, sentence, {"overlap": at}))
+    return tuple(found)

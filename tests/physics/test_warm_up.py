@@ -1,0 +1,61 @@
+"""Compiling is told of, and can be done ahead: in processes of their own, with an empty cache."""
+
+from __future__ import annotations
+
+import logging
+import subprocess
+import sys
+
+import pytest
+from softcradle.physics.compile_log import FIRST, log_compilation
+
+from softcradle import warm
+
+pytest.importorskip("numba")
+CRADLE = (
+    "from softcradle import one_on, power_law, simulate\nsimulate(one_on(1, power_law(1, 1)), [1, 0], method='verlet')"
+)
+
+
+def run(folder, *arguments: str) -> subprocess.CompletedProcess[str]:
+    import os
+
+    cache = {"NUMBA_CACHE_DIR": str(folder / "kernels"), "SOFTCRADLE_CACHE": str(folder)}
+    return subprocess.run(
+        [sys.executable, *arguments], env=os.environ | cache, capture_output=True, text=True, check=True, timeout=300
+    )
+
+
+@pytest.mark.slow
+def test_first_use_says_what_it_does_and_the_second_has_nothing_to_say(tmp_path):
+    first = run(tmp_path, "-c", CRADLE)
+    assert first.stderr.count(FIRST) == 1
+    assert run(tmp_path, "-c", CRADLE).stderr == ""
+
+
+@pytest.mark.slow
+def test_the_command_says_it_too_unless_quiet(tmp_path):
+    scene = ("-m", "softcradle", "run", "hertz-cradle", "--method", "verlet", "--step", "1e-3", "--duration", "0.1")
+    first = run(tmp_path, *scene)
+    assert first.stderr.splitlines()[0] == f"softcradle: {FIRST}"
+    assert FIRST not in run(tmp_path / "other", *scene, "-q").stderr
+
+
+def test_a_kernel_is_logged_by_its_name(caplog):
+    from numba.core import event
+    from softcradle.physics.fixed_step import splitting
+
+    log_compilation()
+    with caplog.at_level(logging.INFO, logger="softcradle"):
+        event.broadcast(event.Event("numba:compile", event.EventStatus.START, {"dispatcher": None}))
+        assert caplog.messages == []
+        kernel = next(value for value in vars(splitting).values() if hasattr(value, "py_func"))
+        event.broadcast(event.Event("numba:compile", event.EventStatus.START, {"dispatcher": kernel}))
+    assert kernel.py_func.__name__.replace("_", " ") in caplog.messages[-1]
+
+
+def test_warm_takes_names():
+    warm("verlet")
+    warm(["euler"])
+    with pytest.raises(ValueError, match="did you mean 'verlet'"):
+        warm("verlt")

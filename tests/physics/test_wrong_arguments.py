@@ -1,0 +1,157 @@
+"""Mistakes in Python: each is a ValueError of one sentence that names the argument, without names of internals."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+import pymunk
+import pytest
+from softcradle.physics.checked_input import LARGEST, SMALLEST
+from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT
+from softcradle.physics.simulation import solve
+
+from softcradle import (
+    METHODS,
+    Chain,
+    Contact,
+    SoftChain,
+    SoftContact,
+    State,
+    advance,
+    draft_gear,
+    ensemble,
+    hertz,
+    one_on,
+    power_law,
+    simulate,
+    stable_step,
+)
+
+LAW = power_law(1.0, 0.1)
+CHAIN, START = one_on(4, LAW), [1, 0, 0, 0, 0]
+BODY = pymunk.Body(1, 1)
+
+
+class OwnLaw:
+    def force(self, overlap: float) -> float:
+        return overlap
+
+
+MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
+    "a number for a contact": (lambda: one_on(4, 0.1), "contact must be a Contact or a list of them"),
+    "a text for a contact": (lambda: Chain([1, 1], "hertz"), "contact must be a Contact .*; not 'hertz'"),
+    "an own law for accurate": (lambda: simulate(Chain([1, 1], OwnLaw()), [1, 0]), "'accurate' takes .*, not a law of your"),
+    "the class of a law": (lambda: Chain([1, 1], OwnLaw), "contact must be a Contact"),
+    "a list with no contact": (lambda: Chain([1, 1, 1], [LAW, 0.1]), "every contact must be a Contact, not 0.1"),
+    "a text for a count": (lambda: one_on("4", LAW), "the number of targets must be a whole number, not '4'"),
+    "half a bead": (lambda: one_on(4.5, LAW), "the number of targets must be a whole number, not 4.5"),
+    "too many beads": (lambda: one_on(10**9, LAW), "at most 10000000 beads, not 1000000001"),
+    "a list for a chain": (lambda: simulate([1, 2], START), r"chain must be a Chain, not \[1, 2\]"),
+    "texts for masses": (lambda: Chain(["a", "b"], LAW), r"mass must be a number or a list of numbers, not \['a', 'b'\]"),
+    "ragged masses": (lambda: Chain([1, [2, 3]], LAW), "mass must be a number or a list of numbers"),
+    "no masses": (lambda: Chain(None, LAW), "a chain needs a list of at least 2 masses, not None"),
+    "a text for a gap": (lambda: Chain([1, 1], LAW, gap="x"), "gap must be a number or a list of numbers, not 'x'"),
+    "one drive": (lambda: Chain([1, 1], LAW, drive=3), "2 masses need 2 drive forces, not 3"),
+    "a NumPy number": (lambda: draft_gear(770, np.float64(-1.0)), "precompression must be a finite number >= 0, not -1.0"),
+    "a NumPy friction": (lambda: Chain([1, 1], LAW, friction=np.float64(-1.0)), "friction must be .* >= 0, not -1.0$"),
+    "a NumPy duration": (lambda: simulate(CHAIN, START, np.float64(-1.0)), "duration must be .* >= 0, not -1.0$"),
+    "a NumPy step": (lambda: simulate(CHAIN, START, method="verlet", step=np.float64(-1.0)), "step must be .*, not -1.0$"),
+    "no number": (lambda: power_law(None, 0.1), "contact stiffness must be a number, not None"),
+    "a text for a number": (lambda: draft_gear("770", 0.1), "draft gear stiffness must be a number, not '770'"),
+    "velocities as text": (lambda: simulate(CHAIN, "fast"), "velocity must be a number or a list of numbers, not 'fast'"),
+    "one velocity": (lambda: simulate(CHAIN, 1.0), "5 beads need 5 velocities, not 1.0"),
+    "a text for a duration": (lambda: simulate(CHAIN, START, "1"), "duration must be a number, not '1'"),
+    "a text for a tolerance": (lambda: simulate(CHAIN, START, tolerance="1"), "tolerance must be a number, not '1'"),
+    "below round-off": (lambda: simulate(CHAIN, START, tolerance=1e-20), "tolerance must be at least 1e-16"),
+    "too many samples": (lambda: simulate(CHAIN, START, samples=10**9), "samples must be from 2 .* to 20000000"),
+    "half a sample": (lambda: simulate(CHAIN, START, samples=10.5), "samples must be a whole number, not 10.5"),
+    "no samples": (lambda: simulate(CHAIN, START, samples=None), "samples must be a whole number, not None"),
+    "a Method": (lambda: simulate(CHAIN, START, method=METHODS[0]), "method must be a name such as 'accurate', not a Method"),
+    "a misspelt method": (lambda: simulate(CHAIN, START, method="verlt"), "did you mean 'verlet'. there are auto, euler"),
+    "no state": (lambda: advance(CHAIN, None, 0.1), "state must be a State, not None"),
+    "the state of another chain": (
+        lambda: advance(one_on(3, LAW), State.at_start(CHAIN, START), 0.1),
+        "the state has 4 contacts, the chain 3",
+    ),
+    "one chain for an ensemble": (lambda: ensemble(CHAIN, START), "ensemble takes a list of chains"),
+    "no workers": (lambda: ensemble([CHAIN], [START], workers=0), "workers must be at least 1, not 0"),
+    "a list for a stable chain": (lambda: stable_step([1], START), r"chain must be a Chain, not \[1\]"),
+    "too few velocities": (lambda: stable_step(CHAIN, [1, 0]), r"5 beads need 5 velocities, not \[1, 0\]"),
+    "one body twice": (lambda: SoftContact(BODY, BODY, (0, 0), (0, 0), 1, LAW), "two different bodies"),
+    "no body": (lambda: SoftContact(BODY, 5, (0, 0), (0, 0), 1, LAW), "b must be a Body, not 5"),
+    "a chain of numbers": (lambda: SoftChain([1, 2], LAW, 1), "every body must be a Body, not 1"),
+    "a chain of one body": (lambda: SoftChain(BODY, LAW, 1), "bodies must be a Sequence"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("mistake", "sentence"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_is_named(mistake, sentence):
+    with pytest.raises(ValueError, match=sentence) as found:
+        mistake()
+    text = str(found.value)
+    assert "\n" not in text
+    assert "np." not in text
+    assert "dtype" not in text
+    assert len(text) < 250
+
+
+EXTREMES = {
+    "slow": lambda: simulate(CHAIN, [1e-300, 0, 0, 0, 0]),
+    "fast": lambda: simulate(CHAIN, [1e308, 0, 0, 0, 0]),
+    "steep": lambda: power_law(1, 1e300),
+    "flat": lambda: power_law(1, 1e-300),
+    "strong": lambda: power_law(1e300, 0.1),
+    "weak": lambda: power_law(1e-300, 0.1),
+    "light": lambda: one_on(4, LAW, 1e-300),
+    "heavy": lambda: one_on(4, LAW, 1e300),
+    "far": lambda: Chain([1, 1], LAW, gap=1e300),
+    "driven": lambda: Chain([1, 1], LAW, drive=[1e300, 0]),
+    "together": lambda: simulate(one_on(4, power_law(SMALLEST, 0.1), LARGEST), [LARGEST, 0, 0, 0, 0]),
+}
+
+
+@pytest.mark.parametrize("extreme", EXTREMES.values(), ids=EXTREMES)
+def test_what_cannot_be_computed_is_refused(extreme):
+    with pytest.raises(ValueError, match=r"must be|can be computed"):
+        extreme()
+
+
+@pytest.mark.parametrize("method", ["accurate", "conserving"])
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_not_refused_is_finite(method, seed):
+    """Numbers drawn over 20 decades each: the motion is finite, or the run says that it gave up."""
+    draw = np.random.default_rng(seed)
+    f0, mass, speed = 10.0 ** draw.uniform(-10.0, 10.0, 3)
+    alpha = 10.0 ** draw.uniform(math.log10(LEAST_EXPONENT), math.log10(MOST_EXPONENT))
+    try:
+        found = solve(one_on(2, power_law(f0, alpha), mass), [speed, 0, 0], method=method, samples=2)
+    except ValueError as error:
+        assert "can be computed" in str(error)  # noqa: PT017 - a refusal is one of the two things that may happen
+        return
+    assert np.isfinite(found.final_velocity).all()
+    assert found.status.gave_up or abs(found.ledger[-1] / found.ledger[0] - 1.0) < 1e-3
+
+
+UNUSUAL = {
+    "millimetres for metres": (lambda: (one_on(3, draft_gear(770, 17.7), mass=0.396), [0.9, 0, 0, 0], {}), "in metres"),
+    "a loose tolerance": (lambda: (CHAIN, START, {"tolerance": 2}), "a tolerance of 2 leaves the velocities open"),
+    "a rough bed": (lambda: (Chain([1, 1], hertz(1e3), friction=20.0), [1, 0], {}), "a coefficient of friction of 20"),
+}
+
+
+@pytest.mark.parametrize(("given", "sentence"), UNUSUAL.values(), ids=UNUSUAL)
+def test_what_is_hardly_meant_is_a_warning(given, sentence):
+    chain, velocity, settings = given()
+    with pytest.warns(RuntimeWarning, match=sentence):
+        simulate(chain, velocity, **settings)
+
+
+def test_usual_numbers_are_no_warning():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(one_on(3, draft_gear(770, 0.0177), mass=0.396), [0.9, 0, 0, 0])
+        simulate(CHAIN, START, tolerance=1e-3)
+        simulate(Chain([1, 1], Contact(1.0, 1.0, 0.5)), [0, 0], duration=1.0)

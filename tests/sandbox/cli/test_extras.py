@@ -1,0 +1,94 @@
+"""Without the packages of an extra: what needs them says how to get them, in a sentence; the rest works."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from softcradle.physics.extras import EXTRA_OF, needed_for
+
+from tests.helpers.paths import ROOT
+
+WITHOUT = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
+MAIN = "from softcradle.sandbox.cli.main import main\nsys.exit(main({arguments!r}))"
+PYMUNK_GAME = """
+import pymunk
+from softcradle import SoftChain, SoftContact, hertz
+space, balls = pymunk.Space(), [pymunk.Body(mass=1, moment=1) for _ in range(3)]
+for i, ball in enumerate(balls):
+    ball.position = i, 0
+balls[0].velocity = 1, 0
+space.add(*balls, *SoftChain(balls, hertz(100), touching_distances=1))
+for _ in range(90):
+    space.step(1 / 60)
+assert sum(ball.velocity.x for ball in balls) > 0.99
+assert not SoftContact(*balls[:2], (0, 0), (0, 0), 1, hertz(100)).native
+"""
+METHODS = """
+from softcradle import METHODS, hertz, one_on, simulate
+for method in METHODS:
+    found = simulate(one_on(2, hertz(1.0)), [1, 0, 0], method=method.name, samples=3)
+    assert abs(found.momentum[-1] - 1.0) < 1e-9, method.name
+"""
+
+
+def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[str]:
+    code = WITHOUT.format(names=without) + program
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_every_package_of_an_extra_is_known():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    assert set(EXTRA_OF.values()) <= extras.keys()
+    assert set(EXTRA_OF.values()) < {extra for extra in extras if f"{extra}" in " ".join(extras["all"])} | {"all"}
+
+
+@pytest.mark.parametrize(
+    ("package", "arguments", "extra"),
+    [
+        ("av", ["render", "one-on-four", "-o", "x.mp4"], "film"),
+        ("pygame", ["render", "one-on-four", "-o", "x.png"], "film"),
+        ("pygame", ["play"], "window"),
+        ("pygame_gui", ["play"], "window"),
+        ("matplotlib", ["chart"], "figures"),
+        ("matplotlib", ["figures", "1b"], "figures"),
+        ("matplotlib", ["maps"], "figures"),
+        ("matplotlib", ["stability"], "figures"),
+    ],
+)
+def test_a_missing_extra_is_a_sentence(package, arguments, extra, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    done = run((package,), MAIN.format(arguments=arguments))
+    expected = f"softcradle {arguments[0]} needs {package}, which is not installed: pip install 'softcradle[{extra}]'"
+    assert done.stderr.splitlines()[-1] == f"softcradle: {expected}"
+    assert done.returncode == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+ALL = tuple(EXTRA_OF)
+
+
+@pytest.mark.parametrize("arguments", ["scenes", "run one-on-four --method verlet --step 1e-2", "check mixed"])
+def test_commands_of_the_core_need_no_extra(arguments):
+    done = run(ALL, MAIN.format(arguments=arguments.split()))
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_game_needs_the_core_alone():
+    done = run(ALL, PYMUNK_GAME)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+def test_every_method_runs_without_numba_and_says_that_it_is_slow():
+    done = run(("numba",), METHODS)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("pip install 'softcradle[fast]'") == 1
+
+
+def test_other_missing_modules_are_not_hidden():
+    with pytest.raises(ModuleNotFoundError, match="nowhere"), needed_for("it"):
+        import nowhere  # type: ignore[import-not-found]  # noqa: F401
