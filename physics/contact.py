@@ -14,11 +14,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.checked_input import magnitude, real_number
 
 Numbers = NDArray[np.float64] | float
+
+LEAST_EXPONENT = 1e-6  # below, the force at any overlap is that of step_force to all digits that methods hold
+MOST_EXPONENT = 10.0  # methods were tried up to here; from 16 on, hardly pressed contacts never open again to a float
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +33,11 @@ class Contact:
     Arguments:
         preload: force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
         stiffness: factor K of the power [N / m**exponent]; 0 for the step force.
-        exponent: power a > 0 of the overlap; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
+        exponent: power a of the overlap, from 1e-6 to 10; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
         loss: part l in [0, 1) of the stored energy that the contact absorbs when it comes out; 0 is elastic.
 
     Raises:
-        ValueError: a number is negative, not finite, preload and stiffness are both 0, or the loss is not below 1.
+        ValueError: a number is out of range, preload and stiffness are both 0, or the loss is not below 1.
 
     >>> Contact(preload=2.0, stiffness=3.0, exponent=1.0).force([-1.0, 0.5])
     array([0. , 3.5])
@@ -44,17 +49,24 @@ class Contact:
     loss: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("preload", "stiffness", "exponent", "loss"):
-            value = float(getattr(self, name))
-            if not math.isfinite(value) or value < 0.0:
-                raise ValueError(f"contact {name} must be a finite number >= 0, not {value!r}")
-            object.__setattr__(self, name, value)
-        if self.exponent <= 0.0:
-            raise ValueError(f"contact exponent must be > 0, not {self.exponent!r}; its limit 0 is step_force(f0)")
+        for name in ("preload", "stiffness"):
+            object.__setattr__(self, name, magnitude(f"contact {name}", getattr(self, name), zero=True))
+        for name in ("exponent", "loss"):
+            object.__setattr__(self, name, real_number(f"contact {name}", getattr(self, name)))
+        if not LEAST_EXPONENT <= self.exponent <= MOST_EXPONENT:
+            limits = f"from {LEAST_EXPONENT:g} to {MOST_EXPONENT:g}"
+            raise ValueError(f"contact exponent must be {limits}, not {self.exponent!r}; its limit 0 is step_force(f0)")
         if self.preload + self.stiffness <= 0.0:
             raise ValueError("contact preload and stiffness are both 0: the contact would never push")
-        if self.loss >= 1.0:
-            raise ValueError(f"contact loss must be below 1, not {self.loss!r}: the contact would never come out again")
+        if not 0.0 <= self.loss < 1.0:
+            raise ValueError(
+                f"contact loss must be >= 0 and below 1, not {self.loss!r}: at 1 it would never come out again"
+            )
+
+    @overload
+    def force(self, overlap: float) -> float: ...
+    @overload
+    def force(self, overlap: ArrayLike) -> NDArray[np.float64]: ...
 
     def force(self, overlap: ArrayLike) -> Numbers:
         """Force [N] at `overlap` [m] while pressed in, any shape; Eq. (2), Eq. (C1). At overlap 0 it is 0."""
@@ -62,12 +74,22 @@ class Contact:
         force = np.where(pressed > 0.0, self.preload + self.stiffness * pressed**self.exponent, 0.0)
         return _like(overlap, force)
 
+    @overload
+    def energy(self, overlap: float) -> float: ...
+    @overload
+    def energy(self, overlap: ArrayLike) -> NDArray[np.float64]: ...
+
     def energy(self, overlap: ArrayLike) -> Numbers:
         """Energy stored [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
 
         When this falls, a contact with loss gives back (1 - loss) of the difference and absorbs the rest.
         """
         return _like(overlap, stored_energy(self.preload, self.stiffness, self.exponent, overlap))
+
+    @overload
+    def overlap(self, force: float) -> float: ...
+    @overload
+    def overlap(self, force: ArrayLike) -> NDArray[np.float64]: ...
 
     def overlap(self, force: ArrayLike) -> Numbers:
         """Overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
@@ -111,9 +133,8 @@ def power_law(f0: float, alpha: float, loss: float = 0.0) -> Contact:
 
 def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Contact:
     """Spring behind a piston, Eq. (C1): `stiffness` k > 0 [N/m], `precompression` Delta_0 >= 0 [m]; preload k Delta_0."""
-    if not (math.isfinite(precompression) and precompression >= 0.0):
-        raise ValueError(f"draft gear precompression must be a finite number >= 0, not {precompression!r}")
-    return Contact(stiffness * precompression, stiffness, 1.0, loss)
+    spring = magnitude("draft gear stiffness", stiffness)
+    return Contact(spring * magnitude("draft gear precompression", precompression, zero=True), spring, 1.0, loss)
 
 
 def hertz(stiffness: float, loss: float = 0.0) -> Contact:

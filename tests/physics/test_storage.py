@@ -52,7 +52,7 @@ def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):
         size = math.prod(shape)
         return np.array(data.draw(st.lists(number, min_size=size, max_size=size)), dtype=float).reshape(shape)
 
-    contact = st.builds(Contact, positive, positive, positive)
+    contact = st.builds(Contact, positive, positive, st.floats(1e-6, 10.0))
     chain = Chain(
         [math.inf, *data.draw(st.lists(positive, min_size=n, max_size=n))],
         data.draw(st.lists(contact, min_size=n, max_size=n)),

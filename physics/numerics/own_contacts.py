@@ -1,0 +1,114 @@
+"""Contacts with laws of one's own inside kernels: force, mean force and resolvent from functions that are called by address.
+
+The functions take the number of the law and an overlap > 0. A kernel gets them as a record, or None in its place where all
+contacts are power laws; it is compiled once for all records, whatever their laws are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.numerics.contact_law import force as power_force
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.resolvent import EPSILON, MOST_SCALAR, SMALLEST, quadratic_root, resolvent_slope
+
+Array = NDArray[np.float64]
+
+LawFunction = Callable[[int, float], float]  # (number of the law, overlap > 0)
+
+NEAR = 0.05  # of the overlap at the start: nearer ends take the mean of forces, for the difference of energies cancels
+SAME = 1e-9  # of the overlap: from there to an end so near the force is a straight line
+DOUBT = 8.0 * EPSILON  # of the energy: round-off of its difference; the mean of forces must agree to that
+SLOPE_WIDTH = 1e-5  # of the overlap: over which the slope of a force is taken
+
+_points, _weights = np.polynomial.legendre.leggauss(4)
+NODES: Array = 0.5 * (_points + 1.0)  # of the mean of forces: to a distance of NEAR it is exact to round-off
+WEIGHTS: Array = 0.5 * _weights
+
+
+class OwnLaws(NamedTuple):
+    """Which contacts have laws of their own, and these laws."""
+
+    number: NDArray[np.int64]  # (n,) number of the law of each contact; -1: its row of the law table
+    force: LawFunction  # force [N]
+    energy: LawFunction  # energy [J]
+
+
+@inlined
+def force_at(law, own, i, overlap):
+    """Force of contact i at `overlap`, 0 where it is open."""
+    if own is not None and own.number[i] >= 0:
+        return own.force(own.number[i], overlap) if overlap > 0.0 else 0.0
+    return power_force(law[i, 0], law[i, 1], law[i, 2], overlap)
+
+
+@jit
+def own_mean_force(own, number, start, overlap):
+    """Mean force g = (E(d1)-E(d0))/(d1-d0) and slope dg/dd1 for d1 > 0, without cancellation where d1 is near d0."""
+    distance = overlap - start
+    if start > 0.0 and abs(distance) < SAME * start:
+        middle, width = 0.5 * (start + overlap), SLOPE_WIDTH * start
+        rise = own.force(number, middle + width) - own.force(number, middle - width)
+        return own.force(number, middle), max(0.25 * rise / width, 0.0)
+    end = own.energy(number, overlap)
+    begin = own.energy(number, start) if start > 0.0 else 0.0
+    mean = (end - begin) / distance
+    if start > 0.0 and abs(distance) < NEAR * start:
+        smooth = 0.0
+        for q in range(NODES.size):
+            smooth += WEIGHTS[q] * own.force(number, start + distance * NODES[q])
+        if abs(smooth - mean) * abs(distance) <= DOUBT * max(begin, end):
+            mean = smooth
+    return mean, max((own.force(number, overlap) - mean) / distance, 0.0)
+
+
+@jit
+def own_solve_loaded(own, number, start, weight, s, guess):
+    """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
+
+    Returns d1, g, dg/dd1.
+    """
+    low, high = 0.0, s
+    overlap = guess if 0.0 < guess < s else 0.5 * s
+    force, slope = 0.0, 0.0
+    for _ in range(MOST_SCALAR):
+        force, slope = own_mean_force(own, number, start, overlap)
+        excess = overlap + weight * force - s
+        if excess > 0.0:
+            high = overlap
+        else:
+            low = overlap
+        move = -excess / (1.0 + weight * slope)
+        following = overlap + move if move > 0.0 else overlap * math.exp(max(move / overlap, -200.0))
+        if not low <= following <= high:
+            following = math.sqrt(low * high) if low > 0.0 and high > 4.0 * low else 0.5 * (low + high)
+        if abs(following - overlap) <= 4.0 * EPSILON * overlap:
+            break
+        overlap = following
+        if overlap < SMALLEST:  # too small for a number, not for a force: it touches
+            return 0.0, s / weight, math.inf
+    return overlap, (s - overlap) / weight if weight * slope > 1.0 else force, slope
+
+
+@jit
+def own_resolvent(own, number, preload, start, weight, s, guess):
+    """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
+    if start > 0.0:
+        energy = own.energy(number, start)
+        if s * start <= weight * energy:  # the contact opens within the step: g = E(d0) / (d0 - d1)
+            if weight * energy < SMALLEST:
+                return min(s, 0.0), 0.0, 0.0
+            apart = quadratic_root(1.0, s - start, -weight * energy)
+            return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
+    elif s < 0.0:
+        return s, 0.0, 0.0
+    elif start == 0.0 and s <= weight * preload:
+        return 0.0, s / weight, 1.0 / weight
+    if s < SMALLEST:
+        return 0.0, 0.0, 0.0
+    overlap, force, slope = own_solve_loaded(own, number, start, weight, s, guess)
+    return overlap, force, resolvent_slope(slope, weight)

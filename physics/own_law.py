@@ -1,0 +1,283 @@
+"""A contact law of one's own: any Python function of the overlap, or an object with `force` and, if it likes, `energy`.
+
+overlap d <= 0   f = 0            (at d = 0 anything up to the limit of the law there, its preload)
+overlap d > 0    f = force(d)     >= 0, not falling with d; finite as far as the contact is pressed
+
+Where the law has no `energy`, it is integrated from the force once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Protocol, SupportsFloat, cast, overload, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.checked_input import shown
+from softcradle.physics.contact import Numbers
+from softcradle.physics.integrated_energy import StoredEnergy, energy_function, integrate
+
+Array = NDArray[np.float64]
+
+LEAST_OVERLAP = 2.0**-900  # [m] below 1e-270: the force there is the preload of the law
+MOST_OVERLAP = 2.0**84  # [m] no contact that is computed is pressed further
+PROBES = 33  # overlaps at which a law is looked at before a run, evenly spaced, and as many by powers
+PROBED_DECADES = 12  # below the depth that is expected
+RISE = 1e-9  # of the largest force: a fall by more than that is none of round-off
+TRUE_ENERGY = 1e-6  # relative: what the energy of a law may differ from the integral of its force
+SLOPE_WIDTH = 1e-5  # of the overlap: over which the slope of the force is taken
+
+
+@runtime_checkable
+class Law(Protocol):
+    """What a contact law needs: a method that gives the force [N] at an overlap > 0 [m]."""
+
+    def force(self, overlap: Any, /) -> SupportsFloat:
+        """Force [N] at `overlap` > 0 [m]."""
+
+
+@dataclass(frozen=True, repr=False)
+class OwnLaw:
+    """A contact that only pushes, with a force of your own: ``f = law.force(overlap)`` while the beads overlap.
+
+    Arguments:
+        law: an object with a method ``force(overlap)`` that gives the force [N] at an overlap > 0 [m], or that function
+            itself. Write it for one number; where it takes arrays too, tables are faster. It is compiled where numba can
+            (functions of numbers, and methods of objects whose attributes are numbers), else called as Python.
+        energy: function that gives the stored energy [J], for results; None takes ``law.energy`` where there is one, else the
+            force is integrated, once. Steps take that integral in any case.
+
+    A Chain takes the law as it is, too. Methods euler, verlet, yoshida4, conserving, pymunk and scipy carry such contacts.
+
+    Raises:
+        ValueError: `law` is neither an object with a force nor a function.
+
+    >>> import math
+    >>> from softcradle import OwnLaw, one_on, simulate
+    >>> lattice = OwnLaw(lambda overlap: math.expm1(overlap))  # Toda's exponential springs, which only push
+    >>> simulate(one_on(2, lattice), [1, 0, 0], method="conserving").final_velocity.round(2)
+    array([-0.1 ,  0.12,  0.99])
+    """
+
+    law: Law | Callable[[float], SupportsFloat]
+    energy_of: Callable[[float], SupportsFloat] | None = None
+    loss: ClassVar[float] = 0.0  # what it stores, it gives back
+
+    def __init__(
+        self, law: Law | Callable[[float], SupportsFloat], energy: Callable[[float], SupportsFloat] | None = None
+    ) -> None:
+        if not is_law(law) or isinstance(law, OwnLaw):
+            raise ValueError(f"a law of your own must be a function or have a method force(overlap), not {shown(law)}")
+        found = getattr(law, "energy", None) if energy is None else energy
+        if found is not None and not callable(found):
+            raise ValueError(f"the energy of a law must be a function of the overlap, not {shown(found)}")
+        object.__setattr__(self, "law", law)
+        object.__setattr__(self, "energy_of", found)
+
+    def __repr__(self) -> str:
+        return f"OwnLaw({self.name})"
+
+    @property
+    def name(self) -> str:
+        """The law in a word: the name of its function or class; "own law" for a lambda."""
+        name = str(getattr(self.law, "__name__", type(self.law).__name__))
+        return "own law" if name == "<lambda>" else name
+
+    @cached_property
+    def force_of(self) -> Callable[[float], SupportsFloat]:
+        """The force as the function that was given."""
+        return self.law.force if isinstance(self.law, Law) else self.law
+
+    @cached_property
+    def preload(self) -> float:
+        """Force [N] at which the contact begins to yield: the limit of the law at overlap 0."""
+        return float(self._force(np.array([LEAST_OVERLAP]))[0])
+
+    @cached_property
+    def stored(self) -> StoredEnergy:
+        """The energy integrated from the force, at its nodes; for laws without an energy of their own."""
+        return integrate(lambda overlaps: self._values(self.force_of, overlaps, self._takes_arrays))
+
+    @overload
+    def force(self, overlap: float) -> float: ...
+    @overload
+    def force(self, overlap: ArrayLike) -> Array: ...
+
+    def force(self, overlap: ArrayLike) -> Numbers:
+        """Force [N] at `overlap` [m], any shape; 0 while open. ValueError where the law gives no finite force >= 0."""
+        return self._where_pressed(overlap, self._force)
+
+    @overload
+    def energy(self, overlap: float) -> float: ...
+    @overload
+    def energy(self, overlap: ArrayLike) -> Array: ...
+
+    def energy(self, overlap: ArrayLike) -> Numbers:
+        """Energy stored [J] at `overlap` [m], any shape; 0 while open."""
+        return self._where_pressed(overlap, self._energy)
+
+    @overload
+    def overlap(self, force: float) -> float: ...
+    @overload
+    def overlap(self, force: ArrayLike) -> Array: ...
+
+    def overlap(self, force: ArrayLike) -> Numbers:
+        """Overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload, inf out of reach."""
+        forces = np.asarray(force, dtype=np.float64)
+        found = [
+            self._reach(value, self.force_of) if value > self.preload else 0.0 for value in forces.ravel().tolist()
+        ]
+        return found[0] if forces.ndim == 0 else np.reshape(found, forces.shape)
+
+    def depth(self, energy: float) -> float:
+        """Overlap [m] at which the contact stores `energy` [J]; inf where it never does."""
+        return self._reach(energy, self.scalar_energy) if energy > 0.0 else 0.0
+
+    def slope(self, overlap: float) -> float:
+        """Slope df/dd of the force [N/m] at an overlap > 0 [m], by a difference."""
+        low, high = overlap * (1.0 - SLOPE_WIDTH), overlap * (1.0 + SLOPE_WIDTH)
+        below, above = self._force(np.array([low, high])).tolist()
+        return float(max(above - below, 0.0) / (high - low))
+
+    @cached_property
+    def scalar_energy(self) -> Callable[[float], SupportsFloat]:
+        """The energy [J] at one overlap > 0 [m]: that of the law, or the integral of its force."""
+        if self.energy_of is not None:
+            return self.energy_of
+        force = self.force_of
+        return energy_function(lambda overlap: float(force(overlap)), self.stored)
+
+    @cached_property
+    def _takes_arrays(self) -> bool:
+        return _takes_arrays(self.force_of)
+
+    @cached_property
+    def _energy_takes_arrays(self) -> bool:
+        return self.energy_of is not None and _takes_arrays(self.energy_of)
+
+    def _force(self, overlaps: Array) -> Array:
+        """Forces (k,) at overlaps (k,) > 0, or a ValueError."""
+        return self._checked("force", self._values(self.force_of, overlaps, self._takes_arrays), overlaps, "N")
+
+    def _energy(self, overlaps: Array) -> Array:
+        found = self._values(self.scalar_energy, overlaps, self._energy_takes_arrays)
+        found = np.where(np.isfinite(found), np.maximum(found, 0.0), found)  # a difference may round to below 0
+        return self._checked("energy", found, overlaps, "J")
+
+    def _checked(self, what: str, values: Array, overlaps: Array, unit: str) -> Array:
+        wrong = ~(np.isfinite(values) & (values >= 0.0))
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            raise ValueError(
+                f"contact law {self.name!r} gives the {what} {values[k]:g} {unit} at an overlap of {overlaps[k]:.6g} m: "
+                "a contact only pushes, with a finite number >= 0"
+            )
+        return values
+
+    @staticmethod
+    def _values(function: Callable[[float], SupportsFloat], overlaps: Array, arrays: bool) -> Array:
+        with np.errstate(all="ignore"):  # what is not finite is refused, or ends an integral
+            if arrays:
+                found: Any = cast(Any, function)(overlaps)
+                return np.array(np.broadcast_to(np.asarray(found, dtype=np.float64), overlaps.shape))
+            return np.array([_number(function, overlap) for overlap in overlaps.tolist()])
+
+    @staticmethod
+    def _where_pressed(overlap: ArrayLike, function: Callable[[Array], Array]) -> Numbers:
+        overlaps = np.asarray(overlap, dtype=np.float64)
+        found = np.zeros(overlaps.shape)
+        pressed = overlaps > 0.0
+        if pressed.any():
+            found[pressed] = function(overlaps[pressed])
+        return float(found) if overlaps.ndim == 0 else found
+
+    def _reach(self, wanted: float, function: Callable[[float], SupportsFloat]) -> float:
+        """The overlap at which a function that does not fall reaches `wanted`; inf where it does not."""
+
+        def lacks(power: float) -> float:
+            value = _number(function, 2.0**power)
+            return (
+                value - wanted if math.isfinite(value) else wanted
+            )  # beyond what the law can say it is pressed too far
+
+        low, high = math.log2(LEAST_OVERLAP), math.log2(MOST_OVERLAP)
+        with np.errstate(all="ignore"):
+            if lacks(low) >= 0.0:
+                return LEAST_OVERLAP
+            if lacks(high) < 0.0:
+                return math.inf
+            return float(2.0 ** zero_of(lacks, low, high))
+
+    def require_usable(self, depth: float) -> None:
+        """ValueError where force or energy are no numbers >= 0 up to `depth` [m], or the energy is not that of the force."""
+        overlaps = self.probes(depth)
+        forces, energies = self._force(overlaps), self._energy(overlaps)
+        if self.energy_of is None:
+            return
+        node, weight = np.polynomial.legendre.leggauss(20)
+        low, high = overlaps[:-1], overlaps[1:]
+        inside = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * node
+        work = 0.5 * (high - low) * (self._force(inside.ravel()).reshape(inside.shape) @ weight)
+        apart = np.abs(np.diff(energies) - work)
+        least = float(forces[0] * overlaps[0])
+        k = int(np.argmax(apart))
+        if apart[k] > TRUE_ENERGY * energies[-1] or energies[0] > 2.0 * least + TRUE_ENERGY * energies[-1]:
+            rise = energies[k + 1] - energies[k]
+            raise ValueError(
+                f"contact law {self.name!r}: its energy is not the integral of its force from overlap 0 on; from "
+                f"{low[k]:.3g} to {high[k]:.3g} m it rises by {rise:.3g} J, the force gives {work[k]:.3g} J"
+            )
+
+    def falls(self, depth: float) -> float:
+        """An overlap [m] up to `depth` beyond which the force is less than before it; 0 where it never falls."""
+        overlaps = self.probes(depth)
+        forces = self._force(overlaps)
+        down = np.flatnonzero(np.diff(forces) < -RISE * forces.max())
+        return float(overlaps[down[0]]) if down.size else 0.0
+
+    @staticmethod
+    def probes(depth: float) -> Array:
+        """Overlaps (k,) [m] at which the law is looked at, ascending to `depth`."""
+        by_power = depth * 10.0 ** np.linspace(-PROBED_DECADES, 0.0, PROBES)
+        return np.unique(np.concatenate((by_power, np.linspace(0.0, depth, PROBES)[1:])))
+
+
+def zero_of(rising: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function that does not fall passes 0, between `low` and `high`, to the last digit: by halving."""
+    while low < (middle := 0.5 * (low + high)) < high:
+        if rising(middle) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def is_law(value: object) -> bool:
+    """Whether `value` can be a contact law: an object with a force, or a function."""
+    if isinstance(value, type):
+        return False
+    return callable(getattr(value, "force", None)) or callable(value)
+
+
+def _number(function: Callable[[float], SupportsFloat], overlap: float) -> float:
+    """The value at one overlap; nan where the function has none there."""
+    try:
+        return float(function(overlap))
+    except (ArithmeticError, ValueError):  # too large a number for math.exp, one that math.log does not take
+        return math.nan
+
+
+def _takes_arrays(function: Callable[[float], SupportsFloat]) -> bool:
+    """Whether the function gives the same for an array as for its numbers one by one."""
+    probe = np.array([1e-3, 0.1, 0.5])
+    try:
+        with np.errstate(all="ignore"):
+            together: Any = cast(Any, function)(probe.copy())
+            found = np.broadcast_to(np.asarray(together, dtype=np.float64), probe.shape)
+    except Exception:  # a function for numbers may refuse an array in any way
+        return False
+    alone = np.array([_number(function, value) for value in probe.tolist()])
+    return bool(np.allclose(found, alone, rtol=1e-13, atol=0.0, equal_nan=True))
