@@ -65,7 +65,10 @@ class Record:
         status: how the run ended.
         warnings: what may be wrong.
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
+        velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty where none is estimated.
+        growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
         absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing dissipates.
+        given: (T, 2) work [J] and impulse [N s] of forces over time up to each sample; empty where there are none.
     """
 
     time: Array
@@ -82,6 +85,9 @@ class Record:
     warnings: Warnings = ()
     seconds: float = 0.0
     absorbed: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    velocity_error: Array = field(default_factory=lambda: np.zeros(0))
+    growth: float = 1.0
+    given: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 class Runner(Protocol):
@@ -92,6 +98,26 @@ class Runner(Protocol):
 
     def advance(self, problem: Problem, /) -> Status:
         """Move ``problem.state`` on by the duration in place; it stops early with a status that says so."""
+
+
+def continued_switches(closed: NDArray[np.bool_], start: float, record: Record) -> list[tuple[int, float]]:
+    """(contact, time) of the switches in the `record` of a run that goes on from `start` [s]; `closed` (n,) is updated.
+
+    A run logs its closed contacts as closing at its start: those that were `closed` before have not switched, and those that
+    were and are not logged have opened.
+    """
+    begun, now = np.zeros(closed.size, dtype=bool), np.zeros(closed.size, dtype=bool)
+    kept = []
+    for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
+        now[contact] = not now[contact]
+        if time <= start and now[contact] and not begun[contact]:
+            begun[contact] = True
+            if closed[contact]:
+                continue
+        kept.append((contact, time))
+    opened = np.flatnonzero(closed & ~begun)
+    closed[:] = now
+    return [*((int(contact), start) for contact in opened), *kept]
 
 
 Rows = tuple[Array, Array, Array, Array, Array]
@@ -126,6 +152,7 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
         anchor=sampled.anchor,
         force=sampled.force,
         absorbed=sampled.absorbed,
+        given=sampled.given,
     )
 
 
@@ -140,4 +167,5 @@ def _with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
         anchor=np.array([start.anchor, end.anchor]),
         force=np.array([start.force, end.force]),
         absorbed=np.array([start.absorbed, end.absorbed]),
+        given=np.array([start.given, end.given]),
     )

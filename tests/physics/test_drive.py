@@ -21,7 +21,7 @@ title = "pushed"
 duration = 2.0
 [[lanes]]
 mass = [1.0, 2.0, 1.0]
-contact = {law = "power", f0 = 1.0, alpha = 0.2}
+contact = {law = "power_law", f0 = 1.0, alpha = 0.2}
 velocity = [0.0, 0.0, 0.0]
 drive = [1.0, 0.0, "1/2"]
 """

@@ -1,0 +1,131 @@
+"""Forces over time on chosen beads: piecewise linear, as traction and brakes of a train are given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown, whole_number
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TimedForce:
+    """A force on each of some beads, linear between points in time: 0 before the first point, kept after the last.
+
+    Two points at the same time make a jump. In ``Chain(forces=...)`` it pushes, to the right where it is positive; in
+    ``Chain(brakes=...)`` it is what a brake can hold: it acts against the motion, and a bead that stands stays where it is.
+
+    Arguments:
+        beads: indices of the beads, one or several; each of them gets all of the force.
+        time: (K,) times [s] >= 0, ascending, K >= 1.
+        force: (K,) force [N] at these times, or one number that is kept from the first time on.
+
+    Raises:
+        ValueError: a bead that is no index, times that do not ascend, or a number out of range.
+
+    >>> TimedForce(0, [0.0, 2.0, 2.0], [0.0, 4.0, 1.0]).at([1.0, 5.0])
+    array([2., 1.])
+    """
+
+    beads: tuple[int, ...]
+    time: tuple[float, ...]
+    force: tuple[float, ...]
+
+    def __init__(self, beads: int | Sequence[int], time: ArrayLike, force: ArrayLike) -> None:
+        object.__setattr__(self, "beads", _checked_beads(beads))
+        times, forces = np.atleast_1d(number_array("time", time)), number_array("force", force)
+        if times.ndim != 1 or not times.size or not (times >= 0.0).all() or not (times <= LARGEST).all():
+            raise ValueError(f"times of a force must be a list of numbers from 0 to {LARGEST:g}, not {shown(time)}")
+        if (np.diff(times) < 0.0).any():
+            raise ValueError(f"times of a force must ascend, not {shown(time)}")
+        if forces.shape not in ((), times.shape):
+            raise ValueError(f"{times.size} times of a force need {times.size} forces, not {shown(force)}")
+        if not (np.abs(forces) <= LARGEST).all():
+            raise ValueError(f"every force over time must be a number up to {LARGEST:g}, not {shown(force)}")
+        object.__setattr__(self, "time", tuple(times.tolist()))
+        object.__setattr__(self, "force", tuple(np.broadcast_to(forces, times.shape).tolist()))
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is the same from t = 0 on."""
+        return self.time[0] == 0.0 and len(set(self.force)) == 1
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it goes on after its last point."""
+        return self.force[-1] != 0.0
+
+    def at(self, time: ArrayLike) -> Array:
+        """The force [N] at `time` [s], any shape; at a jump the value after it."""
+        times = np.asarray(time, dtype=np.float64)
+        inside = np.interp(times, self.time, self.force)
+        # np.interp takes the value before a jump where the jump is at the asked time itself
+        after = np.searchsorted(self.time, times, side="right") - 1
+        on_point = (after >= 0) & (np.asarray(self.time)[np.maximum(after, 0)] == times)
+        found: Array = np.where(on_point, np.asarray(self.force)[np.maximum(after, 0)], inside)
+        return np.where(times < self.time[0], 0.0, found)
+
+    def impulse(self, end: float) -> float:
+        """The momentum [N s] that it has given to each of its beads by the time `end` [s]."""
+        points = [*(time for time in self.time if time < end), end]
+        lines = [(self.line(a, b), b - a) for a, b in pairwise(points) if b > a]
+        return sum(0.5 * (first + last) * length for (first, last), length in lines)
+
+    def line(self, start: float, end: float) -> tuple[float, float]:
+        """The force [N] just after `start` and just before `end`, between which it has no point."""
+        after = int(np.searchsorted(self.time, 0.5 * (start + end), side="right"))
+        if after == 0:
+            return 0.0, 0.0
+        if after == len(self.time):
+            return self.force[-1], self.force[-1]
+        early, late = self.time[after - 1], self.time[after]
+        first, last = self.force[after - 1], self.force[after]
+        slope = (last - first) / (late - early)
+        return first + slope * (start - early), last - slope * (late - end)
+
+
+def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:
+    given = [beads] if np.ndim(beads) == 0 else list(beads)  # type: ignore[arg-type]  # a sequence by its dimension
+    indices = tuple(whole_number("every bead of a force", bead) for bead in given)
+    if not indices or min(indices) < 0 or len(set(indices)) < len(indices):
+        raise ValueError(f"beads of a force must be one or more indices from 0 on, each once, not {shown(beads)}")
+    return indices
+
+
+def checked_forces(what: str, forces: object, beads: int, brakes: bool = False) -> tuple[TimedForce, ...]:
+    """`forces` as a tuple of TimedForce on a chain of so many beads; brakes are nowhere negative. ValueError: refused."""
+    given = (forces,) if isinstance(forces, TimedForce) else forces
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        raise ValueError(f"{what} must be a TimedForce or a list of them, not {shown(forces)}")
+    for item in given:
+        require_kind(f"every entry of {what}", item, TimedForce)
+        if max(item.beads) >= beads:
+            raise ValueError(f"{what} act on bead {max(item.beads)}, but there are only beads 0 to {beads - 1}")
+        if brakes and min(item.force) < 0.0:
+            raise ValueError(
+                f"every brake must be >= 0 at all times, not {min(item.force):g}: it acts against the motion"
+            )
+    return tuple(given)
+
+
+def summed(forces: Sequence[TimedForce], time: float, beads: int) -> Array:
+    """(beads,) sum of `forces` at `time` [N]."""
+    total = np.zeros(beads)
+    for item in forces:
+        total[list(item.beads)] += item.at(time)
+    return total
+
+
+def on_other_beads(forces: Sequence[TimedForce], new: Sequence[int | None]) -> tuple[TimedForce, ...]:
+    """`forces` where bead k of the chain is now bead ``new[k]``, None where it is gone."""
+    found = []
+    for item in forces:
+        beads = [moved for bead in item.beads if (moved := new[bead]) is not None]
+        if beads:
+            found.append(TimedForce(beads, item.time, item.force))
+    return tuple(found)
