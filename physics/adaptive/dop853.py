@@ -26,7 +26,7 @@ from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, signed_force, slope_at
-from softcradle.physics.numerics.records import LOADED, TOUCHING, ZERO
+from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
 
 KINK = (
     0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
@@ -93,11 +93,11 @@ def anchor_acceleration(chain, force):
 
 
 @jit
-def dop853_step(h, inactive, chain, motion, trial, scratch):
+def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     """One step into `trial`: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`.
 
-    `inactive` [m/s] is the velocity that a contact beside the active ranges may change by. Returns the error as a velocity
-    [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
+    `inactive` [m/s] is the velocity that a contact beside the active ranges may change by; `firm`: beads may stick.
+    Returns the error as a velocity [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
     """
     overlap, rate, mode, end_anchor = motion.overlap, motion.rate, motion.mode, trial.anchor
     force, of_anchor = scratch.correction[1], scratch.anchor_acceleration
@@ -125,12 +125,17 @@ def dop853_step(h, inactive, chain, motion, trial, scratch):
         trial.force[2, i] = force[i]
         if force[i] == 0.0 and mode[i] == LOADED and trial.overlap[2, i] > 0.0:  # an inactive contact
             trial.force[2, i] = force_at(chain.law, i, trial.overlap[2, i])
-    if touching:
+        if mode[i] == FROZEN:
+            trial.force[2, i] = motion.force[i]
+    if touching or firm:
         stage, upper = scratch.correction[0], scratch.correction[2]
         for k in range(2):
             for i in range(n):
                 trial.force[k, i] = 0.0
             accelerate(ZERO, n, chain, mode, trial.overlap[k], trial.force[k], stage, upper)
+            for i in range(n):
+                if mode[i] == FROZEN:
+                    trial.force[k, i] = motion.force[i]
     return worst
 
 
@@ -161,7 +166,7 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
         add_scaled(square * THIRD_SQUARE[k], acceleration[k], first, last, third_overlap)
     for i in range(first, last):
         if mode[i] == TOUCHING:
-            end_overlap[i], end_rate[i] = 0.0, 0.0
+            end_overlap[i], end_rate[i] = overlap[i], 0.0
     worst = error_of_range(h, first, last, chain, motion, trial, force)
     accelerate(first, last, chain, mode, end_overlap, force, stage, upper)
     for k in range(2):

@@ -1,104 +1,46 @@
-"""Modes of contacts (open, touching, loaded), and the location of events: the changes of mode within a step."""
+"""Event location: the first guard of all rows that turns negative within a step.
+
+Each row has its own guard, a polynomial over the step that is positive while nothing switches:
+
+    OPEN contact      -d          closes          quintic through both ends
+    LOADED contact     d          opens           the same
+    loss, LOADED       w or -w    turns from pressing in to coming out, or back; cubic through both ends
+    sliding bead       v or -v    stops           the same
+    TOUCHING contact   f - low    opens or eases;     high - f    yields; cubic through the stages
+    sticking bead      mu m g - |q|   slips, q the friction it needs; the same
+"""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from softcradle.physics.numerics.contact_solve import solve_contacts
+from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
+from softcradle.physics.adaptive.modes import bead_push, loss_of, multiplier_bounds
+from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.law_curve import NODES, cubic, flow_into, signed_force
+from softcradle.physics.numerics.law_curve import NODES, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING
 
-# kinds of event; a touching contact yields where its force reaches its preload
-NOTHING, CLOSES, OPENS, YIELDS = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
-FORCE_SLACK = 1e-12  # of the preload: how far a multiplier may leave its range before the contact switches
-ROUND_OFF = 1e-13  # of the acceleration by the preload: a smaller one is none, and its contact stays touching
-POSSIBLE_YIELD = 0.5  # of the preload: a force at a node from which on a peak between the nodes is sought
-NEAR_YIELD = 0.9  # of the preload: a peak from which on the step is made to end there
-PEAK_PARTS = 32  # parts of a step in which a peak is sought; one in the first or last part counts as at the end
-CROSSING_PARTS = 8  # parts of a step in which a change of sign is sought
-BISECTIONS = 60  # of such a part: to the last digit
-UNIT_STEP = math.sqrt(2.0)  # the step whose h²/2 is 1
+# kinds of event of a contact, then of a bead
+NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS = (
+    np.int64(0),
+    np.int64(1),
+    np.int64(2),
+    np.int64(3),
+    np.int64(4),
+    np.int64(5),
+)
+STOPS, SLIPS = np.int64(6), np.int64(7)
+FORCE_SLACK = 1e-12  # of its largest value: how far a multiplier may leave its range before its row switches
+NEAR = 0.9  # of its bound: a multiplier that peaks within a step beyond this is looked at there
+PEAK_MOVES = 50  # bisections of a step for the peak of a guard
+
+BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
 
 
 @jit
 def is_continued(law, i):
     """True where the force is continued to d < 0 within a step, so that a loaded contact opens by an event."""
     return law[i, 0] > 0.0 or law[i, 2] == 1.0
-
-
-@jit
-def set_modes(chain, motion, slow, work):
-    """Modes and forces from overlaps and rates; contacts with preload at rest at d = 0 (rates below `slow`) share a
-    complementarity problem, w' = -L f + e with 0 <= f <= preload: the contact solver with rigid contacts.
-
-    A contact that has just switched keeps its mode (``motion.held`` nonzero). `work` (WORK_ROWS, n+1).
-    """
-    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
-    overlap, rate, force, mode, held = motion.overlap, motion.rate, motion.force, motion.mode, motion.held
-    n = mode.size
-    rows, target, start, moved = work[0:6], work[6], work[7, :n], work[8]
-    load, diagonal, coupling = work[9, :n], work[10], work[11]
-    resting = 0
-    for i in range(n):
-        load[i] = 0.0
-        if held[i] == 0:
-            at_rest = overlap[i] == 0.0 and abs(rate[i]) <= slow
-            if overlap[i] < 0.0 or (overlap[i] == 0.0 and rate[i] < 0.0 and not at_rest):
-                mode[i] = OPEN
-            elif at_rest and law[i, 0] > 0.0:
-                mode[i] = TOUCHING
-                rate[i] = 0.0
-                resting += 1
-            else:
-                mode[i] = LOADED
-        force[i] = 0.0
-        if mode[i] == LOADED:
-            force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-    if resting == 0:
-        return
-    rigid = work[12:15].reshape(3 * (n + 1))[: 3 * n].reshape((n, 3))
-    coupling[n] = 0.0
-    for i in range(n):
-        start[i] = 0.0
-        rigid[i, 0], rigid[i, 1], rigid[i, 2] = law[i, 0], 0.0, 1.0
-        coupling[i] = inverse_mass[i] if i > 0 and mode[i] == TOUCHING and mode[i - 1] == TOUCHING else 0.0
-        diagonal[i] = inverse_mass[i] + inverse_mass[i + 1] if mode[i] == TOUCHING else 1.0
-        target[i] = -1.0
-        if mode[i] == TOUCHING:
-            target[i] = (external[i] if external.size else 0.0) - flow_into(i, inverse_mass, force)
-        moved[i] = target[i]
-    solve_contacts(
-        UNIT_STEP, rigid, None, diagonal, coupling, external, target, start, rate, moved, load, work, rows
-    )  # fmt: skip
-    for i in range(n):
-        if mode[i] == TOUCHING:
-            force[i] = load[i]
-            none = ROUND_OFF * (inverse_mass[i] + inverse_mass[i + 1]) * law[i, 0]
-            if moved[i] > none:
-                mode[i], force[i] = LOADED, law[i, 0]
-            elif moved[i] < -none:
-                mode[i], force[i] = OPEN, 0.0
-
-
-@jit
-def first_crossing(y0, y1, y2, y3, upwards, most):
-    """The first x in (0, most) at which the cubic turns positive (`upwards`) or negative; 2 where it does not."""
-    sign = 1.0 if upwards else -1.0
-    left = 0.0
-    for p in range(1, CROSSING_PARTS + 1):
-        right = most * p / CROSSING_PARTS
-        if sign * cubic(right, y0, y1, y2, y3) > 0.0:
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (left + right)
-                if sign * cubic(middle, y0, y1, y2, y3) > 0.0:
-                    right = middle
-                else:
-                    left = middle
-            return right
-        left = right
-    return 2.0
 
 
 @jit
@@ -114,81 +56,222 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     return push * end_overlap <= inactive * inactive
 
 
-@jit
-def find_event(chain, motion, trial, skip, inactive):
-    """The earliest change of mode within the step: (contact, kind, part of the step); contact -1 where there is none.
+@inlined
+def acceleration_of(i, chain, force):
+    """w' of contact i under the contact forces (n,)."""
+    drive = chain.external[i] if chain.external.size else 0.0
+    return drive - flow_into(i, chain.inverse_mass, force)
 
-    `skip` is a contact whose event is known; `inactive` [m/s] see `closes_inactive`.
+
+@inlined
+def overlap_guard(h, sign, i, chain, motion, trial, slow):
+    """The guard ``sign d`` of contact i; its mode tells which way it leaves d = 0 where it starts there from rest."""
+    rate, bend = sign * motion.rate[i], sign * acceleration_of(i, chain, motion.force)
+    if motion.overlap[i] == 0.0 and rate <= slow:
+        rate, bend = max(rate, 0.0), max(bend, 0.0)
+    return hermite_quintic(
+        h,
+        sign * motion.overlap[i],
+        rate,
+        bend,
+        sign * trial.overlap[2, i],
+        sign * trial.rate[2, i],
+        sign * acceleration_of(i, chain, trial.force[2]),
+    )
+
+
+@inlined
+def rate_guard(h, sign, i, chain, motion, trial, slow):
+    """The guard ``sign w`` of contact i; a start no more than `slow` outside counts as inside."""
+    lift = slow if sign * motion.rate[i] <= slow else 0.0
+    return hermite_cubic(
+        h,
+        sign * motion.rate[i] + lift,
+        sign * acceleration_of(i, chain, motion.force),
+        sign * trial.rate[2, i] + lift,
+        sign * acceleration_of(i, chain, trial.force[2]),
+    )
+
+
+@inlined
+def friction_needed(j, regime, force):
+    """The friction [N] that bead j needs to stay at rest under the contact forces (n,)."""
+    found = regime.push[j] if regime.push.size else 0.0
+    if j > 0:
+        found += force[j - 1]
+    return found - force[j] if j < force.size else found
+
+
+@inlined
+def bead_acceleration(j, chain, regime, force):
+    """Acceleration of bead j under the contact forces (n,)."""
+    before = force[j - 1] if j > 0 else 0.0
+    after = force[j] if j < force.size else 0.0
+    return (before - after) * chain.inverse_mass[j] + bead_push(chain, regime, j)
+
+
+@inlined
+def velocity_guard(h, j, chain, regime, motion, trial, slow, before, after):
+    """The guard of a sliding bead, from its velocities at both ends; a start no more than `slow` outside counts as inside."""
+    sign = float(regime.slide[j])
+    lift = slow if sign * before <= slow else 0.0
+    return hermite_cubic(
+        h,
+        sign * before + lift,
+        sign * bead_acceleration(j, chain, regime, motion.force),
+        sign * after + lift,
+        sign * bead_acceleration(j, chain, regime, trial.force[2]),
+    )
+
+
+@jit
+def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, work):
+    """The earliest switch within the step: (row, kind, part of the step); row -1 where there is none.
+
+    `skip` and `skipped` are row and kind of an event that is known; `inactive` [m/s] see `closes_inactive`; `slow` [m/s]: a
+    rate or velocity this small that begins at 0 is round-off.
     """
-    law, overlap, rate, force, mode = chain.law, motion.overlap, motion.rate, motion.force, motion.mode
-    d, f = trial.overlap, trial.force
-    contact, kind, part = NO_CONTACT, NOTHING, 1.0
+    overlap, force, mode, f = motion.overlap, motion.force, motion.mode, trial.force
+    row, kind, part = NO_CONTACT, NOTHING, 1.0
     for i in range(mode.size):
-        if i == skip:
+        if i == skip and skipped < STOPS:
             continue
         if mode[i] == OPEN:
-            if max(d[0, i], d[1, i], d[2, i]) <= 0.0 and not rate[i] > 0.0 > trial.rate[2, i]:
-                continue  # no crossing, nor one and back
-            if closes_inactive(chain, i, inactive, rate[i], trial.rate[2, i], d[2, i]):
+            if closes_inactive(chain, i, inactive, motion.rate[i], trial.rate[2, i], trial.overlap[2, i]):
                 continue
-            x = first_crossing(overlap[i], d[0, i], d[1, i], d[2, i], True, part)
+            x = first_root(overlap_guard(h, -1.0, i, chain, motion, trial, slow))
             if x < part:
-                contact, kind, part = i, CLOSES, x
-        elif mode[i] == LOADED and is_continued(law, i):
-            if min(d[0, i], d[1, i], d[2, i]) < 0.0:
-                x = first_crossing(overlap[i], d[0, i], d[1, i], d[2, i], False, part)
-                if x < part:
-                    contact, kind, part = i, OPENS, x
+                row, kind, part = i, CLOSES, x
         elif mode[i] == TOUCHING:
-            slack = FORCE_SLACK * law[i, 0]
-            low, high = force[i] + slack, force[i] - law[i, 0] - slack
-            if min(f[0, i], f[1, i], f[2, i]) < -slack:
-                x = first_crossing(low, f[0, i] + slack, f[1, i] + slack, f[2, i] + slack, False, part)
+            low, high = multiplier_bounds(regime, i, overlap[i])
+            slack = FORCE_SLACK * high
+            if min(f[0, i], f[1, i], f[2, i]) < low - slack or max(f[0, i], f[1, i], f[2, i]) > NEAR * high:
+                x = first_root(stage_guard(1.0, slack - low, force[i], f[0, i], f[1, i], f[2, i]))
                 if x < part:
-                    contact, kind, part = i, OPENS, x
-            top = law[i, 0] + slack
-            if max(f[0, i], f[1, i], f[2, i]) > top:
-                x = first_crossing(high, f[0, i] - top, f[1, i] - top, f[2, i] - top, True, part)
+                    row, kind, part = i, EASES if overlap[i] > 0.0 else OPENS, x
+                x = first_root(stage_guard(-1.0, high + slack, force[i], f[0, i], f[1, i], f[2, i]))
                 if x < part:
-                    contact, kind, part = i, YIELDS, x
-    return contact, kind, part
+                    row, kind, part = i, YIELDS, x
+        elif mode[i] == LOADED:
+            if is_continued(chain.law, i):
+                x = first_root(overlap_guard(h, 1.0, i, chain, motion, trial, slow))
+                if x < part:
+                    row, kind, part = i, OPENS, x
+            if loss_of(regime, i) > 0.0 and overlap[i] > 0.0:
+                sign = -1.0 if regime.easing[i] != 0 else 1.0
+                x = first_root(rate_guard(h, sign, i, chain, motion, trial, slow))
+                if x < part:
+                    row, kind, part = i, TURNS, x
+    if regime.bed.size:
+        before, after = work[BEFORE], work[AFTER]
+        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], before)
+        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], after)
+        for j in range(regime.bed.size):
+            if regime.bed[j] == 0.0 or (j == skip and skipped >= STOPS):
+                continue
+            if regime.slide[j] != 0:
+                x = first_root(velocity_guard(h, j, chain, regime, motion, trial, slow, before[j], after[j]))
+                if x < part:
+                    row, kind, part = j, STOPS, x
+            else:
+                x = slip_of(j, regime, motion, trial)
+                if x < part:
+                    row, kind, part = j, SLIPS, x
+    return row, kind, part
+
+
+@inlined
+def slip_of(j, regime, motion, trial):
+    """The part of the step at which the static friction of bead j does not suffice any more."""
+    most = regime.bed[j] / regime.inverse_mass[j]
+    room = most * (1.0 + FORCE_SLACK)
+    q0 = friction_needed(j, regime, motion.force)
+    q1, q2 = friction_needed(j, regime, trial.force[0]), friction_needed(j, regime, trial.force[1])
+    q3 = friction_needed(j, regime, trial.force[2])
+    if max(abs(q0), abs(q1), abs(q2), abs(q3)) < 0.5 * most:
+        return NONE
+    up = first_root(stage_guard(-1.0, room, q0, q1, q2, q3))
+    return min(up, first_root(stage_guard(1.0, room, q0, q1, q2, q3)))
+
+
+@inlined
+def stage_guard(sign, offset, y0, y1, y2, y3):
+    """Guard ``sign y + offset`` of a multiplier, from its values at the start and the stages of a step."""
+    return stage_cubic(sign * y0 + offset, sign * y1 + offset, sign * y2 + offset, sign * y3 + offset)
 
 
 @jit
-def passing_yield(chain, motion, trial):
-    """The part of the step at which a touching contact comes near to its preload, perhaps beyond it, and goes back again; 1
-    where none does. The nodes of a long step may lie on either side of the peak, and the cubic is not fine enough to tell."""
+def near_switch(h, chain, regime, motion, trial, slow):
+    """The part of the step at which a guard comes near to zero without turning negative, so near that the polynomial may be
+    wrong about it; 1 where none does. A step that ends there tells."""
     part = 1.0
     for i in range(motion.mode.size):
-        if motion.mode[i] != TOUCHING:
-            continue
-        preload = chain.law[i, 0]
-        y0, y1, y2, y3 = motion.force[i], trial.force[0, i], trial.force[1, i], trial.force[2, i]
-        if max(y0, y1, y2, y3) < POSSIBLE_YIELD * preload:
-            continue
-        best, at = y0, 0
-        for p in range(1, PEAK_PARTS + 1):
-            y = cubic(p / PEAK_PARTS, y0, y1, y2, y3)
-            if y > best:
-                best, at = y, p
-        if 0 < at < PEAK_PARTS and best > NEAR_YIELD * preload:
-            before, after = cubic((at - 1) / PEAK_PARTS, y0, y1, y2, y3), cubic((at + 1) / PEAK_PARTS, y0, y1, y2, y3)
-            bend = before - 2.0 * best + after
-            shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
-            part = min(part, (at + shift) / PEAK_PARTS)
+        if motion.mode[i] == TOUCHING:
+            low, high = multiplier_bounds(regime, i, motion.overlap[i])
+            f1, f2, f3 = trial.force[0, i], trial.force[1, i], trial.force[2, i]
+            if max(f1, f2) > 0.5 * (low + high):
+                part = min(
+                    part, lowest_of(stage_guard(-1.0, high, motion.force[i], f1, f2, f3), (1.0 - NEAR) * (high - low))
+                )
+        elif motion.mode[i] == OPEN and motion.rate[i] > 0.0 > trial.rate[2, i]:
+            guard = overlap_guard(h, -1.0, i, chain, motion, trial, slow)
+            d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
+            middle = 0.5 * (d0 + d1) + 0.125 * h * (w0 - w1)  # of the cubic through both ends
+            quintic = -(guard[0] + guard[5] + 5.0 * (guard[1] + guard[4]) + 10.0 * (guard[2] + guard[3])) / 32.0
+            part = min(part, lowest_of(guard, abs(quintic - middle)))
     return part
 
 
 @inlined
-def miss_of(chain, motion, trial, i, kind, h):
-    """By how much time the end of the step misses the event of contact i: one Newton step on its overlap or its force."""
-    if motion.mode[i] != TOUCHING:
-        speed = trial.rate[2, i]
-        return -trial.overlap[2, i] / speed if speed != 0.0 else 0.0
-    wanted = chain.law[i, 0] if kind == YIELDS else 0.0
-    f1, f2, f3 = trial.force[0, i], trial.force[1, i], trial.force[2, i]
+def lowest_of(b, margin):
+    """Where in the step the guard is least, if it is less than `margin` there and not at an end; else 1."""
+    if min(b[1], b[2], b[3], b[4]) >= margin or b[1] >= b[0] or b[4] >= b[5]:
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(PEAK_MOVES):
+        x = 0.5 * (low + high)
+        y = 1.0 - x
+        slope = (
+            y**4 * (b[1] - b[0]) + 4.0 * x * y**3 * (b[2] - b[1]) + 6.0 * x * x * y * y * (b[3] - b[2])
+            + 4.0 * x**3 * y * (b[4] - b[3]) + x**4 * (b[5] - b[4])
+        )  # fmt: skip
+        if slope < 0.0:
+            low = x
+        else:
+            high = x
+    x, y = low, 1.0 - low
+    value = y**5 * b[0] + 5.0 * x * y**4 * b[1] + 10.0 * x * x * y**3 * b[2]
+    value += 10.0 * x**3 * y * y * b[3] + 5.0 * x**4 * y * b[4] + x**5 * b[5]
+    return low if value < margin else 1.0
+
+
+@inlined
+def end_slope(y1, y2, y3):
+    """Slope at the end of the parabola through the stages, times the length of the step."""
     c1, c2 = NODES[0], NODES[1]
-    f23 = (f3 - f2) / (1.0 - c2)
-    f12 = (f2 - f1) / (c2 - c1)
-    speed = f23 + (1.0 - c2) * (f23 - f12) / (1.0 - c1)
-    return h * (wanted - f3) / speed if speed != 0.0 else 0.0
+    last, first = (y3 - y2) / (1.0 - c2), (y2 - y1) / (c2 - c1)
+    return last + (1.0 - c2) * (last - first) / (1.0 - c1)
+
+
+@inlined
+def guard_at_end(h, row, kind, chain, regime, motion, trial, work):
+    """(value, slope) of the guard of a row at the end of the step."""
+    f = trial.force
+    if kind == STOPS:
+        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], work[AFTER])
+        return regime.slide[row] * work[AFTER, row], regime.slide[row] * bead_acceleration(row, chain, regime, f[2])
+    if kind == SLIPS:
+        most = regime.bed[row] / regime.inverse_mass[row]
+        q1, q2 = friction_needed(row, regime, f[0]), friction_needed(row, regime, f[1])
+        q3 = friction_needed(row, regime, f[2])
+        slope = end_slope(q1, q2, q3) / h
+        return (most - q3, -slope) if q3 > 0.0 else (most + q3, slope)
+    if kind == TURNS:
+        sign = -1.0 if regime.easing[row] != 0 else 1.0
+        return sign * trial.rate[2, row], sign * acceleration_of(row, chain, f[2])
+    if motion.mode[row] != TOUCHING:
+        sign = -1.0 if kind == CLOSES else 1.0
+        return sign * trial.overlap[2, row], sign * trial.rate[2, row]
+    low, high = multiplier_bounds(regime, row, motion.overlap[row])
+    slope = end_slope(f[0, row], f[1, row], f[2, row]) / h
+    return (high - f[2, row], -slope) if kind == YIELDS else (f[2, row] - low, slope)

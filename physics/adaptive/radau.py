@@ -3,7 +3,7 @@
     d_k = d0 + h c_k w0 - h² sum_j (A²)_kj (L f_j)        w_k = w0 - h sum_j A_kj (L f_j),   k = 1..3
 
 In the variables (d, f) on the curve of the law a step costs one block-tridiagonal solve an iteration, with 3x3 blocks
-and diagonal couplings. A touching contact is the vertical part of the curve: its d stays 0 and its f is a multiplier.
+and diagonal couplings. A touching contact is the vertical part of the curve: its d stays and its f is a multiplier.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
-from softcradle.physics.numerics.records import LOADED, OPEN
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN
 
 MOST_NEWTON = 15  # iterations of one step
 DIVERGED = 1e30  # [m] an overlap beyond which Newton's iteration has diverged
@@ -31,7 +31,7 @@ def directions(h, chain, mode, trial, scratch):
     for i in range(n):
         weight = h * h * (inverse_mass[i] + inverse_mass[i + 1])
         for k in range(3):
-            if mode[i] == OPEN:
+            if mode[i] == OPEN or mode[i] == FROZEN:
                 along[k, i], across[k, i] = 1.0, 0.0
                 continue
             slope = math.inf
@@ -139,7 +139,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                     )  # fmt: skip
                     by_overlap, by_force = d - stage_overlap[k, i], f - stage_force[k, i]
                     stage_overlap[k, i], stage_force[k, i] = d, f
-                elif mode[i] == OPEN:
+                elif mode[i] == OPEN or mode[i] == FROZEN:
                     stage_overlap[k, i] += by_overlap
                 else:
                     stage_force[k, i] += by_force

@@ -7,7 +7,7 @@ import math
 from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.law_curve import care, flow_into, slope_at
-from softcradle.physics.numerics.records import OPEN, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
 
 RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
@@ -15,7 +15,7 @@ RATIO = 3.0  # the error of a contact is its fine error times this times fine ov
 @jit
 def compliance(law, mode, i, overlap, force):
     """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
-    if mode[i] == OPEN:
+    if mode[i] == OPEN or mode[i] == FROZEN:
         return -1.0
     if mode[i] == TOUCHING:
         return 0.0

@@ -7,7 +7,7 @@ import math
 from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
-from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used
 FOLLOW = 3.0  # largest ratio of successive steps at which the cubics of the step before are extrapolated
@@ -37,9 +37,9 @@ def first_guess(h, chain, motion, past_step, past, trial):
             x = 1.0 + NODES[k] * h / past_step if follows else 0.0
             if mode[i] == OPEN:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
-            elif mode[i] == TOUCHING:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, force[i]
-                if follows:
+            elif mode[i] == TOUCHING or mode[i] == FROZEN:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                if follows and mode[i] == TOUCHING:
                     stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
             elif exponent < 1.0 and force[i] > preload:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]

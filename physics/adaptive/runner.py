@@ -1,4 +1,4 @@
-"""Runner of the adaptive methods: radau, dop853, accurate. They move chains that nothing dissipates."""
+"""Runner of the adaptive methods: radau, dop853, accurate."""
 
 from __future__ import annotations
 
@@ -13,15 +13,21 @@ from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     EITHER,
+    ERROR_EXPONENT,
+    GROWTH,
+    LOCAL_SQUARE,
     RADAU,
     Scratch,
     Trial,
     empty_scratch,
     empty_trial,
 )
+from softcradle.physics.adaptive.undetermined import finish
 from softcradle.physics.chain import Chain
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
+    NO_FLAGS,
+    NOTHING,
     chain_records,
     empty_log,
     kept_switches,
@@ -29,16 +35,32 @@ from softcradle.physics.kernel_records import (
     log_warnings,
     motion_record,
 )
-from softcradle.physics.numerics.records import EVALUATION, FALLBACK, SAMPLE, STEP, Samples, SwitchLog
+from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
+from softcradle.physics.numerics.records import (
+    EVALUATION,
+    FALLBACK,
+    PAUSED,
+    REJECTED,
+    SAMPLE,
+    STEP,
+    Samples,
+    SwitchLog,
+)
 from softcradle.physics.problem import MOST_STEPS, NO_TIMES, Problem, Record, empty_samples, run_to_end
-from softcradle.physics.scales import speed_scale
+from softcradle.physics.scales import closing_scale, contact_scales
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
+CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
+STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
+STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times in the duration
+USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
+ERROR_GROWTH = 3.0  # times the sum of all local errors: the error that is stated where nothing makes it grow
+PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
+SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
 MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
-ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
 ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
 _loaded: set[str] = set()  # methods whose kernels are in memory
 
@@ -69,11 +91,35 @@ def run(problem: Problem) -> Record:
     if not _loaded:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
         _loaded.add(problem.method)
-    record = run_to_end(problem, _pass)
-    if problem.most_steps is None and is_sensitive(problem, record):
-        record = checked(problem, record, _scale(problem.chain, problem.state), _pass)
+    record = completed(problem)
+    if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
+        record = checked(problem, record, _scale(problem), completed)
+    record.velocity_error = record.velocity_error + _unresolved(problem, record)
     record.warnings += _energy_warnings(problem, record)
     return record
+
+
+def completed(problem: Problem) -> Record:
+    """One run to the end of the problem, by `conserving` from where the contacts only rattle."""
+    record = run_to_end(problem, _pass)
+    if record.status.gave_up and problem.most_steps is None:
+        record = finish(problem, record, _pass)
+    return record
+
+
+def step_budget(problem: Problem) -> int:
+    """Steps, rejected ones included, after which a motion rattles more than it determines; or what the problem allows."""
+    if problem.most_steps is not None:
+        return problem.most_steps
+    if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
+        return MOST_STEPS
+    n = problem.chain.contacts
+    budget = CONTACT_STEPS / n + STEPS_A_CONTACT * (n + 16)
+    if problem.duration is not None:
+        longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
+        budget += STEPS_A_CONTACT_TIME * problem.duration / longest
+    finer = max(USUAL_TOLERANCE / problem.tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
+    return int(min(budget * finer, MOST_STEPS))
 
 
 def advance(problem: Problem) -> Status:
@@ -96,39 +142,60 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int 
     larger = larger_log(memory.log)
     if larger:
         return _pass(problem, end, times, stop, larger)
-    counter, status = memory.log.counter, Status(code)
+    counter, status, control = memory.log.counter, Status(code), memory.scratch.control
+    growth = 1.0 + control[GROWTH] + memory.scratch.grown.sum()
+    error = ERROR_GROWTH * growth * float(np.sqrt(control[LOCAL_SQUARE]))
     rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
     overlap, rate, anchor, force, absorbed = (row[:rows] for row in memory.samples[1:])
     return Record(
         times[:rows], overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, absorbed,
+        np.full(overlap.shape[1] + 1, error), growth,
     )  # fmt: skip
 
 
 def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: Memory) -> Any:
     """Run the kernel on `state`. Returns its status and the time reached."""
-    data, _ = chain_records(problem.chain, state)
-    return integrate(
-        ALLOWED[problem.method], state.time, end, stop, problem.most_steps or MOST_STEPS, _scale(problem.chain, state),
-        problem.tolerance, data, motion_record(state, memory.mode, memory.held), tuple(memory.trial), tuple(memory.look),
-        tuple(memory.scratch), tuple(memory.samples), tuple(memory.log),
-    )  # fmt: skip
+    data, regime = _chain_and_regime(problem.chain, state)
+    most, scale, counter = step_budget(problem), _scale(problem), memory.log.counter
+    motion, code, time = motion_record(state, memory.mode, memory.held), PAUSED, state.time
+    rest = tuple(map(tuple, (memory.trial, memory.look, memory.scratch, memory.samples, memory.log)))
+    with kernel_arithmetic():
+        while code == PAUSED:
+            spent = int(counter[STEP] + counter[REJECTED])
+            code, time = integrate(
+                ALLOWED[problem.method], spent > 0, time, end, stop, most, spent + PAUSE, scale, problem.tolerance, data,
+                regime, motion, *rest,
+            )  # fmt: skip
+    return code, time
 
 
-def _scale(chain: Chain, state: State) -> float:
-    """The velocity [m/s] that a tolerance is relative to: the closing speed, or what the contacts have stored of it."""
-    released = float(np.sqrt(2.0 * chain.stored_energy(state.overlap) * chain.inverse_reduced_mass).max())
-    velocity = state.velocity(chain)
-    if np.ptp(velocity) > ROUND_OFF * np.abs(velocity).max() or not released:
-        return max(speed_scale(chain, velocity), released)
-    return released
+def _chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """The fields of the effective chain and of its Regime; without dissipation they share their arrays."""
+    (law, inverse_mass, push, external, anchor, own), dissipation = chain_records(chain, state)
+    if dissipation is None:
+        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS)
+        return (law, inverse_mass, push, external, anchor, own), regime
+    loss = dissipation.loss if dissipation.loss.any() else NOTHING
+    bed = dissipation.bed if dissipation.bed.any() else NOTHING
+    slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
+    regime = (law, inverse_mass, push, loss, bed, slide, easing)
+    if bed.size and not external.size:
+        external = np.zeros(bed.size)
+    return (law.copy(), inverse_mass.copy(), push, external, anchor, own), regime
+
+
+def _scale(problem: Problem) -> float:
+    """The velocity [m/s] that a tolerance is relative to: that of the fastest closing there can be, see `closing_scale`."""
+    chain, state = problem.chain, problem.state
+    return closing_scale(chain, state.velocity(chain), state.overlap, state.external(chain), problem.duration)
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
     """What a run could not do."""
     found = []
     if status.gave_up:
-        steps = problem.most_steps or MOST_STEPS
+        steps = step_budget(problem)
         sentence = (
             f"{problem.method} gave up after {steps} steps at t = {time:.6g} s: the contacts rattle on; take method "
             "'conserving', or a looser tolerance"
@@ -144,16 +211,34 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _energy_warnings(problem: Problem, record: Record) -> Warnings:
-    """A warning where the energy of an undriven chain has not come back to within many times the tolerance."""
+def _unresolved(problem: Problem, record: Record) -> float:
+    """What velocities [m/s] the energy that the run has lost or gained could be, where contacts are so soft that they rattle.
+
+    A cluster of such contacts is all but rigid: rattling far below the closing speed can be damped in every run alike, so that
+    none tells of it, and of its energy alone is known that it is no more than what the ledger lacks.
+    """
+    chain = problem.chain
+    if not any(contact.preload == 0.0 and contact.exponent < SOFTEST for contact in chain.power_laws):
+        return 0.0
+    return float(np.sqrt(2.0 * abs(_ledger_error(problem, record)) * chain.inverse_reduced_mass.max()))
+
+
+def _ledger_error(problem: Problem, record: Record) -> float:
+    """Change of the energy ledger [J] of an undriven chain; 0 where work is done on it."""
     chain, start = problem.chain, problem.state
     moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0)
     if start.external(chain) is not None or moved.any():
+        return 0.0
+    absorbed = float((record.end.absorbed - start.absorbed).sum())
+    return float(record.end.energy(chain) + absorbed - start.energy(chain))
+
+
+def _energy_warnings(problem: Problem, record: Record) -> Warnings:
+    """A warning where the energy ledger of an undriven chain does not close to within many times the tolerance."""
+    before, change = problem.state.energy(problem.chain), abs(_ledger_error(problem, record))
+    if change <= MOST_ENERGY * problem.tolerance * before:
         return ()
-    before, after = start.energy(chain), record.end.energy(chain)
-    if abs(after - before) <= MOST_ENERGY * problem.tolerance * before:
-        return ()
-    error = abs(after / before - 1.0)
+    error = change / before
     sentence = (
         f"energy is off by {error:.1g} of itself, more than {problem.method} promises at tolerance {problem.tolerance:g}: "
         "compare with method 'conserving', or with another tolerance"

@@ -6,20 +6,20 @@ import math
 
 from softcradle.physics.adaptive.dop853 import KINK, dop853_step
 from softcradle.physics.adaptive.events import (
+    CLOSES,
     NOTHING,
-    OPENS,
     find_event,
-    first_crossing,
+    guard_at_end,
     is_continued,
-    miss_of,
-    passing_yield,
+    near_switch,
 )
+from softcradle.physics.adaptive.first_root import first_root, stage_cubic
 from softcradle.physics.adaptive.radau import MOST_NEWTON, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
 from softcradle.physics.adaptive.radau_guess import NO_GUESS
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, TOUCHING
+from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, REJECTED, STEP
 
 NEWTON_PART = 1e-2  # of a step's error bound: precision to which the stages are solved
 INACTIVE_PART = 10.0  # of that precision: a velocity below which a contact is inactive
@@ -31,30 +31,22 @@ EARLY = 0.1  # part of a step: an event before it is sought again in a step of t
 AT_ONCE = 1e-12  # part of the step tried first: an event before it is one of its start
 LATE = 0.95  # part of a step: a contact that opens after it has pushed through the step
 LANDED = 1e-13  # of a step: an event this near to its end is met
+MOST_LOOKS = 2  # at a guard that comes near to zero within one step
 MOST_FAILURES = 6  # tries of one step whose stages do not converge, before the fallback step
 
 
 @jit
-def try_step(h, kind, chain, motion, precision, past_step, trial, scratch, log):
-    """Try one step; returns its error as a velocity [m/s], negative where its stages do not converge."""
+def try_step(h, kind, firm, chain, motion, precision, past_step, trial, scratch, log):
+    """Try one step; returns its error as a velocity [m/s], negative where its stages do not converge. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
     if kind == DOP853:
-        return dop853_step(h, INACTIVE_PART * precision, chain, motion, trial, scratch)
+        return dop853_step(h, INACTIVE_PART * precision, firm, chain, motion, trial, scratch)
     used = radau_step(h, chain, motion, precision, past_step, trial, scratch)
     log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
     if used == 0:
         used = radau_step(h, chain, motion, precision, NO_GUESS, trial, scratch)
         log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
     return embedded_error(h, chain, motion, trial, scratch.work) if used > 0 else -1.0
-
-
-@inlined
-def turned_back(landing, kind, motion, trial):
-    """True where the contact moves the other way at what looked, from further off, like its event."""
-    if motion.mode[landing] == TOUCHING:
-        return False
-    speed = trial.rate[2, landing]
-    return speed > 0.0 if kind == OPENS else speed < 0.0
 
 
 @inlined
@@ -67,7 +59,7 @@ def opened_early(h, chain, motion, trial, wanted):
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > d[2, i] and not is_continued(chain.law, i):
             soft = chain.law[i, 2] < 1.0
-            x = first_crossing(motion.overlap[i], d[0, i], d[1, i], d[2, i], False, 1.0)
+            x = first_root(stage_cubic(motion.overlap[i], d[0, i], d[1, i], d[2, i]))
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i] * h
             if x < part and ((soft and x < LATE and x * push > wanted) or (not soft and KINK * push > wanted)):
                 part = x
@@ -75,32 +67,39 @@ def opened_early(h, chain, motion, trial, wanted):
 
 
 @jit
-def find_step(time, h, kind, alone, chain, motion, wanted, past_step, trial, scratch, log, most_steps):
+def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_step, trial, scratch, log, most_steps):
     """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
 
-    Returns its length (0: its stages do not converge, or out of steps), error, the contact and kind of the event, and the
-    length of the last step rejected for its error (inf: none).
+    Returns its length (0 with an event: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
+    kind of the event, and the length of the last step rejected for its error (inf: none).
     """
     rejected, inactive, counter = math.inf, INACTIVE_PART * NEWTON_PART * wanted, log.counter
-    landing, event, tries, failures, ceiling, peaked, least = NO_CONTACT, NOTHING, 0, 0, h, False, AT_ONCE * h
+    row, event, tries, failures, ceiling, looked, least = NO_CONTACT, NOTHING, 0, 0, h, 0, AT_ONCE * h
+    firm, work = regime.bed.size > 0, scratch.work
     while counter[STEP] + counter[REJECTED] < most_steps:
-        error = try_step(h, kind, chain, motion, NEWTON_PART * wanted, past_step, trial, scratch, log)
+        error = try_step(h, kind, firm, chain, motion, NEWTON_PART * wanted, past_step, trial, scratch, log)
         if error < 0.0 or not math.isfinite(error):
             counter[REJECTED] += 1
             failures += 1
-            landing, h = NO_CONTACT, 0.25 * h
+            row, h = NO_CONTACT, 0.25 * h
             if failures > MOST_FAILURES or time + h <= time:
                 return 0.0, 0.0, NO_CONTACT, NOTHING, rejected
             continue
-        if landing >= 0 and turned_back(landing, event, motion, trial):
-            landing, tries = NO_CONTACT, tries + 1
-        found, its_event, part = find_event(chain, motion, trial, landing, inactive)
-        if landing >= 0:
-            miss = miss_of(chain, motion, trial, landing, event, h)
-            is_inactive = motion.mode[landing] == OPEN and abs(trial.rate[2, landing]) <= inactive
+        miss = 0.0
+        if row >= 0:
+            value, slope = guard_at_end(h, row, event, chain, regime, motion, trial, work)
+            if slope < 0.0:
+                miss = -value / slope
+            else:  # what looked, from further off, like an event
+                row, tries = NO_CONTACT, tries + 1
+        found, its_event, part = find_event(h, chain, regime, motion, trial, row, event, inactive, slow, work)
+        if found >= 0 and row < 0 and time + part * h <= time and (error <= wanted or h <= least):
+            return 0.0, 0.0, found, its_event, rejected
+        if row >= 0:
+            is_inactive = event == CLOSES and abs(trial.rate[2, row]) <= inactive
             most_tries = INACTIVE_TRIES if is_inactive else LANDING_TRIES
             if tries < most_tries and found >= 0 and part * h < h + min(miss, 0.0):
-                landing, event, h = found, its_event, part * h
+                row, event, h = found, its_event, part * h
                 tries += 1
                 continue
             if tries < most_tries and abs(miss) > LANDED * h and time + miss != time and h > least:
@@ -110,22 +109,22 @@ def find_step(time, h, kind, alone, chain, motion, wanted, past_step, trial, scr
         elif found >= 0 and tries < LANDING_TRIES:
             ceiling, tries = h, tries + 1
             if part < EARLY and h > least and time + EARLY * h > time:
-                h *= EARLY  # the cubic of a long step is coarse near its start
+                h *= EARLY  # the polynomial of a long step is coarse near its start
             else:
-                landing, event, h = found, its_event, part * h
+                row, event, h = found, its_event, part * h
             continue
         early = 1.0 if alone else opened_early(h, chain, motion, trial, wanted)
         if (error <= wanted and early == 1.0) or time + h <= time:
-            peak = 1.0 if peaked else passing_yield(chain, motion, trial)
-            if peak < 1.0:  # the step ends there: a multiplier at the end of a step is exact
-                peaked, landing, tries, h = True, NO_CONTACT, 0, peak * h
+            near = 1.0 if looked == MOST_LOOKS else near_switch(h, chain, regime, motion, trial, slow)
+            if near < 1.0 and time + near * h > time:  # what is at the end of a step is exact
+                looked, row, tries, h = looked + 1, NO_CONTACT, 0, near * h
                 continue
-            return h, error, landing, event, rejected
+            return h, error, row, event, rejected
         counter[REJECTED] += 1
         if early < 1.0 and error <= 10.0 * wanted:
-            h, landing = 0.9 * early * h, NO_CONTACT
+            h, row = 0.9 * early * h, NO_CONTACT
             continue
         rejected = h if early == 1.0 else rejected
         h *= max(LEAST_SHRINK, SAFETY * (wanted / error) ** ERROR_EXPONENT[kind])
-        landing = NO_CONTACT
+        row = NO_CONTACT
     return 0.0, 0.0, NO_CONTACT, NOTHING, rejected

@@ -23,7 +23,12 @@ LEFT = 4  # time left to an opening at its start [s]
 UNLIMITED = 5  # next step had no event or opening come near [s]
 REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
 CEILING = 7  # longest step soon after a rejection [s]
-CONTROLS = 8
+PAST_STEP = 8  # length of the last step of radau [s], for the first guess of the next; 0: there is none
+AT_ONCE = 9  # events one after another without a step between them
+LOCAL_ERROR = 10  # sum of the errors of all steps [m/s]
+LOCAL_SQUARE = 11  # sum of their squares
+GROWTH = 12  # by what factor, beside 1, bounces have made errors grow
+CONTROLS = 13
 
 STAGES = 12  # of dop853
 WORK_ROWS = 15
@@ -38,12 +43,34 @@ class Trial(NamedTuple):
     anchor: Array  # (2,) at the end
 
 
+class Regime(NamedTuple):
+    """What the effective chain of the steps is made from: the chain itself, friction, loss, and which modes these are in.
+
+    A bead that sticks is a wall, friction of one that slides a steady force, and a contact that eases has a weaker law: steps
+    see a chain without dissipation, and only switches change it.
+    """
+
+    law: Array  # (n, 3)
+    inverse_mass: Array  # (n+1,)
+    push: Array  # (n+1,) external force on each bead [N]; (0,) without any
+    loss: Array  # (n,) part of its energy that each contact keeps; (0,) without any
+    bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
+    slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
+    easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any
+
+
 class Scratch(NamedTuple):
     """Memory of the steps between one call and the next, and within a step."""
 
     control: Array  # (CONTROLS,) of the step sizes
     past: Array  # (8, n) forces and overlaps at start and stages of the last step of radau
     opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
+    opened: Array  # (n,) when each contact opened last [s]; inf where it has not been apart
+    lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
+    grown: Array  # (n,) growth of errors by the present bounce of each contact
+    most_grown: (
+        Array  # (n,) what that can be at the most: a bounce that is mistimed changes velocities by twice its speed
+    )
     along: Array  # (3, n)
     across: Array  # (3, n)
     correction: Array  # (3, n)
@@ -51,6 +78,8 @@ class Scratch(NamedTuple):
     acceleration: Array  # (STAGES, n)
     anchor_acceleration: Array  # (STAGES,)
     work: Array  # (WORK_ROWS, n+1)
+    bounds: Array  # (2, n+1) of `acceleration_balance`
+    knots: Array  # (2, 4n+8) of `acceleration_balance`
 
 
 def empty_trial(contacts: int) -> Trial:
@@ -64,6 +93,10 @@ def empty_scratch(contacts: int) -> Scratch:
         control=np.zeros(CONTROLS),
         past=np.zeros((8, contacts)),
         opening=np.zeros(contacts),
+        opened=np.zeros(contacts),
+        lateness=np.zeros(contacts),
+        grown=np.zeros(contacts),
+        most_grown=np.zeros(contacts),
         along=np.zeros((3, contacts)),
         across=np.zeros((3, contacts)),
         correction=np.zeros((3, contacts)),
@@ -71,4 +104,6 @@ def empty_scratch(contacts: int) -> Scratch:
         acceleration=np.zeros((STAGES, contacts)),
         anchor_acceleration=np.zeros(STAGES),
         work=np.zeros((WORK_ROWS, contacts + 1)),
+        bounds=np.zeros((2, contacts + 1)),
+        knots=np.zeros((2, 4 * contacts + 8)),
     )

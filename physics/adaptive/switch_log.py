@@ -9,6 +9,7 @@ from __future__ import annotations
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.events import is_continued
 from softcradle.physics.adaptive.step import NEWTON_PART, try_step
+from softcradle.physics.adaptive.step_records import GROWTH
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import cubic, flow_into
 from softcradle.physics.numerics.records import LOADED, OPEN
@@ -21,23 +22,47 @@ OPENING_TRIES = 4  # steps of the method that locate one opening
 
 
 @inlined
-def log_switches(before, time, motion, opening, log):
+def log_switches(before, time, motion, wanted, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
-    after the start, or at the end where that is negative.
+    after the start, or at the end where that is negative. Flights between bounces count in how errors grow, see `grow_errors`.
     """
     for i in range(motion.mode.size):
         now = motion.mode[i] != OPEN and (motion.overlap[i] > 0.0 or motion.force[i] > 0.0)
         if now != (log.closed[i] != 0):
             when = before if now else time
-            if not now and time > before and opening[i] >= 0.0:
-                when = before + opening[i]
+            if not now and time > before and scratch.opening[i] >= 0.0:
+                when = before + scratch.opening[i]
             log_switch(log, i, now, when)
+            if now:
+                flight, speed = when - scratch.opened[i], motion.rate[i]
+                scratch.lateness[i] = flight / speed if flight > 0.0 and speed > 0.0 else 0.0
+                scratch.most_grown[i] = 2.0 * speed / wanted
+            else:
+                scratch.control[GROWTH] += scratch.grown[i]
+                scratch.opened[i], scratch.lateness[i], scratch.grown[i] = when, 0.0, 0.0
+
+
+@inlined
+def grow_errors(chain, motion, scratch):
+    """How the bounces that now go on make errors grow.
+
+    A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
+    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u.
+    """
+    for i in range(motion.mode.size):
+        if scratch.lateness[i] > 0.0:
+            own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
+            others = own - flow_into(i, chain.inverse_mass, motion.force)
+            if chain.external.size:
+                others += chain.external[i]
+            grown = min(scratch.lateness[i] * abs(others), scratch.most_grown[i])
+            scratch.grown[i] = max(scratch.grown[i], grown)
 
 
 @jit
-def find_openings(h, kind, chain, motion, wanted, past_step, trial, look, scratch, log):
+def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log):
     """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
     the stages tell that it may be off, by shorter steps of the method, tried in `look`."""
     doubtful, allowed = False, OPENING_PART * wanted * h
@@ -54,7 +79,7 @@ def find_openings(h, kind, chain, motion, wanted, past_step, trial, look, scratc
     for i in range(motion.mode.size):
         for _ in range(OPENING_TRIES):  # Newton on the time at which contact i opens
             part = opening[i]
-            if part <= 0.0 or try_step(part, kind, chain, motion, precision, past_step, look, scratch, log) < 0.0:
+            if part <= 0.0 or try_step(part, kind, firm, chain, motion, precision, past_step, look, scratch, log) < 0.0:
                 break
             miss, speed = look.overlap[2, i], look.rate[2, i]
             if speed >= 0.0:

@@ -30,6 +30,7 @@ import math
 
 from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.own_contacts import own_resolvent
 from softcradle.physics.numerics.resolvent import EPSILON, mean_force, resolvent
 from softcradle.physics.numerics.switches import copy_into
 
@@ -89,9 +90,14 @@ def loses(loss, start, rate):
 
 
 @inlined
-def solve_contact(h, i, law, dissipation, diagonal, start, rate, overlap, force, work):
+def solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, force, work):
     """Put overlap, force and slope dg/ds of contact i at its s into their rows."""
     weight = 0.5 * h * h * diagonal[i]
+    if own is not None and own.number[i] >= 0:
+        overlap[i], force[i], work[SLOPE, i] = own_resolvent(
+            own, own.number[i], law[i, 0], start[i], weight, work[UNKNOWN, i], overlap[i]
+        )
+        return
     if dissipation is not None and loses(dissipation.loss[i], start[i], rate[i]):
         overlap[i], force[i], work[SLOPE, i] = lossy_resolvent(
             law[i, 0], law[i, 1], law[i, 2], dissipation.loss[i], start[i], work[START_POWER, i], 0.5 * h * rate[i],
@@ -150,10 +156,10 @@ def row_residual(h, i, dissipation, coupling, push, free, start, rate, force, be
 
 
 @inlined
-def solve_all(h, law, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work):
+def solve_all(h, law, own, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work):
     """Contacts, then beads on a bed, at the present unknowns."""
     for i in range(start.size):
-        solve_contact(h, i, law, dissipation, diagonal, start, rate, overlap, force, work)
+        solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, force, work)
     if dissipation is not None:
         for j in range(dissipation.bed.size):
             slide(h, j, coupling, push, dissipation.bed, force, beads)
@@ -178,7 +184,7 @@ def distance_to_bend(h, i, loss, weight, start, rate, preload, up, coupling, bed
 
 
 @jit
-def sweep(h, law, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
+def sweep(h, law, own, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
     """Solve each row alone for its s, by bisection, once from left to right and once back."""
     n, bed = start.size, dissipation.bed
     s = work[UNKNOWN]
@@ -186,7 +192,7 @@ def sweep(h, law, dissipation, diagonal, coupling, push, free, start, rate, over
         i = k if k < n else 2 * n - 1 - k
         low, high, width = s[i], s[i], 0.0
         for _ in range(BISECTIONS):
-            solve_contact(h, i, law, dissipation, diagonal, start, rate, overlap, force, work)
+            solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, force, work)
             if bed.size:
                 slide(h, i, coupling, push, bed, force, beads)
                 slide(h, i + 1, coupling, push, bed, force, beads)
@@ -273,7 +279,7 @@ def begin_again(h, dissipation, coupling, free, start, pressed, work):
 
 
 @jit
-def solve_contacts(h, law, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
+def solve_contacts(h, law, own, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
     """Solve one step for all contacts: g into `force` (on entry a guess), d1 into `overlap` (on entry a guess).
 
     `diagonal` (n,) is L_ii; `coupling` (n+1,) by bead -L_(i-1,i), its inverse mass in a straight row; `push` (n+1,) forces
@@ -299,9 +305,11 @@ def solve_contacts(h, law, dissipation, diagonal, coupling, push, free, start, r
             best = math.inf
         if dissipation is not None and iteration >= swept and (iteration - swept) % AFTER_SWEEPS == 0:
             for _ in range(1 + n):
-                sweep(h, law, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work)
+                sweep(
+                    h, law, own, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work
+                )
             best = math.inf
-        solve_all(h, law, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
+        solve_all(h, law, own, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
         total, terms, worst, largest = 0.0, 0.0, 0.0, 0.0
         for i in range(n):
             largest = max(largest, abs(work[UNKNOWN, i]))
@@ -332,5 +340,5 @@ def solve_contacts(h, law, dissipation, diagonal, coupling, push, free, start, r
             work[UNKNOWN, i] += work[SHIFT, i]
     if dissipation is not None:
         copy_into(work[UNKNOWN], work[BEST])
-        solve_all(h, law, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
+        solve_all(h, law, own, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
     return -most

@@ -98,7 +98,7 @@ def test_error_under_a_steady_push():
     """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity."""
     scene = scenes.load("driven-cluster")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
-    exact = run(chain, velocity, scene.duration, "radau", tolerance=1e-13).final_velocity
+    exact = simulate_quietly(chain, velocity, scene.duration, "radau", tolerance=1e-13).final_velocity
     for tolerance in (*RATTLING, 1e-10):
         found = run(chain, velocity, scene.duration, tolerance=tolerance)
         assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
@@ -106,7 +106,7 @@ def test_error_under_a_steady_push():
 
 def test_what_no_tolerance_resolves_says_so():
     """One on 4 at alpha = 1/20 rattles 450 times at the end, and no two tolerances agree to better than 1e-5."""
-    with pytest.warns(RuntimeWarning, match="the motion is so sensitive that accurate at tolerance"):
+    with pytest.warns(RuntimeWarning, match=r"final velocities are determined to .*e-05 m/s only"):
         found = run(one_on(4, power_law(1.0, 1 / 20)), [1, 0, 0, 0, 0], 2.0, tolerance=1e-8)
     assert len(found.warnings) == 1
     assert kinetic_energy(found.chain, found.final_velocity) == pytest.approx(0.5, abs=1e-6)

@@ -23,6 +23,7 @@ def by_scipy(n: int, softness: int) -> tuple[float, ...]:
     return tuple(found.final_velocity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize(("n", "softness"), SWINGING)
 def test_swings_of_deep_contacts_are_kept(n: int, softness: int, method: str) -> None:

@@ -11,7 +11,7 @@ from softcradle.physics.chain import GRAVITY
 from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers.random_chains import random_dissipative
-from tests.helpers.relations import MOST_ENERGY, ledger_error, simulate_quietly
+from tests.helpers.relations import PROMISE, ledger_error, simulate_quietly
 
 # stops, reversals, a gear that is held, a bead that sticks and is torn loose
 CHAIN = Chain([1.0, 2.0, 1.5, 1.0], draft_gear(300.0, 0.01, 0.6), gap=[0.005, 0.0, 0.002], friction=0.25)
@@ -36,26 +36,23 @@ def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(15))
 def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
-    """Within the hundred tolerances beyond which a chain without dissipation gets a warning, and better at a finer one."""
+    """Within ten tolerances (measured: 0.4), and better at a finer one."""
     chain, velocity = random_dissipative(seed, 4)
     errors = []
-    for tolerance in (1e-6, 1e-9):
+    for tolerance in (1e-6, 1e-9, 1e-11):
         found = simulate_quietly(
             chain, velocity, 2.0 * longest_time(chain, velocity), "radau", samples=21, tolerance=tolerance
         )
         errors.append(ledger_error(found))
-        assert errors[-1] < MOST_ENERGY * tolerance
+        assert errors[-1] < PROMISE * tolerance
     assert errors[1] < max(0.1 * errors[0], 1e-11)
 
 
-@pytest.mark.xfail(
-    reason="positions are off by 1.6e-5 m at tolerances above 1e-9, and with them the work of friction", strict=False
-)
 def test_the_ledger_of_radau_closes_on_a_bed_with_a_very_soft_contact():
-    """Exponent 0.05 with loss 0.95: all beads come to rest, but the ledger is off by 4e-5 at 1e-6, 1e-7 and 1e-8 alike."""
+    """Exponent 0.05 with loss 0.95, until all beads rest."""
     chain, velocity = random_dissipative(3, 4)
     found = simulate_quietly(chain, velocity, 2.0 * longest_time(chain, velocity), "radau", samples=21, tolerance=1e-8)
-    assert ledger_error(found) < MOST_ENERGY * 1e-8
+    assert ledger_error(found) < PROMISE * 1e-8
 
 
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])

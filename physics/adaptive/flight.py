@@ -1,0 +1,164 @@
+"""Free flight: no contact pushes, forces are steady, so overlaps are parabolas and the next event is a closed form."""
+
+from __future__ import annotations
+
+import math
+
+from softcradle.physics.adaptive.events import CLOSES, NOTHING, STOPS
+from softcradle.physics.adaptive.modes import bead_push
+from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, SAMPLE, TOUCHING
+
+LAST_FORCE = 1e-11  # of the preload: a touching contact that carries less pushes no more
+
+
+@jit
+def nothing_pushes(chain, motion, negligible):
+    """True where no contact pushes a bead that can move, or only with what gives less than `negligible` [m/s]."""
+    driven = chain.external.size > 0
+    for i in range(motion.mode.size):
+        if motion.mode[i] == LOADED:
+            weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+            left = weight * max(motion.force[i], 0.0) * max(motion.overlap[i], 0.0)
+            if left > negligible * negligible or motion.rate[i] > negligible:
+                return False
+            if driven and (
+                motion.overlap[i] > 0.0 or motion.rate[i] > 0.0 or motion.force[i] > 0.0 or chain.external[i] > 0.0
+            ):
+                return False
+        pressed = driven and chain.external[i] > 0.0
+        if motion.mode[i] == TOUCHING and (pressed or motion.force[i] > LAST_FORCE * chain.law[i, 0]):
+            return False
+    return True
+
+
+@jit
+def flown(overlap, rate, bend, time):
+    """The overlap after `time` of free flight; one that is too slow to close stops at 0, however long the flight is."""
+    if bend == 0.0:
+        return min(overlap + time * rate, max(overlap, 0.0)) if rate > 0.0 else overlap + time * rate
+    return overlap + time * (rate + 0.5 * time * bend)
+
+
+@jit
+def closing_time(overlap, rate, bend):
+    """When ``overlap + rate t + bend t²/2`` turns positive, from overlap <= 0; inf where it does not."""
+    if overlap >= 0.0 and (rate > 0.0 or (rate == 0.0 and bend > 0.0)):
+        return 0.0
+    if bend == 0.0:
+        return -overlap / rate if rate > 0.0 else math.inf
+    square = rate * rate - 2.0 * bend * overlap
+    if square < 0.0 or (bend < 0.0 and rate <= 0.0):
+        return math.inf
+    root = math.sqrt(square)
+    if rate > 0.0:
+        return -2.0 * overlap / (rate + root)
+    return (root - rate) / bend
+
+
+@inlined
+def bend_of(chain, i):
+    """w' of contact i in flight; the anchor's acceleration where i is the number of contacts."""
+    return chain.external[i] if chain.external.size else 0.0
+
+
+@inlined
+def next_flight_event(chain, regime, motion, negligible, velocity):
+    """(time, row, kind) of the first closing or stop of a bead; `velocity` (n+1,) is scratch memory."""
+    flight, row, kind = math.inf, NO_CONTACT, NOTHING
+    for i in range(motion.mode.size):
+        if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
+            time = closing_time(motion.overlap[i], motion.rate[i], bend_of(chain, i))
+            if time < flight:
+                flight, row, kind = max(time, 0.0), i, CLOSES
+    if regime.bed.size:
+        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+        for j in range(regime.bed.size):
+            if regime.bed[j] > 0.0 and regime.slide[j] != 0:
+                a = bead_push(chain, regime, j)
+                if a * regime.slide[j] < 0.0:
+                    time = max(-velocity[j] / a, 0.0)
+                    if time < flight:
+                        flight, row, kind = time, j, STOPS
+    return flight, row, kind
+
+
+@jit
+def fly(time, end, chain, regime, motion, negligible, samples, log, velocity):
+    """Free flight to the first event or to `end`. Returns the time, and row and kind of the event (-1: none before `end`)."""
+    flight, row, kind = next_flight_event(chain, regime, motion, negligible, velocity)
+    until = min(time + flight, end)
+    if until == math.inf:
+        return time, NO_CONTACT, NOTHING
+    sample_flight(time, until, chain, regime, motion, samples, log, velocity)
+    drift(until - time, chain, regime, motion, velocity)
+    if time + flight > end:
+        return until, NO_CONTACT, NOTHING
+    return until, row, kind
+
+
+@jit
+def drift(passed, chain, regime, motion, velocity):
+    """Move all overlaps and the anchor on by `passed` [s] of free flight, or back."""
+    if regime.bed.size:
+        motion.absorbed[1] += flight_work(passed, chain, regime, motion, velocity)
+    for i in range(motion.mode.size):
+        if motion.mode[i] != FROZEN:
+            motion.overlap[i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), passed)
+            motion.rate[i] += passed * bend_of(chain, i)
+        motion.held[i] = 0
+    bend = bend_of(chain, motion.mode.size)
+    motion.anchor[0] += passed * (motion.anchor[1] + 0.5 * passed * bend)
+    motion.anchor[1] += passed * bend
+
+
+@jit
+def back_to_opening(time, chain, regime, motion, scratch):
+    """Go back to when the last contact opened, from the end of the step in which it did; returns this time.
+
+    A motion on a bed is over then: its velocities go on to change.
+    """
+    last = -math.inf
+    for i in range(motion.mode.size):
+        if scratch.opening[i] >= 0.0:
+            last = max(last, scratch.opened[i])
+    if -math.inf < last < time:
+        drift(last - time, chain, regime, motion, scratch.work[0])
+        return last
+    return time
+
+
+@inlined
+def flight_work(passed, chain, regime, motion, velocity):
+    """Energy [J] that the bed absorbs in `passed` [s] of free flight."""
+    found = 0.0
+    bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+    for j in range(regime.bed.size):
+        if regime.bed[j] > 0.0 and regime.slide[j] != 0:
+            a = bead_push(chain, regime, j)
+            path = passed * (velocity[j] + 0.5 * passed * a)
+            found += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * path
+    return found
+
+
+@jit
+def sample_flight(time, until, chain, regime, motion, samples, log, velocity):
+    """Fill the rows of samples from `time` to `until` while no contact pushes; at `time` itself also while one does."""
+    counter = log.counter
+    n = motion.mode.size
+    while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] <= until:
+        k = counter[SAMPLE]
+        beyond = samples.time[k] - time
+        for i in range(n):
+            length = beyond if motion.mode[i] != FROZEN else 0.0
+            samples.overlap[k, i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), length)
+            samples.rate[k, i] = motion.rate[i] + length * bend_of(chain, i)
+            samples.force[k, i] = max(motion.force[i], 0.0)
+        bend = bend_of(chain, n) if beyond > 0.0 else 0.0
+        samples.anchor[k, 0] = motion.anchor[0] + beyond * (motion.anchor[1] + 0.5 * beyond * bend)
+        samples.anchor[k, 1] = motion.anchor[1] + beyond * bend
+        samples.absorbed[k, 0], samples.absorbed[k, 1] = motion.absorbed[0], motion.absorbed[1]
+        if regime.bed.size and beyond > 0.0:
+            samples.absorbed[k, 1] += flight_work(beyond, chain, regime, motion, velocity)
+        counter[SAMPLE] += 1

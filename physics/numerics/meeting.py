@@ -1,0 +1,44 @@
+"""Whether beads that are apart will meet again if no contact pushes."""
+
+from __future__ import annotations
+
+import math
+
+from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.jit import inlined, jit
+
+
+@inlined
+def flight_time(overlap, rate, still):
+    """Time until the first contact closes if no force acts; inf when none closes faster than `still`."""
+    first = math.inf
+    for i in range(overlap.size):
+        if rate[i] > still:
+            first = min(first, -overlap[i] / rate[i])
+    return first
+
+
+@jit
+def sliding_path(velocity, deceleration):
+    """How far a bead slides until it rests, v²/(2 mu g) with the sign of v; a wall goes on for ever."""
+    if deceleration > 0.0:
+        return 0.5 * velocity * abs(velocity) / deceleration
+    return math.copysign(math.inf, velocity) if velocity != 0.0 else 0.0
+
+
+@jit
+def meets_again(chain, bed, motion, still, velocity):
+    """Whether two beads that are apart will meet; rates up to `still` are round-off.
+
+    `bed` (n+1,) are the decelerations of sliding beads, (0,) without friction: of two that all brake alike, the faster gains on
+    the other until both rest, so they meet if the places where they would rest overlap. `velocity` (n+1,) is scratch memory.
+    """
+    if bed.size == 0:
+        return flight_time(motion.overlap, motion.rate, still) < math.inf
+    bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+    for i in range(motion.overlap.size):
+        if motion.rate[i] > still:
+            ahead, behind = sliding_path(velocity[i], bed[i]), sliding_path(velocity[i + 1], bed[i + 1])
+            if motion.overlap[i] + ahead - behind > 0.0:
+                return True
+    return False

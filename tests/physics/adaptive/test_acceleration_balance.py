@@ -1,0 +1,50 @@
+"""Accelerations and forces at a switch, by the conditions that define them: 2000 random chains with walls and static friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from softcradle.physics.adaptive.acceleration_balance import balance
+
+
+def random_rows(seed):
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(1, 9))
+    inverse_mass = 10.0 ** draw.uniform(-1, 1, n + 1)
+    inverse_mass[draw.random(n + 1) < 0.15] = 0.0
+    load = draw.normal(size=n + 1) * draw.integers(0, 2, n + 1)
+    give = np.where((draw.random(n + 1) < 0.5) & (inverse_mass > 0.0), draw.uniform(0, 1, n + 1), 0.0)
+    low = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(0, 1, n))
+    high = low + np.where(draw.random(n) < 0.7, draw.uniform(0, 1, n), 0.0)
+    return inverse_mass, load, give, low, high
+
+
+@pytest.mark.parametrize("first", range(0, 2000, 100))
+def test_the_conditions_of_a_bounded_multiplier_hold(first):
+    for seed in range(first, first + 100):
+        inverse_mass, load, give, low, high = random_rows(seed)
+        n = low.size
+        a, f = np.zeros(n + 1), np.zeros(n)
+        balance(inverse_mass, load, give, low, high, a, f, np.zeros((2, n + 1)), np.zeros((2, 4 * n + 8)))
+        assert (f >= low).all()
+        assert (f <= high).all()
+        assert (f[a[:-1] > a[1:]] == high[a[:-1] > a[1:]]).all()  # pressed together: all they can carry
+        assert (f[a[:-1] < a[1:]] == low[a[:-1] < a[1:]]).all()  # drawn apart: the least
+        assert (a[inverse_mass == 0.0] == 0.0).all()
+        net = load - np.append(f, 0.0) + np.append(0.0, f)
+        moves = inverse_mass > 0.0
+        friction = net[moves] - a[moves] / inverse_mass[moves]
+        at_rest = a[moves] == 0.0
+        assert (np.abs(friction[at_rest]) <= give[moves][at_rest] + 1e-12).all()
+        slides = np.sign(a[moves]) * give[moves]
+        scale = 1.0 + np.abs(a[moves] / inverse_mass[moves])
+        assert (np.abs(friction - slides)[~at_rest] <= 1e-9 * scale[~at_rest]).all()
+
+
+def test_beads_that_move_as_one_have_equal_accelerations():
+    """Three beads behind a wall of force: a push of 1 N on the first, multipliers up to 2 N between them."""
+    a, f = np.zeros(3), np.zeros(2)
+    low, high = np.zeros(2), np.full(2, 2.0)
+    balance(np.ones(3), np.array([1.0, 0.0, 0.0]), np.zeros(3), low, high, a, f, np.zeros((2, 3)), np.zeros((2, 16)))
+    assert a[0] == a[1] == a[2] == pytest.approx(1.0 / 3.0)
+    np.testing.assert_allclose(f, [2.0 / 3.0, 1.0 / 3.0], rtol=1e-15)

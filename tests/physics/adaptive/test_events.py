@@ -1,0 +1,85 @@
+"""No switch is missed: contacts under a steady force, beads on a bed, contacts that are pulled apart at rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
+from softcradle.physics.analysis.closed_forms import one_on_one
+
+from tests.helpers.relations import simulate_quietly
+
+ADAPTIVE = ("radau", "dop853", "accurate")
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_a_bead_thrown_at_a_ceiling_comes_back(method, tolerance):
+    """It rises 4.9 m against gravity, touches at v² = 10² - 2 g 4.9, and falls for the rest of the time."""
+    chain = Chain([1.0, math.inf], hertz(1e6), gap=4.9, drive=[-9.8, 0.0])
+    found = simulate_quietly(chain, [10.0, 0.0], 5.0, method, tolerance=tolerance, samples=2)
+    ((closed, opened),) = found.contact_intervals[0]
+    speed = math.sqrt(100.0 - 2.0 * 9.8 * 4.9)
+    assert closed == pytest.approx((10.0 - speed) / 9.8, abs=1e-9)
+    falls = -speed - 9.8 * (5.0 - opened)
+    assert found.final_velocity[0] == pytest.approx(falls, abs=20.0 * tolerance * 10.0)
+
+
+@pytest.mark.parametrize("seed", range(0, 400, 40))
+def test_no_contact_is_missed_under_random_drives_toward_a_wall(seed):
+    """One bead flies to a wall against or with a steady force; what is exact without the contact tells whether there is one."""
+    for k in range(seed, seed + 40):
+        draw = np.random.default_rng(k)
+        gap, speed, pull = draw.uniform(0.1, 10.0), draw.uniform(0.0, 10.0), draw.uniform(-10.0, 10.0)
+        duration = 10.0 ** draw.uniform(-1.0, 1.0)
+        chain = Chain([1.0, math.inf], hooke(10.0 ** draw.uniform(2, 8)), gap=gap, drive=[pull, 0.0])
+        found = simulate_quietly(chain, [speed, 0.0], duration, tolerance=1e-6, samples=2)
+        highest = speed * duration + 0.5 * pull * duration**2
+        if pull < 0.0 and speed < -pull * duration:
+            highest = max(highest, -0.5 * speed**2 / pull)
+        if abs(highest - gap) > 1e-6:
+            assert bool(found.contact_intervals[0]) == (highest > gap), (k, highest, gap)
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e-2, 1e-4])
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_what_never_touches_changes_nothing(method, stiffness):
+    """The last contact is 50 m away; its stiffness sets no scale for the others."""
+    chain = Chain([100, 0.01, 1, 1], [hooke(1e4), hooke(1e4), hooke(stiffness)], gap=[0.05, 0.05, 50.0], friction=0.3)
+    found = simulate_quietly(chain, [2.0, 2.0, 0.0, 0.0], 0.3, method, samples=2)
+    fine = simulate_quietly(chain, [2.0, 2.0, 0.0, 0.0], 0.3, "conserving", step=2e-6, samples=2)
+    assert found.final_velocity[1] == pytest.approx(2.2520531, abs=1e-6)
+    np.testing.assert_allclose(found.final_velocity, fine.final_velocity, atol=1e-4)
+
+
+@pytest.mark.parametrize("law", [hooke(1.0), hertz(1.0), power_law(1.0, 0.1), draft_gear(1.0, 1.0)], ids=str)
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
+    chain = Chain([1.0, 1.0, 2.0], law, drive=[-1.0, 0.0, 3.0])
+    found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1.0, method, samples=2)
+    np.testing.assert_allclose(found.final_velocity, [-1.0, 0.0, 1.5], atol=1e-12)
+    assert found.steps <= 10
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_a_slide_ends_to_the_digit(method):
+    """A bead that slides alone rests after v / (mu g) and v² / (2 mu g)."""
+    chain = Chain([1.0, 1.0], hooke(1.0), gap=10.0, friction=0.1)
+    found = simulate_quietly(chain, [1.0, 0.0], 3.0, method, samples=[0.5, 3.0])
+    brake = chain.bed[0]
+    assert found.velocity[0, 0] == pytest.approx(1.0 - 0.5 * brake, abs=1e-14)
+    assert found.position[1, 0] - found.position[0, 0] == pytest.approx(0.5 / brake - 0.5 + 0.125 * brake, abs=1e-12)
+    assert found.final_velocity[0] == 0.0
+    assert found.absorbed_by_bed[-1] == pytest.approx(0.5, abs=1e-13)
+
+
+def test_a_contact_with_loss_gives_back_its_part():
+    """Of the energy of a bounce a contact keeps its loss: v1² = (1 - loss) v0² relative to the centre of mass."""
+    law = hertz(3.0, loss=0.36)
+    found = simulate_quietly(Chain([1.0, 1.0], law), [1.0, 0.0], samples=2, tolerance=1e-10)
+    assert np.ptp(found.final_velocity) == pytest.approx(0.8, abs=1e-9)
+    ((closed, opened),) = found.contact_intervals[0]
+    in_time = 0.5 * one_on_one(hertz(3.0), 0.5, 1.0).contact_time
+    assert opened - closed == pytest.approx(in_time * (1.0 + 1.0 / 0.8), rel=1e-6)

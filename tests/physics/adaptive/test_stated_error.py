@@ -1,0 +1,138 @@
+"""Every result of an adaptive method carries its own error, and a motion that rattles ends, with what is determined of it."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law
+from softcradle.physics.adaptive import runner
+from softcradle.physics.problem import Problem
+from softcradle.physics.scales import closing_scale
+from softcradle.physics.state import State
+from softcradle.physics.status import Status, WarningCode
+
+from tests.helpers.relations import simulate_quietly
+
+RATTLES = one_on(15, power_law(1.0, 0.010969857978923836))
+FEW_BOUNCES = Chain(
+    [1.116, 3.101, 0.599, 1.776, 0.249, 0.394, 0.61],
+    [hooke(1.46), hooke(27.17), hooke(9166.89), hertz(2722.02), hertz(11.06), hooke(391.48)],
+)
+
+
+def struck(chain):
+    return [1.0] + [0.0] * chain.contacts
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1.05e-6, 1e-8])
+def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
+    """Some 1e5 bounces at 1e-6 m/s; runs of `conserving` at steps from 1e-2 to 1e-5 end within 3e-5 of each other."""
+    found = simulate_quietly(RATTLES, struck(RATTLES), tolerance=tolerance)
+    assert found.status == Status.UNDETERMINED
+    assert not found.status.gave_up
+    assert [warning.code for warning in found.warnings] == [WarningCode.SENSITIVE]
+    assert found.final_velocity[0] == pytest.approx(-0.87494, abs=1e-4)
+    assert 1e-7 < found.velocity_error.max() < 1e-2
+    fine = simulate_quietly(RATTLES, struck(RATTLES), method="conserving", step=1e-4, samples=2)
+    assert (np.abs(found.final_velocity - fine.final_velocity) < 1e-4 + found.velocity_error).all()
+    assert found.time.size == 201
+    np.testing.assert_allclose(found.velocity[-1], found.final_velocity, atol=1e-12)
+    assert (np.diff(found.time) > 0.0).all()
+    for intervals in found.contact_intervals:  # each closes and opens in turn, across the hand-over too
+        switches = [time for interval in intervals for time in interval]
+        assert (np.diff(switches) >= 0.0).all()
+        assert switches[-1] <= found.time[-1] * (1.0 + 1e-9)
+    assert found.contact_intervals[0][-1][1] > 1.5  # the struck contact stays closed nearly to the end
+
+
+def test_samples_before_the_hand_over_are_those_asked_for():
+    found = simulate_quietly(RATTLES, struck(RATTLES), 1.9, tolerance=1e-6, samples=[0.5, 1.0])
+    assert found.status == Status.UNDETERMINED
+    assert found.time.tolist() == [0.5, 1.0]
+
+
+def test_few_bounces_may_make_errors_grow_and_the_record_says_so():
+    exact = simulate_quietly(FEW_BOUNCES, [1, 1, 0, 0, 0, 0, 0], tolerance=1e-10, samples=2)
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        found = simulate_quietly(FEW_BOUNCES, [1, 1, 0, 0, 0, 0, 0], tolerance=tolerance, samples=2)
+        error = np.abs(found.final_velocity - exact.final_velocity)
+        assert (error <= found.velocity_error + exact.velocity_error).all()
+        assert error.max() < 10.0 * tolerance or found.status == Status.UNDETERMINED
+
+
+@pytest.mark.parametrize("seed", range(0, 60, 10))
+def test_the_stated_error_holds_on_mixes_of_hooke_and_hertz(seed):
+    for k in range(seed, seed + 10):
+        draw = np.random.default_rng(k)
+        n = int(draw.integers(2, 8))
+        laws = [(hooke if draw.random() < 0.6 else hertz)(10.0 ** draw.uniform(0, 4)) for _ in range(n)]
+        chain = Chain(10.0 ** draw.uniform(-0.7, 0.7, n + 1), laws)
+        start = np.where(np.arange(n + 1) < 2, 1.0, 0.0)
+        exact = simulate_quietly(chain, start, tolerance=1e-11, samples=2)
+        for tolerance in (1e-5, 1e-8):
+            found = simulate_quietly(chain, start, tolerance=tolerance, samples=2)
+            error = np.abs(found.final_velocity - exact.final_velocity)
+            assert (error <= found.velocity_error + exact.velocity_error).all(), (k, tolerance, error)
+
+
+def test_fixed_steps_estimate_no_error():
+    found = simulate_quietly(one_on(2, hertz(1.0)), [1, 0, 0], method="conserving", samples=2)
+    assert np.isnan(found.velocity_error).all()
+
+
+def test_a_bead_that_goes_away_does_not_loosen_the_tolerance_of_the_others():
+    chain = Chain([1.0, 1.0, 1.0], hooke(1.0))
+    found = simulate_quietly(chain, [-1e6, 1.0, 0.0], tolerance=1e-4, samples=2)
+    np.testing.assert_allclose(found.final_velocity, [-1e6, 0.0, 1.0], atol=1e-3)
+    assert closing_scale(chain, np.array([-1e6, 1.0, 0.0]), np.zeros(2), None, None) == 1.0
+
+
+def test_a_driven_chain_at_rest_has_the_scale_of_its_own_drive():
+    """A gear that falls 1e-3 m at 1e-18 m/s² closes at 4.5e-11 m/s and bounces back."""
+    chain = Chain([1.0, 2.0, math.inf], draft_gear(1e-3, 1.0), gap=1e-3, drive=[1e-18, 0.0, 0.0])
+    found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1e8, samples=2)
+    assert found.final_velocity[1] == pytest.approx(1.35e-11, rel=0.1)
+    momentum = found.final_velocity[0] + 2.0 * found.final_velocity[1]
+    assert momentum == pytest.approx(1e-18 * 1e8 - 0.0, rel=2.0) or abs(momentum) < 1e-10
+    np.testing.assert_allclose(found.ledger[-1], found.ledger[0], atol=1e-26)
+
+
+def test_a_kernel_hands_back_at_bounded_intervals(monkeypatch):
+    """The same digits whether it is called once or after every 7 steps; a signal is heard in between."""
+    chain = one_on(4, power_law(1.0, 0.1))
+    whole = simulate_quietly(chain, struck(chain), samples=31)
+    monkeypatch.setattr(runner, "PAUSE", 7)
+    parts = simulate_quietly(chain, struck(chain), samples=31)
+    np.testing.assert_array_equal(parts.final_velocity, whole.final_velocity)
+    np.testing.assert_array_equal(parts.overlap, whole.overlap)
+
+
+def run_for_ever(problem):
+    while True:
+        runner.run(problem)
+
+
+@pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="signals reach the main thread")
+def test_a_signal_is_heard_within_a_run(monkeypatch):
+    monkeypatch.setattr(runner, "PAUSE", 50)
+    monkeypatch.setattr(runner, "step_budget", lambda problem: 10_000_000)
+
+    class HeardError(Exception):
+        """The handler ran."""
+
+    def heard(*_):
+        raise HeardError
+
+    before = signal.signal(signal.SIGALRM, heard)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        state = State.at_start(RATTLES, struck(RATTLES))
+        with pytest.raises(HeardError):
+            run_for_ever(Problem(RATTLES, state, "radau", None, 0.0, 1e-8, 2))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
