@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from softcradle.physics.advice.explicit_limits import stable_step as stable_step
@@ -18,12 +18,15 @@ if TYPE_CHECKING:
     from softcradle.physics.contact import power_law as power_law
     from softcradle.physics.contact import step_force as step_force
     from softcradle.physics.methods import METHODS as METHODS
+    from softcradle.physics.own_law import OwnLaw as OwnLaw
     from softcradle.physics.pymunk_contacts.soft_chain import SoftChain as SoftChain
     from softcradle.physics.pymunk_contacts.soft_contact import SoftContact as SoftContact
     from softcradle.physics.simulation import advance as advance
     from softcradle.physics.simulation import simulate as simulate
     from softcradle.physics.state import State as State
+    from softcradle.physics.timed_force import TimedForce as TimedForce
     from softcradle.physics.trajectory import Trajectory as Trajectory
+    from softcradle.physics.warm_up import warm as warm
 
 _HOME = {
     "Contact": "contact",
@@ -32,9 +35,11 @@ _HOME = {
     "hertz": "contact",
     "hooke": "contact",
     "step_force": "contact",
+    "OwnLaw": "own_law",
     "Chain": "chain",
     "one_on": "chain",
     "cluster_on_cluster": "chain",
+    "TimedForce": "timed_force",
     "State": "state",
     "simulate": "simulation",
     "ensemble": "chain_ensemble",
@@ -42,6 +47,7 @@ _HOME = {
     "Trajectory": "trajectory",
     "METHODS": "methods",
     "stable_step": "advice.explicit_limits",
+    "warm": "warm_up",
     "SoftContact": "pymunk_contacts.soft_contact",
     "SoftChain": "pymunk_contacts.soft_chain",
 }
@@ -49,12 +55,14 @@ _HOME = {
 __all__ = list(_HOME)
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'softcradle.physics' has no attribute {name!r}")
-    value = getattr(import_module(f"softcradle.physics.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # a type checker that sees it takes every name for one that exists
+
+    def __getattr__(name: str) -> object:
+        if name not in _HOME:
+            raise AttributeError(f"module 'softcradle.physics' has no attribute {name!r}")
+        value = getattr(import_module(f"softcradle.physics.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -3,17 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, SupportsFloat, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics import notebook_views
+from softcradle.physics.checked_input import (
+    LARGEST,
+    SMALLEST,
+    magnitude,
+    number_array,
+    require_kind,
+    shown,
+    whole_number,
+)
 from softcradle.physics.contact import Contact, stored_energy
+from softcradle.physics.own_law import Law, OwnLaw, is_law
+from softcradle.physics.timed_force import TimedForce, checked_forces, summed
 
 Array = NDArray[np.float64]
 
+OneLaw = Contact | Law | Callable[[float], SupportsFloat]  # a Contact, or a law of one's own
+Laws = OneLaw | Sequence[OneLaw]  # one for all contacts, or one for each
+
+MOST_SHOWN = 4  # different values in the text of a chain
+MOST_BEADS = 10_000_000  # of a cluster: a typing error must not fill the memory
 GRAVITY = 9.80665  # [m/s²], the standard value: bed friction is proportional to it
 
 
@@ -24,18 +41,21 @@ class Parameters(NamedTuple):
     inverse_mass: Array  # (n+1,) [1/kg]; 0 for a wall
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Chain:
     """n+1 masses on a line and n contacts between neighbours, Eq. (3).
 
     Arguments:
         mass: (n+1,) masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
-        contact: one Contact for all, or n of them; kinds mix freely.
+        contact: one Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it takes,
+            is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it.
         gap: distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0 the
             contact is pressed from the start, by the overlap -gap.
         drive: (n+1,) steady external force on each bead [N], or None; it acts from t = 0 on.
         friction: Coulomb coefficient >= 0 of the bed: it holds a bead at rest with up to ``friction * mass * GRAVITY``
             and brakes a sliding one with that. It does not act on walls.
+        forces: forces over time on chosen beads, a TimedForce or several; they add to the drive.
+        brakes: brakes over time on chosen beads, the same: friction of its own for each bead, beside that of the bed.
 
     Raises:
         ValueError: a number out of range, a wrong length, or two walls side by side.
@@ -46,18 +66,22 @@ class Chain:
     """
 
     mass: tuple[float, ...]
-    contact: tuple[Contact, ...]
+    contact: tuple[Contact | OwnLaw, ...]
     gap: tuple[float, ...]
     drive: tuple[float, ...] | None = None
     friction: float = 0.0
+    forces: tuple[TimedForce, ...] = ()
+    brakes: tuple[TimedForce, ...] = ()
 
     def __init__(
         self,
         mass: ArrayLike,
-        contact: Contact | Sequence[Contact],
+        contact: Laws,
         gap: ArrayLike = 0.0,
         drive: ArrayLike | None = None,
         friction: float = 0.0,
+        forces: TimedForce | Sequence[TimedForce] = (),
+        brakes: TimedForce | Sequence[TimedForce] = (),
     ) -> None:
         masses = _checked_masses(mass)
         n = len(masses) - 1
@@ -66,6 +90,20 @@ class Chain:
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
         object.__setattr__(self, "drive", None if drive is None else _checked_drive(drive, n))
         object.__setattr__(self, "friction", _checked_friction(friction))
+        object.__setattr__(self, "forces", checked_forces("forces", forces, n + 1))
+        object.__setattr__(self, "brakes", checked_forces("brakes", brakes, n + 1, brakes=True))
+
+    def __repr__(self) -> str:
+        parts = [f"mass={_shortened(self.mass)}", f"contact={_shortened(self.contact)}"]
+        parts += [f"gap={_shortened(self.gap)}"] if any(self.gap) else []
+        parts += [f"drive={_shortened(self.drive)}"] if self.drive else []
+        parts += [f"friction={self.friction!r}"] if self.friction else []
+        parts += [f"forces={_shortened(self.forces)}"] if self.forces else []
+        parts += [f"brakes={_shortened(self.brakes)}"] if self.brakes else []
+        return f"Chain({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        return notebook_views.html_of(self)
 
     @property
     def contacts(self) -> int:
@@ -83,23 +121,65 @@ class Chain:
         return int(np.argmax(self.mass))
 
     @cached_property
+    def own_laws(self) -> tuple[OwnLaw, ...]:
+        """The different laws of one's own among the contacts, in order; empty where all are preloaded power laws."""
+        return tuple(dict.fromkeys(law for _, law in self.own_contacts))
+
+    @cached_property
+    def own_contacts(self) -> tuple[tuple[int, OwnLaw], ...]:
+        """The contacts with a law of their own: which, and the law."""
+        return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, OwnLaw))
+
+    @cached_property
+    def power_laws(self) -> tuple[Contact, ...]:
+        """The contacts, if all are preloaded power laws.
+
+        Raises:
+            ValueError: one has a law of its own; what asks for this needs preload, stiffness and exponent.
+        """
+        for i, law in self.own_contacts:
+            raise ValueError(
+                f"contact {i}-{i + 1} has a law of its own, {law.name!r}: this takes contacts "
+                "force = preload + stiffness * overlap**exponent only"
+            )
+        return tuple(contact for contact in self.contact if isinstance(contact, Contact))
+
+    @property
     def parameters(self) -> Parameters:
-        """Laws and masses as read-only arrays."""
-        law = np.array([(c.preload, c.stiffness, c.exponent) for c in self.contact])
-        inverse_mass = 1.0 / np.array(self.mass)
-        for array in (law, inverse_mass):
-            array.setflags(write=False)
-        return Parameters(law, inverse_mass)
+        """Laws and masses as read-only arrays. ValueError where a contact has a law of its own."""
+        assert self.power_laws
+        return Parameters(self.law_rows, self.inverse_mass)
+
+    @cached_property
+    def law_rows(self) -> Array:
+        """(n, 3) preload, stiffness, exponent of each contact, read-only; the last two are nan for a law of one's own."""
+        rows = [
+            (c.preload, c.stiffness, c.exponent) if isinstance(c, Contact) else (c.preload, math.nan, math.nan)
+            for c in self.contact
+        ]
+        law = np.array(rows)
+        law.setflags(write=False)
+        return law
+
+    @cached_property
+    def inverse_mass(self) -> Array:
+        """(n+1,) [1/kg], read-only; 0 for a wall."""
+        found: Array = 1.0 / np.array(self.mass)
+        found.setflags(write=False)
+        return found
 
     def stored_energy(self, overlap: ArrayLike) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`."""
-        preload, stiffness, exponent = self.parameters.law.T
-        return stored_energy(preload, stiffness, exponent, overlap)
+        preload, stiffness, exponent = self.law_rows.T
+        found = stored_energy(preload, stiffness, exponent, overlap)
+        for i, law in self.own_contacts:
+            found[..., i] = law.energy(np.asarray(overlap)[..., i])
+        return found
 
     @cached_property
     def inverse_reduced_mass(self) -> Array:
         """(n,) 1/m_i + 1/m_(i+1) of the two beads of each contact [1/kg]: the diagonal of L = B M^-1 B^T."""
-        inverse_mass = self.parameters.inverse_mass
+        inverse_mass = self.inverse_mass
         found: Array = inverse_mass[:-1] + inverse_mass[1:]
         found.setflags(write=False)
         return found
@@ -113,15 +193,57 @@ class Chain:
 
     @cached_property
     def bed(self) -> Array:
-        """(n+1,) deceleration [m/s²] of a bead that slides, 0 for a wall; empty without friction."""
-        bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.friction else np.zeros(0)
+        """(n+1,) deceleration [m/s²] of a bead that slides, by the bed and by brakes, which count with the most that they
+        reach; 0 for a wall; empty without friction and brakes."""
+        bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.on_bed else np.zeros(0)
+        for brake in self.brakes:
+            bed[list(brake.beads)] += max(brake.force) * self.parameters.inverse_mass[list(brake.beads)]
         bed.setflags(write=False)
         return bed
 
+    @property
+    def on_bed(self) -> bool:
+        """Whether beads are braked as they slide, by friction of the bed or by brakes of their own."""
+        return self.friction > 0.0 or bool(self.brakes)
+
     @cached_property
     def dissipative(self) -> bool:
-        """Whether the bed has friction or a contact has loss."""
-        return self.friction > 0.0 or bool(self.loss.any())
+        """Whether beads are braked or a contact has loss."""
+        return self.on_bed or bool(self.loss.any())
+
+    @property
+    def driven(self) -> bool:
+        """Whether a force from outside acts on a bead, steadily or over time."""
+        return self.drive is not None or bool(self.forces)
+
+    @property
+    def lasts(self) -> bool:
+        """Whether a force from outside goes on for ever."""
+        return self.drive is not None or any(item.lasts for item in self.forces)
+
+    @cached_property
+    def timed(self) -> bool:
+        """Whether anything from outside changes with time."""
+        return bool(self.forces) or not all(brake.steady for brake in self.brakes)
+
+    @cached_property
+    def untimed(self) -> Chain:
+        """The chain without forces and brakes over time; its drive stays."""
+        return replace(self, forces=(), brakes=())
+
+    @cached_property
+    def knots(self) -> tuple[float, ...]:
+        """Times [s] at which a force or a brake over time bends or jumps, ascending."""
+        return tuple(sorted({time for item in (*self.forces, *self.brakes) for time in item.time}))
+
+    @cached_property
+    def drives(self) -> tuple[Array, ...]:
+        """The external forces (n+1,) [N] on the beads at all times between which they are linear; () without any."""
+        steady = np.zeros(self.contacts + 1) if self.drive is None else np.array(self.drive)
+        if not self.forces:
+            return () if self.drive is None else (steady,)
+        times = [0.0, *self.knots, *(float(np.nextafter(knot, -math.inf)) for knot in self.knots if knot > 0.0)]
+        return tuple(steady + summed(self.forces, time, self.contacts + 1) for time in times)
 
     @cached_property
     def drive_force(self) -> Array | None:
@@ -133,66 +255,87 @@ class Chain:
         return force
 
 
+def _shortened(values: Sequence[object]) -> str:
+    """The values as text: one with their number where all are the same, else the first ones."""
+    if all(value == values[0] for value in values):
+        return f"{len(values)} x {values[0]!r}"
+    return f"[{', '.join(map(repr, values[:MOST_SHOWN]))}{', ...' if len(values) > MOST_SHOWN else ''}]"
+
+
 def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
-    masses = np.asarray(mass, dtype=np.float64)
+    masses = number_array("mass", mass)
     if masses.ndim != 1 or len(masses) < 2:
-        raise ValueError(f"a chain needs a list of at least 2 masses, not shape {masses.shape}")
-    if np.isnan(masses).any() or (masses <= 0.0).any():
-        raise ValueError(f"every mass must be > 0 (inf is a wall), not {masses[~(masses > 0.0)][0]!r}")
+        raise ValueError(f"a chain needs a list of at least 2 masses, not {shown(mass)}")
+    for value in masses[~((masses >= SMALLEST) & (masses <= LARGEST))].tolist():
+        if value != math.inf:
+            magnitude("every mass (inf is a wall)", value)
     infinite = np.isinf(masses)
     if (infinite[:-1] & infinite[1:]).any():
         raise ValueError("two walls side by side: a contact between them could never be solved")
     return tuple(masses.tolist())
 
 
-def _checked_contacts(contact: Contact | Sequence[Contact], n: int) -> tuple[Contact, ...]:
-    contacts = (contact,) * n if isinstance(contact, Contact) else tuple(contact)
+def _checked_contacts(contact: Laws, n: int) -> tuple[Contact | OwnLaw, ...]:
+    one = isinstance(contact, Contact) or is_law(contact)
+    if not (one or isinstance(contact, Sequence)) or isinstance(contact, str):
+        raise ValueError(
+            f"contact must be a Contact or a list of them, such as power_law(1.0, 0.1); not {shown(contact)}"
+        )
+    contacts = (_contact(contact),) * n if one else tuple(map(_contact, cast("Sequence[object]", contact)))
     if len(contacts) != n:
         raise ValueError(f"{n + 1} masses need one contact for all or {n} contacts, not {len(contacts)}")
-    for item in contacts:
-        if not isinstance(item, Contact):
-            raise ValueError(f"every contact must be a Contact, not {item!r}")
     return contacts
 
 
+def _contact(item: object) -> Contact | OwnLaw:
+    """A contact as it is, a law of one's own as an OwnLaw."""
+    if isinstance(item, OwnLaw):
+        return item
+    if not isinstance(item, Contact) and is_law(item):
+        return OwnLaw(cast("Law", item))
+    require_kind("every contact", item, Contact)
+    return cast("Contact", item)
+
+
 def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
-    gaps = np.asarray(gap, dtype=np.float64)
+    gaps = number_array("gap", gap)
     if gaps.ndim > 1 or (gaps.ndim == 1 and len(gaps) != n):
         raise ValueError(f"{n + 1} masses need one gap for all or {n} gaps, not shape {gaps.shape}")
-    if not np.isfinite(gaps).all():
-        raise ValueError(f"every gap must be a finite number, not {gap!r}")
+    if not (np.abs(gaps) <= LARGEST).all():
+        raise ValueError(f"every gap must be a number up to {LARGEST:g}, not {shown(gap)}")
     return tuple(np.broadcast_to(gaps, (n,)).tolist())
 
 
 def _checked_drive(drive: ArrayLike, n: int) -> tuple[float, ...] | None:
     """The forces as a tuple, or None where all are 0: such a chain is not driven."""
-    forces = np.asarray(drive, dtype=np.float64)
+    forces = number_array("drive", drive)
     if forces.shape != (n + 1,):
-        raise ValueError(f"{n + 1} masses need {n + 1} drive forces, not shape {forces.shape}")
-    if not np.isfinite(forces).all():
-        raise ValueError("every drive force must be finite")
+        raise ValueError(f"{n + 1} masses need {n + 1} drive forces, not {shown(drive)}")
+    if not (np.abs(forces) <= LARGEST).all():
+        raise ValueError(f"every drive force must be a number up to {LARGEST:g}, not {shown(drive)}")
     return tuple(forces.tolist()) if forces.any() else None
 
 
 def _checked_friction(friction: float) -> float:
-    value = float(friction)
-    if not (math.isfinite(value) and value >= 0.0):
-        raise ValueError(f"friction must be a finite number >= 0, not {friction!r}")
-    return value
+    return magnitude("friction", friction, zero=True)
 
 
-def one_on(n: int, contact: Contact | Sequence[Contact], mass: ArrayLike = 1.0) -> Chain:
+def one_on(n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
     """A striker and a target cluster of `n` >= 1 beads, all just touching; Fig. 1. `mass` [kg]: one for all or n+1."""
     return cluster_on_cluster(1, n, contact, mass)
 
 
-def cluster_on_cluster(m: int, n: int, contact: Contact | Sequence[Contact], mass: ArrayLike = 1.0) -> Chain:
+def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
     """`m` >= 1 beads that strike `n` >= 1 beads, all just touching; Appendix A (ii). `mass` [kg]: one for all or m+n."""
+    m, n = whole_number("the number of strikers", m), whole_number("the number of targets", n)
     if m < 1 or n < 1:
         raise ValueError(f"a cluster needs at least one bead, not {min(m, n)}")
-    masses = np.full(m + n, mass, dtype=np.float64) if np.ndim(mass) == 0 else np.asarray(mass, dtype=np.float64)
-    if len(masses) != m + n:
-        raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {len(masses)}")
+    if m + n > MOST_BEADS:
+        raise ValueError(f"a chain has at most {MOST_BEADS} beads, not {m + n}")
+    masses = number_array("mass", mass)
+    if masses.shape not in ((), (m + n,)):
+        raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {shown(mass)}")
+    masses = np.broadcast_to(masses, m + n)
     return Chain(masses, contact)
 
 

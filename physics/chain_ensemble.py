@@ -9,6 +9,7 @@ from itertools import repeat
 
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain
+from softcradle.physics.checked_input import shown, whole_number
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 
@@ -48,6 +49,10 @@ def ensemble(
     >>> [float(found.final_velocity[0].round(3)) for found in ensemble(chains, [[1, 0, 0]] * 3)]
     [-0.13, -0.238, -0.333]
     """
+    if isinstance(chains, Chain):
+        raise ValueError("ensemble takes a list of chains and a list of velocities for each; simulate takes one chain")
+    if workers is not None and whole_number("workers", workers) < 1:
+        raise ValueError(f"workers must be at least 1, not {shown(workers)}")
     count = len(chains)
     durations, steps = _spread("durations", duration, count), _spread("steps", step, count)
     if len(velocities) != count:

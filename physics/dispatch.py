@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from softcradle.physics import force_pieces
 from softcradle.physics.chain import Chain
 from softcradle.physics.methods import Family, find_method
 from softcradle.physics.problem import Problem, Record, Runner
@@ -11,15 +12,14 @@ from softcradle.physics.status import Status
 def runner_of(method: str, chain: Chain) -> Runner:
     """The runner that carries out `method` on `chain`, imported on first use: numba, pymunk and SciPy load with theirs.
 
-    Fixed steps carry friction and loss in their kernels, adaptive methods and the reference from one change of stick and
-    slip to the next.
+    Kernels of fixed steps and of adaptive methods carry friction and loss; the reference has a runner of its own for them.
     """
     family = find_method(method).family
     runner = _runner(family)
-    if chain.dissipative and family in (Family.ADAPTIVE, Family.REFERENCE):
-        from softcradle.physics.friction.piecewise import PiecewiseRunner
+    if chain.dissipative and family is Family.REFERENCE:
+        from softcradle.physics.reference import dissipative_runner
 
-        return PiecewiseRunner(runner)
+        return dissipative_runner
     return runner
 
 
@@ -45,9 +45,17 @@ def _runner(family: Family) -> Runner:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion by its method; ``problem.state`` stays as it is."""
-    return runner_of(problem.method, problem.chain).run(problem)
+    return force_pieces.run(problem, _run) if problem.chain.timed else _run(problem)
 
 
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place, by its method."""
+    return force_pieces.advance(problem, _advance) if problem.chain.timed else _advance(problem)
+
+
+def _run(problem: Problem) -> Record:
+    return runner_of(problem.method, problem.chain).run(problem)
+
+
+def _advance(problem: Problem) -> Status:
     return runner_of(problem.method, problem.chain).advance(problem)

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from softcradle.physics.chain import Chain
 
 
 class Family(Enum):
@@ -26,7 +31,9 @@ class Method:
         set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
         family: the runner that carries it out.
         summary: one line for menus.
+        purpose: what to take it for.
         dissipative: True: carries bed friction and contacts with loss.
+        own_laws: True: carries contacts with laws of one's own.
     """
 
     name: str
@@ -35,23 +42,109 @@ class Method:
     set_valued: bool
     family: Family
     summary: str
+    purpose: str
     dissipative: bool = True
+    own_laws: bool = False
 
 
 METHODS: tuple[Method, ...] = (
-    Method("euler", 1, False, False, Family.FIXED_STEP, "symplectic Euler, what one pymunk step does"),
-    Method("verlet", 2, False, False, Family.FIXED_STEP, "leapfrog"),
-    Method("yoshida4", 4, False, False, Family.FIXED_STEP, "fourth-order composition of leapfrogs", False),
-    Method("conserving", 2, False, True, Family.FIXED_STEP, "discrete gradient: energy exact at any step"),
-    Method("radau", 5, True, True, Family.ADAPTIVE, "implicit, adaptive, every contact law"),
-    Method("dop853", 8, True, True, Family.ADAPTIVE, "explicit, adaptive, for contacts that are not soft"),
-    Method("accurate", 8, True, True, Family.ADAPTIVE, "dop853 where no contact is stiff, radau where one is"),
-    Method("pymunk", 1, False, False, Family.PYMUNK, "bodies in a pymunk Space; the digits of euler"),
-    Method("scipy", 8, True, True, Family.REFERENCE, "the reference: solve_ivp between located contact switches"),
+    Method(
+        "euler",
+        1,
+        False,
+        False,
+        Family.FIXED_STEP,
+        "symplectic Euler, what one pymunk step does",
+        "to see what a step of pymunk does",
+        own_laws=True,
+    ),
+    Method(
+        "verlet",
+        2,
+        False,
+        False,
+        Family.FIXED_STEP,
+        "leapfrog",
+        "Hertz and Hooke contacts at errors of 1e-3 to 1e-5",
+        own_laws=True,
+    ),
+    Method(
+        "yoshida4",
+        4,
+        False,
+        False,
+        Family.FIXED_STEP,
+        "fourth-order composition of leapfrogs",
+        "Hertz and Hooke contacts at errors of 1e-5, without friction or loss",
+        dissipative=False,
+        own_laws=True,
+    ),
+    Method(
+        "conserving",
+        2,
+        False,
+        True,
+        Family.FIXED_STEP,
+        "discrete gradient: energy exact at any step",
+        "live use and long runs: energy and momentum to round-off",
+        own_laws=True,
+    ),
+    Method(
+        "radau",
+        5,
+        True,
+        True,
+        Family.ADAPTIVE,
+        "implicit, adaptive, every contact law",
+        "soft contacts and draft gears, to a tolerance",
+    ),
+    Method(
+        "dop853",
+        8,
+        True,
+        True,
+        Family.ADAPTIVE,
+        "explicit, adaptive, for contacts that are not soft",
+        "Hertz and Hooke contacts, to a tolerance",
+    ),
+    Method(
+        "accurate",
+        8,
+        True,
+        True,
+        Family.ADAPTIVE,
+        "dop853 where no contact is stiff, radau where one is",
+        "wherever the answer matters; the default",
+    ),
+    Method(
+        "pymunk",
+        1,
+        False,
+        False,
+        Family.PYMUNK,
+        "bodies in a pymunk Space; the digits of euler",
+        "to compare with the engine of a game",
+        own_laws=True,
+    ),
+    Method(
+        "scipy",
+        8,
+        True,
+        True,
+        Family.REFERENCE,
+        "the reference: solve_ivp between located contact switches",
+        "to check the others: slow, shares no code with them",
+        own_laws=True,
+    ),
 )
 
 
 AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted error, see softcradle.physics.advice.choose
+
+
+def known_methods() -> list[str]:
+    """What `simulate` takes as a method, "auto" first."""
+    return [AUTO, *(method.name for method in METHODS)]
 
 
 def refusal(method: Method) -> str:
@@ -62,9 +155,29 @@ def refusal(method: Method) -> str:
     return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or 'accurate'"
 
 
+def refusal_of(method: str, chain: Chain) -> str:
+    """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
+    found = None if method == AUTO else find_method(method)
+    if chain.own_laws and (found is None or not found.own_laws):
+        law = chain.own_laws[0].name
+        return (
+            f"method {method!r} takes contacts force = preload + stiffness * overlap**exponent, not a law of your own, "
+            f"{law!r}: take 'conserving', 'verlet' or 'scipy'"
+        )
+    if not chain.dissipative or found is None:
+        return ""
+    if chain.own_laws and found.family is Family.REFERENCE:
+        return "method 'scipy' carries laws of your own without bed friction and contacts with loss only: take 'conserving'"
+    return refusal(found)
+
+
 def find_method(name: str) -> Method:
-    """The Method called `name`; ValueError with the names there are."""
+    """The Method called `name`; ValueError with the nearest name and all names there are."""
+    if not isinstance(name, str):
+        raise ValueError(f"method must be a name such as 'accurate', not a {type(name).__name__}")
     for method in METHODS:
         if method.name == name:
             return method
-    raise ValueError(f"unknown method {name!r}; there are {', '.join(m.name for m in METHODS)}")
+    near = difflib.get_close_matches(name, known_methods(), n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    raise ValueError(f"unknown method {name!r}; {hint}there are {', '.join(known_methods())}")

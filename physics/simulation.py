@@ -11,16 +11,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import dispatch
 from softcradle.physics.advice.explicit_limits import coarse_warnings, explicit_warnings
+from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
-from softcradle.physics.methods import AUTO, Method, find_method, refusal
+from softcradle.physics.checked_input import magnitude, number_array, real_number, require_kind, shown, whole_number
+from softcradle.physics.compile_log import log_compilation
+from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
-from softcradle.physics.scales import default_step
+from softcradle.physics.scales import default_step, require_computable
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
 
 Array = NDArray[np.float64]
 
+LEAST_TOLERANCE = 1e-16  # nothing finer can be told from round-off
+MOST_SAMPLED = 100_000_000  # samples times beads: about 3 GB; a typing error must not fill the memory
 FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
 FALLBACK_STEPS = 100  # steps in which it does
 
@@ -40,7 +45,7 @@ def simulate(
         chain: the Chain.
         velocity: (n+1,) start velocities [m/s].
         duration: time to run [s]; None runs until every contact is open and none can close again (with bed friction: not
-            before the beads have slid to rest either), or all beads rest. A chain with a drive needs one.
+            before the beads have slid to rest either), or all beads rest. A chain with a force that lasts needs one.
         method: a name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
             on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
             pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
@@ -75,9 +80,11 @@ def solve(
         return _solve_by_choice(chain, velocity, duration, step, samples, tolerance)
     chosen = find_method(method)
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
+    log_compilation()
     began = perf_counter()
     record = dispatch.run(problem)
     record.seconds = record.seconds or perf_counter() - began
+    record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:
         record.warnings += explicit_warnings(problem, record)
     elif problem.step:
@@ -96,6 +103,8 @@ def _solve_by_choice(
     """The run by the method and fineness that `auto` chooses."""
     from softcradle.physics.advice.choose import choose
 
+    require_kind("chain", chain, Chain)
+    _require_carried(AUTO, chain)
     _require(step is None, "method 'auto' chooses its own steps: give a tolerance, the wanted error, instead of a step")
     _problem(chain, velocity, duration, find_method("accurate"), None, samples, error)  # refuses what is out of range
     choice = choose(chain, velocity, duration, error)
@@ -128,15 +137,22 @@ def move(
     chain: Chain, state: State, duration: float, method: str, step: float | None, tolerance: float, most_steps: int
 ) -> None:
     """What :func:`advance` does, with its warnings in ``state.warnings`` alone."""
+    require_kind("chain", chain, Chain)
+    require_kind("state", state, State)
+    _require(
+        len(state.overlap) == chain.contacts, f"the state has {len(state.overlap)} contacts, the chain {chain.contacts}"
+    )
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
-    _require(not chain.dissipative or chosen.dissipative, refusal(chosen))
-    _require(duration >= 0.0 and math.isfinite(duration), f"duration must be a finite time >= 0, not {duration!r}")
-    _require(most_steps > 0, f"most_steps must be at least 1, not {most_steps!r}")
+    _require_carried(method, chain)
+    duration = real_number("duration", duration)
+    _require(math.isfinite(duration) and duration >= 0.0, f"duration must be a finite number >= 0, not {duration!r}")
+    _require(whole_number("most_steps", most_steps) > 0, f"most_steps must be at least 1, not {shown(most_steps)}")
     length = _step(chain, state, chosen, step)
     fineness = tolerance if chosen.adaptive else 0.0
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
+    log_compilation()
     state.warnings = ()
     state.status = dispatch.advance(problem)
     if state.status.gave_up:
@@ -163,13 +179,19 @@ def _require(condition: bool | np.bool_, sentence: str) -> None:
         raise ValueError(sentence)
 
 
+def _require_carried(method: str, chain: Chain) -> None:
+    """Raise ValueError where the method does not take such a chain."""
+    reason = refusal_of(method, chain)
+    _require(not reason, reason)
+
+
 def _step(chain: Chain, state: State, method: Method, step: float | None) -> float:
     if step is not None:
-        _require(math.isfinite(step) and step > 0.0, f"step must be a finite time > 0, not {step!r}")
+        length = magnitude("step", step)
         _require(
             not method.adaptive, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step"
         )
-        return float(step)
+        return length
     return 0.0 if method.adaptive else default_step(chain, state.velocity(chain))
 
 
@@ -182,15 +204,16 @@ def _problem(
     samples: int | ArrayLike,
     tolerance: float,
 ) -> Problem:
-    _require(not chain.dissipative or method.dissipative, refusal(method))
     state = State.at_start(chain, velocity)
+    _require_carried(method.name, chain)
+    require_computable(chain, state.velocity(chain))
     if duration is None:
         _require(chain.walls < 2, "a chain with two walls may never come apart: give a duration")
-        _require(chain.drive is None, "a driven chain may never come apart: give a duration")
+        _require(not chain.lasts, "a driven chain may never come apart: give a duration")
     else:
-        _require(math.isfinite(duration) and duration >= 0.0, f"duration must be a finite time >= 0, not {duration!r}")
-        duration = float(duration)
-    _require(math.isfinite(tolerance) and tolerance > 0.0, f"tolerance must be > 0, not {tolerance!r}")
+        duration = magnitude("duration", duration, zero=True)
+    tolerance = magnitude("tolerance", tolerance)
+    _require(tolerance >= LEAST_TOLERANCE, f"tolerance must be at least {LEAST_TOLERANCE:g}, not {tolerance:g}")
     return Problem(
         chain=chain,
         state=state,
@@ -198,16 +221,20 @@ def _problem(
         duration=duration,
         step=_step(chain, state, method, step),
         tolerance=tolerance if method.adaptive else 0.0,
-        samples=_samples(samples, duration),
+        samples=_samples(samples, duration, chain),
     )
 
 
-def _samples(samples: int | ArrayLike, duration: float | None) -> int | Array:
-    if isinstance(samples, (int, np.integer)):
-        _require(samples >= 2, f"samples must be at least 2 (start and end), not {samples}")
-        return int(samples)
-    times = np.array(samples, dtype=np.float64)
-    _require(times.ndim == 1 and times.size > 0, "sample times must be a list of at least one time")
+def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain) -> int | Array:
+    most = MOST_SAMPLED // (chain.contacts + 1)
+    if np.ndim(samples) == 0:
+        count = whole_number("samples", samples)
+        _require(
+            2 <= count <= most, f"samples must be from 2 (start and end) to {most} of these beads, not {shown(samples)}"
+        )
+        return count
+    times = number_array("samples", samples).copy()
+    _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
     _require(math.isfinite(times[-1]), "sample times must be finite")
     _require(duration is None or times[-1] <= duration, f"sample times must lie within the duration {duration}")
@@ -232,8 +259,10 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         seconds=record.seconds,
         status=record.status,
         warnings=record.warnings,
+        velocity_error=record.velocity_error,
         absorbed_by_contacts=record.absorbed[:, 0],
         absorbed_by_bed=record.absorbed[:, 1],
+        given=record.given,
     )
 
 

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import trajectory_file
+from softcradle.physics import notebook_views, trajectory_file, trajectory_tables
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import from_anchor
 from softcradle.physics.status import Status, Warnings
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -20,7 +26,7 @@ def _nothing() -> Array:
     return np.zeros(0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Samples of a motion, when each contact closed and opened, and what it cost.
 
@@ -36,10 +42,12 @@ class Trajectory:
         method, step, tolerance: how it was made; step in s (0 for adaptive methods), tolerance 0 for fixed steps.
         steps, evaluations, seconds: cost: steps, evaluations of all contact forces, wall time of the solver [s].
         status: how the run ended; where it gave up, `final_velocity` is that of the time it reached.
+        velocity_error: (n+1,) estimated error [m/s] of `final_velocity`; nan where the method estimates none (fixed steps).
         warnings: what may be wrong with it, each with a code, a sentence and its numbers; empty when nothing is.
         choice: what method "auto" chose and why; "" where the method was given.
         absorbed_by_contacts, absorbed_by_bed: (T,) energy [J] that contacts with loss and bed friction have taken since
             t = 0: kinetic + contact energy + both = that at the start + `driven`.
+        given: (T, 2) work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out.
     """
 
     chain: Chain
@@ -59,13 +67,19 @@ class Trajectory:
     status: Status = Status.DONE
     warnings: Warnings = ()
     choice: str = ""
+    velocity_error: Array = field(default_factory=_nothing)
     absorbed_by_contacts: Array = field(default_factory=_nothing)
     absorbed_by_bed: Array = field(default_factory=_nothing)
+    given: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
+        if self.velocity_error.size != self.final_velocity.size:
+            object.__setattr__(self, "velocity_error", np.full(self.final_velocity.size, np.nan))
         for name in ("absorbed_by_contacts", "absorbed_by_bed"):
             if getattr(self, name).size != self.time.size:
                 object.__setattr__(self, name, np.zeros(self.time.size))
+        if len(self.given) != self.time.size:
+            object.__setattr__(self, "given", np.zeros((self.time.size, 2)))
 
     @cached_property
     def position(self) -> Array:
@@ -106,19 +120,19 @@ class Trajectory:
 
     @cached_property
     def driven(self) -> Array:
-        """(T,) work [J] of the chain's drive since t = 0."""
+        """(T,) work [J] of the chain's drive and forces over time since t = 0."""
         if self.chain.drive_force is None:
-            return np.zeros(self.time.size)
+            return self.given[:, 0]
         start = np.concatenate(([0.0], np.cumsum(self.chain.gap)))
         work: Array = (self.position - start) @ self.chain.drive_force
-        return work
+        return work + self.given[:, 0]
 
     @cached_property
     def impulse(self) -> Array:
-        """(T,) momentum [N s] that the chain's drive has given to the beads since t = 0, walls left out."""
+        """(T,) momentum [N s] that the drive and forces over time have given to the beads since t = 0, walls left out."""
         if self.chain.drive_force is None:
-            return np.zeros(self.time.size)
-        return self.time * self.chain.drive_force[self._bead].sum()
+            return self.given[:, 1]
+        return self.time * self.chain.drive_force[self._bead].sum() + self.given[:, 1]
 
     @cached_property
     def _bead(self) -> NDArray[np.bool_]:
@@ -145,18 +159,58 @@ class Trajectory:
 
     def to_csv(self, path: trajectory_file.Path) -> None:
         """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""
+        trajectory_file.write_csv(path, self._columns())
+
+    def to_xarray(self) -> xr.Dataset:
+        """The samples as an xarray Dataset, over time, bead and contact; units are attributes. Extra [notebook]."""
+        return trajectory_tables.dataset(self._columns(), self._attributes())
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The samples as a pandas DataFrame with the columns of :meth:`to_csv`, time as the index. Extra [notebook]."""
+        return trajectory_tables.data_frame(self._columns(), self._attributes())
+
+    def plot(self) -> Figure:
+        """Velocities and forces over time, in the style of the paper's figures. Extra [figures]."""
+        return notebook_views.figure_of(self)
+
+    def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> notebook_views.InlineFilm:
+        """A film of the samples, which a notebook plays: `slow` seconds for one of motion, else six in all. Extra [film]."""
+        return notebook_views.film_of(self, slow, size)
+
+    def __repr__(self) -> str:
+        end = "gave up" if self.status.gave_up else self.status.name.lower()
+        how = f"step {self.step:.3g} s" if self.step else f"tolerance {self.tolerance:.3g}"
+        times = (
+            f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {self.time.size} samples"
+            if self.time.size
+            else "no samples"
+        )
+        return f"Trajectory of {self.chain.contacts + 1} beads, {times}, by {self.method} ({how}), {end}"
+
+    def _repr_html_(self) -> str:
+        return notebook_views.html_of(self)
+
+    def _attributes(self) -> dict[str, str | float]:
+        return {
+            "method": self.method,
+            "step": self.step,
+            "tolerance": self.tolerance,
+            "status": self.status.name.lower(),
+        }
+
+    def _columns(self) -> list[trajectory_file.Columns]:
+        """The samples as columns of a table."""
         beads = [f" {i}" for i in range(self.chain.contacts + 1)]
         contacts = [f" {i}-{i + 1}" for i in range(self.chain.contacts)]
-        columns = [
+        return [
             trajectory_file.Columns("time", "s", [""], self.time),
-            trajectory_file.Columns("position", "m", beads, self.position),
-            trajectory_file.Columns("velocity", "m/s", beads, self.velocity),
-            trajectory_file.Columns("overlap", "m", contacts, self.overlap),
-            trajectory_file.Columns("force", "N", contacts, self.force),
+            trajectory_file.Columns("position", "m", beads, self.position, "bead"),
+            trajectory_file.Columns("velocity", "m/s", beads, self.velocity, "bead"),
+            trajectory_file.Columns("overlap", "m", contacts, self.overlap, "contact"),
+            trajectory_file.Columns("force", "N", contacts, self.force, "contact"),
             trajectory_file.Columns("kinetic energy", "J", [""], self.kinetic_energy),
             trajectory_file.Columns("contact energy", "J", [""], self.contact_energy),
             trajectory_file.Columns("momentum", "N s", [""], self.momentum),
             trajectory_file.Columns("absorbed by contacts", "J", [""], self.absorbed_by_contacts),
             trajectory_file.Columns("absorbed by bed", "J", [""], self.absorbed_by_bed),
         ]
-        trajectory_file.write_csv(path, columns)

@@ -21,10 +21,16 @@ from softcradle.physics.atomic_files import output_file
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
+from softcradle.physics.timed_force import TimedForce
 from softcradle.physics.version import version
 
-FORMAT = 3
-READABLE = (1, 2, 3)  # format 1 has neither loss nor friction, 2 neither status nor codes of warnings
+FORMAT = 4
+READABLE = (
+    1,
+    2,
+    3,
+    4,
+)  # 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time
 
 Array = NDArray[np.float64]
 Path = str | PathLike[str]
@@ -32,12 +38,16 @@ Intervals = tuple[tuple[tuple[float, float], ...], ...]
 
 
 class Columns(NamedTuple):
-    """Columns of a table: ``quantity + name [unit]`` for each of the names, and their values (T,) or (T, len(names))."""
+    """Columns of a table: ``quantity + name [unit]`` for each of the names, and their values (T,) or (T, len(names)).
+
+    `each` is what the names number: "bead", "contact", or "" for a single column.
+    """
 
     quantity: str
     unit: str
     names: Sequence[str]
     values: Array
+    each: str = ""
 
 
 def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array]) -> None:
@@ -45,7 +55,14 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
 
     Raises:
         OSError: it cannot be written.
+        ValueError: the chain has a law of one's own, a function, which no file holds.
     """
+    if values["chain"].own_laws:
+        name = values["chain"].own_laws[0].name
+        raise ValueError(
+            f"{path}: a trajectory with a law of your own, {name!r}, cannot be read back from an .npz file: "
+            "save a .csv by to_csv(), or the Dataset of to_xarray()"
+        )
     arrays = {name: value for name, value in {**values, **extra}.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in values.items() if name not in arrays}
     arrays["contact_intervals"] = _interval_rows(plain.pop("contact_intervals"))
@@ -66,7 +83,7 @@ def load_motion(path: Path) -> dict[str, Any]:
     arrays, plain = _read(path)
     for name in ("position", "velocity"):
         arrays.pop(name, None)
-    chain = _chain(plain.pop("chain"))
+    chain = chain_from_table(plain.pop("chain"))
     return {
         **arrays,
         **{name: value for name, value in plain.items() if name not in ("format", "versions")},
@@ -81,8 +98,13 @@ def write_csv(path: Path, columns: Sequence[Columns]) -> None:
     """Write one row a sample to the .csv file `path`, whole or not at all; the header names quantity and unit."""
     with output_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow([f"{part.quantity}{name} [{part.unit}]" for part in columns for name in part.names])
+        writer.writerow(titles(columns))
         writer.writerows(np.column_stack([part.values for part in columns]).tolist())
+
+
+def titles(columns: Sequence[Columns]) -> list[str]:
+    """The title of each column: quantity, name and unit."""
+    return [f"{part.quantity}{name} [{part.unit}]" for part in columns for name in part.names]
 
 
 def versions() -> dict[str, str]:
@@ -123,8 +145,10 @@ def _read(path: Path) -> tuple[dict[str, Array], dict[str, Any]]:
     return contents, metadata
 
 
-def _chain(stored: dict[str, Any]) -> Chain:
-    return Chain(**{**stored, "contact": [Contact(**numbers) for numbers in stored["contact"]]})
+def chain_from_table(stored: dict[str, Any]) -> Chain:
+    """The chain of which `stored` is ``asdict(chain)``; keys that earlier versions did not write have their defaults."""
+    timed = {name: [TimedForce(**item) for item in stored.get(name, ())] for name in ("forces", "brakes")}
+    return Chain(**{**stored, **timed, "contact": [Contact(**numbers) for numbers in stored["contact"]]})
 
 
 def _intervals(rows: Array, contacts: int) -> Intervals:

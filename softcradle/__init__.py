@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from softcradle.physics import METHODS as METHODS
     from softcradle.physics import Chain as Chain
     from softcradle.physics import Contact as Contact
+    from softcradle.physics import OwnLaw as OwnLaw
     from softcradle.physics import SoftChain as SoftChain
     from softcradle.physics import SoftContact as SoftContact
     from softcradle.physics import State as State
+    from softcradle.physics import TimedForce as TimedForce
     from softcradle.physics import Trajectory as Trajectory
     from softcradle.physics import advance as advance
     from softcradle.physics import cluster_on_cluster as cluster_on_cluster
@@ -30,24 +32,34 @@ if TYPE_CHECKING:
     from softcradle.physics import simulate as simulate
     from softcradle.physics import stable_step as stable_step
     from softcradle.physics import step_force as step_force
+    from softcradle.physics import warm as warm
+    from softcradle.sandbox.notebook.window_view import play as play
+    from softcradle.sandbox.sweeps.run_sweep import sweep as sweep
 
+    __version__: str
+
+_OF_SANDBOX = {"play": "notebook.window_view", "sweep": "sweeps.run_sweep"}  # public names that are no physics
 _CHECKOUT = Path(__file__).parents[1]
 if not (Path(__file__).parent / "physics").is_dir() and (_CHECKOUT / "physics" / "__init__.py").is_file():
     __path__.append(str(_CHECKOUT))  # a wheel holds the three folders in this one, a checkout beside it
 
 
-def __getattr__(name: str) -> Any:
-    physics = import_module("softcradle.physics")
-    if name == "__version__":
-        from softcradle.physics.version import version
+if not TYPE_CHECKING:  # a type checker that sees it takes every name for one that exists
 
-        return version()
-    if name == "__all__":  # for `from softcradle import *`, which would otherwise give the imports of this file
-        return physics.__all__
-    if name not in physics.__all__:
-        raise AttributeError(f"module 'softcradle' has no attribute {name!r}")
-    return getattr(physics, name)
+    def __getattr__(name: str) -> object:
+        physics = import_module("softcradle.physics")
+        if name == "__version__":
+            from softcradle.physics.version import version
+
+            return version()
+        if name == "__all__":  # for `from softcradle import *`, which would otherwise give the imports of this file
+            return [*physics.__all__, *_OF_SANDBOX]
+        if name in _OF_SANDBOX:
+            return getattr(import_module(f"softcradle.sandbox.{_OF_SANDBOX[name]}"), name)
+        if name not in physics.__all__:
+            raise AttributeError(f"module 'softcradle' has no attribute {name!r}")
+        return getattr(physics, name)
 
 
 def __dir__() -> list[str]:
-    return sorted([*import_module("softcradle.physics").__all__, "__version__"])
+    return sorted([*import_module("softcradle.physics").__all__, "__version__", *_OF_SANDBOX])

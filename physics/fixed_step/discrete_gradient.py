@@ -175,7 +175,7 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     if dissipation is not None and dissipation.bed.size:
         bead_velocities(rate, chain.anchor_bead, motion.anchor[1], beads[START_VELOCITY])
     used = solve_contacts(
-        h, chain.law, dissipation, diagonal, inverse_mass, outside, free, overlap, rate, end, force, beads, work
+        h, chain.law, chain.own, dissipation, diagonal, inverse_mass, outside, free, overlap, rate, end, force, beads, work
     )  # fmt: skip
     if used < 0 and not forced:
         return used, 1.0

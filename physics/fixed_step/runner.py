@@ -26,8 +26,10 @@ from softcradle.physics.kernel_records import (
     larger_log,
     log_warnings,
     motion_record,
+    require_finite_motion,
 )
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
     SAMPLE,
@@ -48,7 +50,7 @@ DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "con
 MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
 _march: Any = march  # its arguments are unpacked from tuples, which type checkers cannot count
-_loaded: set[tuple[str, bool]] = set()  # (method, dissipative) whose kernels are in memory
+_loaded: set[tuple[str, bool, bool]] = set()  # (method, dissipative, with own laws) whose kernels are in memory
 
 
 @dataclass
@@ -75,7 +77,8 @@ class Scratch:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
-    key = problem.method, problem.chain.dissipative
+    chain_records(problem.chain, problem.state)  # compiles laws of one's own
+    key = problem.method, problem.chain.dissipative, bool(problem.chain.own_laws)
     if key not in _loaded:  # so that the cost measured is that of the motion
         _pass(problem, problem.state.time, NO_TIMES, False)
         _loaded.add(key)
@@ -121,9 +124,10 @@ def _march_chain(problem: Problem, state: State, end: float, stop: bool, scratch
     data, dissipation = chain_records(chain, state)
     method = _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method]
     records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log)
-    status, time = _march(
-        *method, problem.step, state.time, end, stop, MOST_STEPS, data, dissipation, *records, scratch.beads, scratch.work
-    )  # fmt: skip
+    span = problem.step, state.time, end, stop, MOST_STEPS
+    with kernel_arithmetic():
+        status, time = _march(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
+    require_finite_motion(chain, state)
     return status, time
 
 
@@ -131,7 +135,8 @@ def _kind(method: str, chain: Chain) -> int:
     """The kind of step that the loop takes."""
     if method == "conserving":
         return DISCRETE_GRADIENT
-    return SPLITTING_SIMD if chain.contacts >= LONG and not chain.dissipative else SPLITTING
+    scalar = chain.dissipative or chain.own_laws  # vector code has the power law alone
+    return SPLITTING if scalar or chain.contacts < LONG else SPLITTING_SIMD
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:

@@ -25,8 +25,8 @@ import math
 import numpy as np
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.contact_law import energy
-from softcradle.physics.numerics.contact_law import force as law_force
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.own_contacts import force_at
 from softcradle.physics.numerics.switches import any_switched
 
 _OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
@@ -58,9 +58,9 @@ def drift(part, chain, dissipation, motion):
 @inlined
 def push(chain, dissipation, motion):
     """The contact forces at the present overlaps."""
-    law, force = chain.law, motion.force
+    law, own, force = chain.law, chain.own, motion.force
     for i in range(force.size):
-        force[i] = law_force(law[i, 0], law[i, 1], law[i, 2], motion.overlap[i])
+        force[i] = force_at(law, own, i, motion.overlap[i])
         if dissipation is not None and motion.rate[i] < 0.0:
             force[i] *= 1.0 - dissipation.loss[i]
 

@@ -14,8 +14,10 @@ import numpy as np
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.splitting import split_steps
 from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
-from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
+from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
+from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.meeting import flight_time, meets_again
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
@@ -70,42 +72,6 @@ def largest(values):
 
 
 @inlined
-def flight_time(overlap, rate, still):
-    """Time until the first contact closes if none pushes; inf when none closes faster than `still`."""
-    first = math.inf
-    for i in range(overlap.size):
-        if rate[i] > still:
-            first = min(first, -overlap[i] / rate[i])
-    return first
-
-
-@jit
-def sliding_path(velocity, deceleration):
-    """How far a bead slides until it rests, v²/(2 mu g) with the sign of v; a wall goes on for ever."""
-    if deceleration > 0.0:
-        return 0.5 * velocity * abs(velocity) / deceleration
-    return math.copysign(math.inf, velocity) if velocity != 0.0 else 0.0
-
-
-@inlined
-def closes_again(chain, dissipation, motion, still, velocity):
-    """Whether two beads that are apart will meet if no contact pushes; rates up to `still` are round-off.
-
-    `velocity` (n+1,) is scratch memory.
-    """
-    if dissipation is None or dissipation.bed.size == 0:
-        return flight_time(motion.overlap, motion.rate, still) < math.inf
-    bed = dissipation.bed
-    bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
-    for i in range(motion.overlap.size):
-        if motion.rate[i] > still:
-            ahead, behind = sliding_path(velocity[i], bed[i]), sliding_path(velocity[i + 1], bed[i + 1])
-            if motion.overlap[i] + ahead - behind > 0.0:
-                return True
-    return False
-
-
-@inlined
 def fly(steps, h, motion):
     """Take whole steps of free flight at once."""
     for i in range(motion.overlap.size):
@@ -127,7 +93,10 @@ def march(
     motion, spare = Motion(*motion_fields), Motion(*spare_fields)
     counter, wanted = log.counter, samples.time
     bed = dissipation is not None and dissipation.bed.size > 0
+    brakes = chain.inverse_mass[:0] if dissipation is None else dissipation.bed
     still = STANDSTILL * largest(motion.rate)
+    between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
+    rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
     closed, rests, time = log_switches(start, start, motion, log), False, start
     while True:
         sampling = counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
@@ -139,7 +108,7 @@ def march(
             if time > end - h * GRID_TOLERANCE:
                 return DONE, end
             free = closed == 0 and chain.push.size == 0
-            if stop and (rests or (free and not closes_again(chain, dissipation, motion, still, beads[0]))):
+            if stop and (rests or (free and not meets_again(chain, brakes, motion, still, beads[0]))):
                 return SEPARATED, time
             if counter[STEP] >= most_steps:
                 return OUT_OF_STEPS, time
@@ -174,6 +143,8 @@ def march(
         rests = rests and at_rest(motion)
         counter[STEP] += taken
         before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
+        if between_walls:
+            keep_wall_distance(now - start, motion, rates, overlaps)
         closed = log_switches(before, now, motion, log)  # a run of steps ends with the first switch
         if last:
             return DONE, end

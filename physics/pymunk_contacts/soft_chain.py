@@ -1,23 +1,4 @@
-"""SoftChain: the contacts of a row of pymunk bodies, solved together so that no step is too large.
-
-A cradle in ten lines of pymunk that keeps its energy in steps of a sixtieth of a second, whatever the contacts:
-
->>> import pymunk
->>> from softcradle import SoftChain, hertz
->>> space = pymunk.Space()
->>> balls = [pymunk.Body(mass=1, moment=1) for _ in range(5)]
->>> for i, ball in enumerate(balls):
-...     ball.position = i, 0
->>> balls[0].velocity = 1, 0
->>> chain = SoftChain(balls, hertz(100), touching_distances=1)
->>> space.add(*balls, *chain)
->>> for _ in range(90):
-...     space.step(1 / 60)
->>> [round(ball.velocity.x, 2) for ball in balls]
-[-0.07, -0.03, -0.01, 0.13, 0.99]
->>> round(sum(ball.velocity.length**2 / 2 for ball in balls) + chain.energy, 12)
-0.5
-"""
+"""SoftChain: the contacts of a row of pymunk bodies, solved together so that no step is too large."""
 
 from __future__ import annotations
 
@@ -29,6 +10,7 @@ from typing import Any
 import numpy as np
 import pymunk
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.checked_input import number_array, require_kind, shown
 from softcradle.physics.contact import Contact
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
@@ -64,7 +46,29 @@ class SoftChain:
     Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
     and strings (pin joints, taut slide joints) to kinematic and static bodies are known before the contacts are solved. Other
     joints are expected to act as in the last step, so one that stops a body within a step takes energy. A body that is moved
-    or given another velocity between steps continues from there. Copy and pickle of the Space include the chain.
+    or given another velocity between steps continues from there. Copy and pickle of the Space include the chain. A body belongs
+    to one SoftChain, and leaves the Space with it.
+
+    Joints have errors of their own: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of
+    its energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
+
+    A cradle in ten lines of pymunk that keeps its energy in steps of a sixtieth of a second, whatever the contacts:
+
+    >>> import pymunk
+    >>> from softcradle import SoftChain, hertz
+    >>> space = pymunk.Space()
+    >>> balls = [pymunk.Body(mass=1, moment=1) for _ in range(5)]
+    >>> for i, ball in enumerate(balls):
+    ...     ball.position = i, 0
+    >>> balls[0].velocity = 1, 0
+    >>> chain = SoftChain(balls, hertz(100), touching_distances=1)
+    >>> space.add(*balls, *chain)
+    >>> for _ in range(90):
+    ...     space.step(1 / 60)
+    >>> [round(ball.velocity.x, 2) for ball in balls]
+    [-0.07, -0.03, -0.01, 0.13, 0.99]
+    >>> round(sum(ball.velocity.length**2 / 2 for ball in balls) + chain.energy, 12)
+    0.5
     """
 
     _contacts: tuple[Contact, ...]
@@ -87,6 +91,9 @@ class SoftChain:
         """
         if method not in CHAIN_METHODS:
             raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {method!r}")
+        require_kind("bodies", bodies, Sequence)
+        for body in bodies:
+            require_kind("every body", body, pymunk.Body)
         if len(bodies) < 2 or len(set(bodies)) < len(bodies):
             raise ValueError(f"a SoftChain needs at least 2 different bodies, not {len(set(bodies))}")
         self.method = method
@@ -120,7 +127,7 @@ class SoftChain:
         found = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,) * n
         if len(found) != n or not all(isinstance(contact, Contact) for contact in found):
             raise ValueError(
-                f"a SoftChain of {n + 1} bodies needs one Contact for all or {n} of them, not {contacts!r}"
+                f"a SoftChain of {n + 1} bodies needs one Contact for all or {n} of them, not {shown(contacts)}"
             )
         self._contacts = found
         self._law = np.array([(contact.preload, contact.stiffness, contact.exponent) for contact in found])
@@ -134,9 +141,9 @@ class SoftChain:
     @touching_distances.setter
     def touching_distances(self, distances: ArrayLike) -> None:
         n = len(self.bodies) - 1
-        found = np.array(distances, dtype=np.float64)
+        found = number_array("touching_distances", distances).copy()
         if found.shape not in ((), (n,)) or not (np.isfinite(found) & (found > 0.0)).all():
-            raise ValueError(f"touching_distances must be one or {n} finite numbers > 0, not {distances!r}")
+            raise ValueError(f"touching_distances must be one or {n} finite numbers > 0, not {shown(distances)}")
         if self._step:
             self._overlap += found - self._touching
         self._touching = np.broadcast_to(found, (n,)).copy()
@@ -186,6 +193,7 @@ class SoftChain:
         self._unread = [0.0] * n  # if the solver raises, the other links push with 0 and there is one error
         space = link.a.space or link.b.space
         assert space is not None
+        self._require_own_bodies(space)
         step = space.current_time_step
         outside = SpaceForces.of(space, self.bodies, step)
         bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
@@ -205,6 +213,22 @@ class SoftChain:
         if not solved:
             warnings.warn(
                 "the contacts of a SoftChain did not converge: take a smaller step", RuntimeWarning, stacklevel=2
+            )
+
+    def _require_own_bodies(self, space: pymunk.Space) -> None:
+        """RuntimeError where a body has been removed from the Space, or belongs to another SoftChain there too."""
+        for i, body in enumerate(self.bodies):
+            if body.space is not space and body.body_type == pymunk.Body.DYNAMIC:
+                raise RuntimeError(
+                    f"body {i} of a SoftChain is not in the Space: remove the chain too, space.remove(*chain)"
+                )
+        if self._step:
+            return
+        others = {link for body in self.bodies for link in body.constraints if isinstance(link, _Link)} - {*self._links}
+        if others and not others.isdisjoint(space.constraints):
+            raise RuntimeError(
+                "a body belongs to two SoftChains: each would solve its contacts without the other's; make one chain of the "
+                "row, or join them by a SoftContact"
             )
 
     def _end_step(self) -> None:

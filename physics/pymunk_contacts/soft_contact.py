@@ -1,42 +1,19 @@
-"""Soft contacts for pymunk: constraints that only push, ``force = F + K * overlap**a``, in anyone's Space.
-
-A cradle in ten lines of pymunk, three balls at rest hit by a fourth:
-
->>> import pymunk
->>> from softcradle import SoftContact, hertz
->>> space = pymunk.Space()
->>> balls = [pymunk.Body(mass=1, moment=1) for _ in range(4)]
->>> for i, ball in enumerate(balls):
-...     ball.position = i, 0
-...     space.add(ball)
->>> for a, b in zip(balls, balls[1:]):
-...     space.add(SoftContact(a, b, (0, 0), (0, 0), touching_distance=1, contact=hertz(1e4)))
->>> balls[0].velocity = 1, 0
->>> for _ in range(1000):
-...     space.step(1e-4)
->>> [round(ball.velocity.x, 2) for ball in balls]
-[-0.07, -0.03, 0.38, 0.72]
-"""
+"""Soft contacts for pymunk: constraints that only push, ``force = F + K * overlap**a``, in anyone's Space."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import pymunk
+from softcradle.physics.checked_input import magnitude, require_kind, shown
 from softcradle.physics.contact import Contact
+from softcradle.physics.own_law import Law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
 from softcradle.physics.pymunk_contacts.post_step import raise_after_step
 
 Pair = tuple[float, float]
-
-
-class Law(Protocol):
-    """What a SoftContact needs of its `contact`: a Contact has it, and a law of your own may."""
-
-    def force(self, overlap: float, /) -> Any:
-        """Force [N] at `overlap` > 0 [m]."""
 
 
 class SoftContact(pymunk.DampedSpring):
@@ -53,6 +30,23 @@ class SoftContact(pymunk.DampedSpring):
     so it is always a Python callback.
 
     Copy and pickle include it, but not a `force_func` of your own.
+
+    A cradle in ten lines of pymunk, three balls at rest hit by a fourth:
+
+    >>> import pymunk
+    >>> from softcradle import SoftContact, hertz
+    >>> space = pymunk.Space()
+    >>> balls = [pymunk.Body(mass=1, moment=1) for _ in range(4)]
+    >>> for i, ball in enumerate(balls):
+    ...     ball.position = i, 0
+    ...     space.add(ball)
+    >>> for a, b in zip(balls, balls[1:]):
+    ...     space.add(SoftContact(a, b, (0, 0), (0, 0), touching_distance=1, contact=hertz(1e4)))
+    >>> balls[0].velocity = 1, 0
+    >>> for _ in range(1000):
+    ...     space.step(1e-4)
+    >>> [round(ball.velocity.x, 2) for ball in balls]
+    [-0.07, -0.03, 0.38, 0.72]
     """
 
     _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + [  # noqa: RUF005 - as its base class writes it
@@ -87,6 +81,10 @@ class SoftContact(pymunk.DampedSpring):
         :raises ValueError: the distance is not a finite number > 0, or `contact` has no force.
         :raises RuntimeError: `native` is True and compiled code cannot be had; the message says why.
         """
+        require_kind("a", a, pymunk.Body)
+        require_kind("b", b, pymunk.Body)
+        if a is b:
+            raise ValueError("a SoftContact needs two different bodies: a and b are the same")
         distance = _checked_distance(touching_distance)
         super().__init__(a, b, anchor_a, anchor_b, distance, 0.0, 0.0)
         self.collide_bodies = False
@@ -111,6 +109,9 @@ class SoftContact(pymunk.DampedSpring):
             return 0.0
         try:
             force = spring._law(overlap)
+            if not math.isfinite(force):
+                raise ValueError(f"a law must give a finite force, not {force!r} at an overlap of {overlap:.6g} m")
+            _require_in_space(spring)
             return force if spring._loss == 0.0 or spring.rate >= 0.0 else (1.0 - spring._loss) * force
         except BaseException as error:  # KeyboardInterrupt too, which pymunk would only print
             raise_after_step(spring, error)
@@ -213,17 +214,21 @@ class SoftContact(pymunk.DampedSpring):
             law[3], law[4] = self._touching_distance, self._known_overlap
 
 
+def _require_in_space(spring: SoftContact) -> None:
+    """RuntimeError where a body that moves has been removed from the Space and its contact has not."""
+    for body in (spring.a, spring.b):
+        if body.space is None and body.body_type == pymunk.Body.DYNAMIC:
+            raise RuntimeError("a body of a SoftContact is not in the Space: remove its contacts with it")
+
+
 def _checked_distance(distance: float) -> float:
-    value = float(distance)
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"touching_distance must be a finite number > 0, not {distance!r}")
-    return value
+    return magnitude("touching_distance", distance)
 
 
 def _scalar_law(contact: Law) -> Callable[[float], float]:
     """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.contact_law."""
     if not callable(getattr(contact, "force", None)):
-        raise ValueError(f"contact must be a Contact or have a method force(overlap), not {contact!r}")
+        raise ValueError(f"contact must be a Contact or have a method force(overlap), not {shown(contact)}")
     if not isinstance(contact, Contact):
         return lambda overlap: float(contact.force(overlap))
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent

@@ -44,6 +44,7 @@ def test_energy_can_be_read_from_the_bodies_alone(law):
         assert stored + kinetic == pytest.approx(0.5, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [1e-4, 1e-2, 0.1, 0.25])
 @pytest.mark.parametrize("law", [power_law(10.0, 0.1), hertz(1e4), draft_gear(770.0, 0.0177)], ids=str)
 def test_no_step_is_too_large(law, step):

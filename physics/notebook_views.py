@@ -1,0 +1,58 @@
+"""Views of a notebook: physics asks for them, the sandbox, which lies above, draws them."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from importlib import import_module
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from softcradle.physics.extras import needed_for
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, repr=False)
+class InlineFilm:
+    """An .mp4 film that a notebook plays. `data` are its bytes, `size` its pixels."""
+
+    data: bytes
+    size: tuple[int, int]
+
+    def __repr__(self) -> str:
+        return f"InlineFilm of {self.size[0]}x{self.size[1]} pixels, {len(self.data) / 1e3:.0f} kB"
+
+    def _repr_html_(self) -> str:
+        source = f"data:video/mp4;base64,{base64.b64encode(self.data).decode()}"
+        return f'<video controls loop autoplay muted width="{self.size[0]}" src="{source}"></video>'
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the film to the .mp4 file `path`."""
+        Path(path).write_bytes(self.data)
+
+
+def figure_of(shown: object) -> Figure:
+    """The figure of a Trajectory or a Scene."""
+    with needed_for("plot()", "figures"):
+        figure: Figure = _module("figure_view").figure_of(shown)
+        return figure
+
+
+def film_of(shown: object, slow: float | None, size: tuple[int, int]) -> InlineFilm:
+    """The film of a Trajectory or a Scene."""
+    with needed_for("film()", "film"):
+        film: InlineFilm = _module("film_view").film_of(shown, slow, size)
+        return film
+
+
+def html_of(shown: object) -> str:
+    """The table of a Trajectory, a Scene or a Chain, with a picture where matplotlib is installed."""
+    html: str = _module("html_view").html_of(shown)
+    return html
+
+
+def _module(name: str) -> Any:
+    return import_module(f"softcradle.sandbox.notebook.{name}")

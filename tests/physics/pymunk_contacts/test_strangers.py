@@ -1,0 +1,141 @@
+"""Soft contacts as strangers use them: bodies removed, shared or static, laws that give no number: an error, or it works."""
+
+from __future__ import annotations
+
+import math
+
+import pymunk
+import pytest
+from softcradle.physics import SoftChain, SoftContact, hertz
+
+STEP = 1 / 240
+
+
+def row(count, space, first=0.0):
+    bodies = [pymunk.Body(1, 1) for _ in range(count)]
+    for i, body in enumerate(bodies):
+        body.position = first + i, 0
+    space.add(*bodies)
+    return bodies
+
+
+def kinetic(bodies):
+    return sum(0.5 * body.mass * body.velocity.length**2 for body in bodies)
+
+
+def steps(space, count):
+    for _ in range(count):
+        space.step(STEP)
+
+
+class NoNumber:
+    def force(self, overlap):
+        return math.nan if overlap > 0.01 else 1.0
+
+
+def test_a_law_that_gives_no_number():
+    space = pymunk.Space()
+    a, b = row(2, space)
+    space.add(SoftContact(a, b, (0, 0), (0, 0), 1.0, NoNumber()))
+    a.velocity = 1, 0
+    with pytest.raises(ValueError, match=r"finite force, not nan at an overlap of 0.0"):
+        steps(space, 20)
+
+
+def test_a_body_removed_whose_contact_stays():
+    space = pymunk.Space()
+    a, b = row(2, space)
+    space.add(SoftContact(a, b, (0, 0), (0, 0), 1.0, hertz(100.0), native=False))
+    a.velocity = 1, 0
+    space.step(STEP)
+    space.remove(b)
+    with pytest.raises(RuntimeError, match="remove its contacts with it"):
+        steps(space, 20)
+
+
+@pytest.mark.parametrize("gone", [0, 2, 4])
+def test_a_body_removed_whose_chain_stays(gone):
+    space = pymunk.Space()
+    bodies = row(5, space)
+    chain = SoftChain(bodies, hertz(100.0), 1.0)
+    space.add(*chain)
+    bodies[0].velocity = 1, 0
+    space.step(STEP)
+    space.remove(bodies[gone])
+    with pytest.raises(RuntimeError, match=f"body {gone} of a SoftChain is not in the Space"):
+        steps(space, 20)
+
+
+def test_two_chains_that_share_a_body():
+    space = pymunk.Space()
+    bodies = row(5, space)
+    space.add(*SoftChain(bodies[:3], hertz(100.0), 1.0), *SoftChain(bodies[2:], hertz(100.0), 1.0))
+    bodies[0].velocity = 1, 0
+    with pytest.raises(RuntimeError, match="two SoftChains"):
+        space.step(STEP)
+
+
+def test_a_chain_made_anew_takes_the_place_of_one_that_was_removed():
+    space = pymunk.Space()
+    bodies = row(4, space)
+    old = SoftChain(bodies, hertz(50.0), 1.0)
+    space.add(*old)
+    space.step(STEP)
+    space.remove(*old)
+    chain = SoftChain(bodies, hertz(100.0), 1.0)
+    space.add(*chain)
+    bodies[0].velocity = 1, 0
+    steps(space, 1200)
+    assert kinetic(bodies) == pytest.approx(0.5, abs=1e-12)
+
+
+def test_two_chains_joined_by_a_contact():
+    """In small steps, for a SoftContact is symplectic Euler."""
+    space = pymunk.Space()
+    bodies = row(4, space)
+    space.add(*SoftChain(bodies[:2], hertz(100.0), 1.0), *SoftChain(bodies[2:], hertz(100.0), 1.0))
+    space.add(SoftContact(bodies[1], bodies[2], (0, 0), (0, 0), 1.0, hertz(100.0)))
+    bodies[0].velocity = 1, 0
+    for _ in range(4000):
+        space.step(1e-3)
+    assert kinetic(bodies) == pytest.approx(0.5, rel=0.02)
+
+
+def test_a_static_body_needs_no_place_in_the_space():
+    space = pymunk.Space()
+    (ball,) = row(1, space)
+    ball.velocity = 1, 0
+    wall = pymunk.Body(body_type=pymunk.Body.STATIC)
+    wall.position = 1.5, 0
+    space.add(*SoftChain([ball, wall], hertz(100.0), 1.0))
+    steps(space, 480)
+    assert ball.velocity.x == pytest.approx(-1.0, abs=1e-12)
+
+
+def swing_energy(count, seconds):
+    """Energy after and before of a row of pendulums on PinJoints, the first of them released at 0.5 rad."""
+    space = pymunk.Space()
+    space.gravity = 0, -9.81
+    bodies = [pymunk.Body(1, 1e9) for _ in range(count)]
+    for i, body in enumerate(bodies):
+        angle = -0.5 if i == 0 else 0.0
+        body.position = 0.1 * i + math.sin(angle), -math.cos(angle)
+        space.add(body, pymunk.PinJoint(space.static_body, body, (0.1 * i, 0), (0, 0)))
+    chain = SoftChain(bodies, hertz(1e7), 0.1) if count > 1 else None
+    space.add(*(chain or ()))
+
+    def energy():
+        heights = [1.0 + body.position.y + 0.5 * STEP * body.velocity.y for body in bodies]
+        return kinetic(bodies) + 9.81 * sum(heights) + (chain.energy if chain else 0.0)
+
+    start = energy()
+    steps(space, round(seconds / STEP))
+    return energy() / start
+
+
+@pytest.mark.slow
+def test_a_cradle_on_pin_joints_loses_what_pin_joints_lose():
+    """The numbers are those of the docstring of SoftChain."""
+    plain, cradle = swing_energy(1, 60.0), swing_energy(5, 60.0)
+    assert plain == pytest.approx(1.0 - 0.055, abs=0.005)
+    assert cradle == pytest.approx(1.0 - 0.041, abs=0.01)
