@@ -1,1 +1,1 @@
-"""The independent reference: SciPy's integrators on a right-hand side that shares no kernel with what it checks."""
+"""What the rest is checked against, sharing no kernel with it: SciPy's integrators, and collocation in extended precision."""

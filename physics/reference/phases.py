@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.reference.laws import Laws
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -44,11 +45,9 @@ class System:
     def __init__(self, chain: Chain, push: Array | None, speed: float, depth: Array, tolerance: float) -> None:
         self.n = chain.contacts
         self.anchor = chain.anchor
-        self.preload = np.array([c.preload for c in chain.contact])
-        self.stiffness = np.array([c.stiffness for c in chain.contact])
-        self.exponent = np.array([c.exponent for c in chain.contact])
+        self.laws = Laws(chain, depth)
+        self.stiff = self.laws.stiff
         self.inverse_mass = 1.0 / np.array(chain.mass)
-        self.stiff = bool((self.stiffness * (self.exponent < 1.0)).any())
         self.push = np.zeros(self.n + 1) if push is None else push
         self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
         # an overlap d of energy F d changes velocities by the square root of d
@@ -57,7 +56,7 @@ class System:
         self.relative = max((RELATIVE_STIFF if self.stiff else RELATIVE_SMOOTH) * tolerance, FINEST)
         anchor = [float(depth.max()) * self.relative, speed * self.relative]
         self.absolute = np.concatenate((0.1 * self.least_overlap, np.full(self.n, 0.1 * self.relative * speed), anchor))
-        self.capacity = self.law(self.least_overlap)
+        self.capacity = self.laws.force(self.least_overlap)
         self.difference = difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         self.coupling = difference * self.inverse_mass @ difference.T
         self.pushed = difference @ (self.inverse_mass * self.push)
@@ -68,11 +67,6 @@ class System:
         net[:-1] -= force
         net[1:] += force
         return net * self.inverse_mass
-
-    def law(self, overlap: Array) -> Array:
-        """(n,) forces of loaded contacts."""
-        force: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
-        return force
 
 
 @dataclass
@@ -102,16 +96,15 @@ class Phase:
 
     def force(self, overlap: Array) -> Array:
         """(n,) forces of all contacts [N]: by the law where loaded, multipliers where touching."""
-        loaded = np.where(self.mode == LOADED, self.system.law(overlap), 0.0)
+        loaded = np.where(self.mode == LOADED, self.system.laws.force(overlap), 0.0)
         return loaded + self.carried @ loaded + self.carried_push
 
     def shown_overlap(self, overlap: Array, force: Array) -> Array:
         """(n,) overlaps for samples: a contact without preload that counts as touching has the overlap of its force."""
-        system = self.system
-        small = (self.mode == TOUCHING) & (system.preload == 0.0)
-        shown = overlap.copy()
-        shown[small] = (np.maximum(force[small], 0.0) / system.stiffness[small]) ** (1.0 / system.exponent[small])
-        return shown
+        resting = self.mode == TOUCHING
+        return (
+            np.where(resting, self.system.laws.resting_overlap(force, overlap), overlap) if resting.any() else overlap
+        )
 
     def slope(self, y: Array) -> Array:
         """Right-hand side: (2n+2,) time derivative of y."""
@@ -128,12 +121,9 @@ class Phase:
         return change
 
     def jacobian(self, y: Array) -> Array:
-        """(2n+2, 2n+2) derivative of the slope; at overlap 0, where that of a power law may be infinite, 0."""
+        """(2n+2, 2n+2) derivative of the slope."""
         system, n = self.system, self.system.n
-        pressed = (self.mode == LOADED) & (y[:n] > 0.0)
-        stiffness = np.zeros(n)
-        law = system.exponent[pressed] * system.stiffness[pressed]
-        stiffness[pressed] = law * y[:n][pressed] ** (system.exponent[pressed] - 1.0)
+        stiffness = np.where(self.mode == LOADED, system.laws.slope(y[:n]), 0.0)
         by_overlap = (np.eye(n) + self.carried) * stiffness
         matrix = np.zeros((y.size, y.size))
         matrix[:n, n : 2 * n] = np.eye(n)

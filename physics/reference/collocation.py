@@ -1,0 +1,126 @@
+"""Radau IIA collocation of any order in extended precision: nodes, coefficients, and what the polynomials of a step tell.
+
+    V_p = v + h sum_q A_pq v'_q,   D_p = d + c_p h w + h**2 sum_q (A**2)_pq w'_q        (stages p = 1 ... s)
+
+The last stage is the end of the step; the order is 2 s - 1, and a force that is infinitely stiff is damped at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Extended = (
+    np.longdouble
+)  # 64 bits of mantissa on x86, 113 on ARM with Linux; where it is double, the reference is no finer
+Array = NDArray[np.longdouble]
+EPSILON = float(np.finfo(Extended).eps)
+
+
+@dataclass(frozen=True)
+class Tableau:
+    """Radau IIA with `stages` stages on [0, 1].
+
+    Attributes:
+        node: (s,) the nodes c; the last is 1.
+        once: (s, s) the matrix A: integrals of the polynomial through values at the nodes, up to each node.
+        twice: (s, s) A**2.
+        legendre: (s, s) from values at the nodes to coefficients of shifted Legendre polynomials.
+        bernstein: (s+2, s) from second derivatives at the nodes to Bernstein coefficients of their double integral.
+        bernstein_once: (s+1, s) the same of their integral.
+        bernstein_value: (s, s) the same of the polynomial itself.
+    """
+
+    stages: int
+    node: Array
+    once: Array
+    twice: Array
+    legendre: Array
+    bernstein: Array
+    bernstein_once: Array
+    bernstein_value: Array
+
+
+@cache
+def tableau(stages: int) -> Tableau:
+    """The Tableau with so many stages."""
+    node = _nodes(stages)
+    value = _legendre(2.0 * node - 1.0, stages)
+    weight = node / (stages**2 * value[stages - 1] ** 2)
+    degree = np.arange(stages)
+    legendre = (2 * degree + 1)[:, None] * weight * value[:stages]
+    once = _integrals(value, node, stages).T @ legendre
+    power = _powers(stages) @ legendre  # from values at the nodes to coefficients of 1, t, t**2, ...
+    first = power / (degree + 1)[:, None]
+    second = first / (degree + 2)[:, None]
+    zero = np.zeros((1, stages), dtype=Extended)
+    return Tableau(
+        stages, node, once, once @ once, legendre,
+        _to_bernstein(np.vstack((zero, zero, second))), _to_bernstein(np.vstack((zero, first))), _to_bernstein(power),
+    )  # fmt: skip
+
+
+def _legendre(x: Array, most: int) -> Array:
+    """(most+1, ...) Legendre polynomials of degrees 0 to `most` at x in [-1, 1]."""
+    found = [np.ones_like(x), x]
+    for k in range(1, most):
+        found.append(((2 * k + 1) * x * found[k] - k * found[k - 1]) / Extended(k + 1))
+    return np.array(found[: most + 1])
+
+
+def _nodes(stages: int) -> Array:
+    """(s,) roots of P_s - P_(s-1), on [0, 1]: by bisection between those of its derivative's double-precision roots."""
+    series = np.zeros(stages + 1)
+    series[stages], series[stages - 1] = 1.0, -1.0
+    x = np.sort(np.polynomial.legendre.legroots(series).real).astype(Extended)
+    x[-1] = 1.0
+    for _ in range(4):  # Newton's iteration doubles the digits of the inner nodes
+        inner = x[:-1]
+        value = _legendre(inner, stages)
+        slope = _legendre_slope(value, inner, stages) - _legendre_slope(value, inner, stages - 1)
+        x[:-1] = inner - (value[stages] - value[stages - 1]) / slope
+    return (x + 1.0) / 2.0
+
+
+def _legendre_slope(value: Array, x: Array, degree: int) -> Array:
+    if degree == 0:
+        return np.zeros_like(x)
+    found: Array = degree * (x * value[degree] - value[degree - 1]) / (x**2 - 1.0)
+    return found
+
+
+def _integrals(value: Array, node: Array, stages: int) -> Array:
+    """(s, s) integrals from 0 to each node of the shifted Legendre polynomials."""
+    rows = [node]
+    rows += [(value[k + 1] - value[k - 1]) / Extended(2 * (2 * k + 1)) for k in range(1, stages)]
+    return np.array(rows)
+
+
+def _powers(stages: int) -> Array:
+    """(s, s) column k: coefficients of 1, t, t**2, ... of the shifted Legendre polynomial of degree k."""
+    found = np.zeros((stages, stages), dtype=Extended)
+    found[0, 0] = 1.0
+    if stages > 1:
+        found[0, 1], found[1, 1] = -1.0, 2.0
+    for k in range(1, stages - 1):
+        shifted = np.roll(found[:, k], 1)
+        shifted[0] = 0.0
+        found[:, k + 1] = ((2 * k + 1) * (2.0 * shifted - found[:, k]) - k * found[:, k - 1]) / Extended(k + 1)
+    return found
+
+
+def _to_bernstein(power: Array) -> Array:
+    """From coefficients of powers (k+1, ...) to Bernstein coefficients of the same degree k."""
+    degree = power.shape[0] - 1
+    choose = [[Extended(_binomial(i, j)) / _binomial(degree, j) for j in range(degree + 1)] for i in range(degree + 1)]
+    return np.array(choose) @ power
+
+
+def _binomial(n: int, k: int) -> int:
+    found = 1
+    for j in range(k):
+        found = found * (n - j) // (j + 1)
+    return found if k <= n else 0

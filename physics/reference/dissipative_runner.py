@@ -1,0 +1,95 @@
+"""Method `scipy` on chains with bed friction or loss: the collocation of this room, which finds stick and slip by itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.contact import is_closed
+from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
+from softcradle.physics.reference.extended_run import MOST_STEPS, ExtendedRun, ReferenceGaveUpError
+from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
+
+Array = NDArray[np.float64]
+
+LOCAL = 0.1  # of the wanted error: the local error of a step
+
+
+@dataclass
+class _Recorder:
+    """A run that notes when contacts close and open."""
+
+    run: ExtendedRun
+    closed: NDArray[np.bool_]
+    switches: list[tuple[float, int]] = field(default_factory=list)
+    status: Status = Status.DONE
+    warnings: Warnings = ()
+
+    def until(self, end: float) -> None:
+        """Move on to `end`, or, where that is inf, until the motion is over; a run that gives up stays where it is."""
+        try:
+            while self.run.time < end and not self.status.gave_up:
+                if math.isinf(end) and self.run.is_over():
+                    self.status = Status.SEPARATED
+                    return
+                self.run.step(end)
+                self._note()
+        except ReferenceGaveUpError as error:
+            sentence = f"scipy gave up {error}; what follows repeats the state at that time: take 'conserving'"
+            self.status = Status.OUT_OF_STEPS
+            self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": float(self.run.time)}),)
+
+    def _note(self) -> None:
+        point = self.run.point
+        now = is_closed(point.overlap.astype(np.float64), point.force.astype(np.float64))
+        self.switches.extend((float(self.run.time), int(i)) for i in np.flatnonzero(now != self.closed))
+        self.closed = now
+
+
+def _recorder(problem: Problem) -> _Recorder:
+    state = problem.state.copy()
+    most = problem.most_steps or MOST_STEPS
+    return _Recorder(
+        ExtendedRun(problem.chain, state, LOCAL * problem.tolerance, most_steps=most),
+        np.zeros(problem.chain.contacts, dtype=bool),
+    )
+
+
+def run(problem: Problem) -> Record:
+    """Compute the whole motion; ``problem.state`` stays as it is."""
+    return run_to_end(problem, _pass)
+
+
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place."""
+    state, recorder = problem.state, _recorder(problem)
+    recorder.until(problem.end)
+    end = recorder.run.reached()
+    state.time = end.time
+    state.switches += len(recorder.switches)
+    for name in ("overlap", "rate", "anchor", "force", "absorbed"):
+        getattr(state, name)[:] = getattr(end, name)
+    return recorder.status
+
+
+def _pass(problem: Problem, end: float, times: Array, _stop: bool) -> Record:
+    recorder = _recorder(problem)
+    rows = empty_samples(times.size, problem.chain.contacts)
+    for k, time in enumerate(times):
+        recorder.until(float(time))
+        _fill(rows, k, recorder.run.reached())
+    recorder.until(end)
+    return Record(
+        times, *rows[:4],
+        np.array([contact for _, contact in recorder.switches], dtype=np.int64),
+        np.array([time for time, _ in recorder.switches]),
+        recorder.run.reached(), recorder.run.steps, recorder.run.steps, recorder.status, recorder.warnings, absorbed=rows[4],
+    )  # fmt: skip
+
+
+def _fill(rows: tuple[Array, ...], k: int, state: State) -> None:
+    for row, value in zip(rows, (state.overlap, state.rate, state.anchor, state.force, state.absorbed), strict=True):
+        row[k] = value

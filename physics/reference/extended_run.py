@@ -1,0 +1,246 @@
+"""The reference in extended precision: Radau collocation of chains whose every switch is a corner of a monotone graph.
+
+A step is taken if its local error is small and no guard can have changed sign inside; near a corner steps shrink towards it
+geometrically, until one so short crosses it that whatever happens inside moves no velocity by more than the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from softcradle.physics.chain import Chain
+from softcradle.physics.reference.collocation import EPSILON, Array, Extended, tableau
+from softcradle.physics.reference.monotone_rows import HELD, OPEN, PRESSED, STICKS, TOUCHING, Rows
+from softcradle.physics.reference.stage_equations import Point, Stages
+from softcradle.physics.reference.step_checks import hides_switch, local_error, next_corner
+from softcradle.physics.state import State
+
+STAGES = 7  # of a step: order 13
+GROWTH, SAFETY = 4.0, 0.8  # of successive steps; of the step that the local error allows
+CROSSING = 0.1  # tolerances: what a step that crosses a corner may move velocities at the most
+STILL = 1e-2  # tolerances: a slower bead rests
+NEWTON = 1e-3  # tolerances: what Newton's iteration may leave
+FIRST_STEPS = 2  # of a run: before them the branches of rows at rest are not yet found
+NO_STEP = 1e-6  # of the crossing step: where not even a step so short converges, the run gives up
+MOST_STEPS = 20_000  # of a run, rejected ones included
+
+
+class ReferenceGaveUpError(Exception):
+    """The reference has not reached the end within its steps."""
+
+
+@dataclass
+class ExtendedRun:
+    """One run in extended precision.
+
+    Arguments:
+        chain, state: the chain and its start.
+        tolerance: of a step's local error, relative to the speed scale.
+        stages: of a step; its order is twice that less 1.
+        most_steps: before it gives up.
+    """
+
+    chain: Chain
+    state: State
+    tolerance: float
+    stages: int = STAGES
+    most_steps: int = MOST_STEPS
+    time: Extended = field(init=False)
+    position: Array = field(init=False)
+    point: Point = field(init=False)
+    absorbed: Array = field(init=False)
+    steps: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        chain, state = self.chain, self.state
+        self.rows, self.tableau = Rows.of(chain, state.external(chain)), tableau(self.stages)
+        self.time, self.position = Extended(state.time), state.position(chain).astype(Extended)
+        self.absorbed = state.absorbed.astype(Extended)
+        self.point = _first_point(self.rows, chain, state)
+        self.speed, self.quickest = _scales(self.rows, self.point, self.position)
+        self.length = 1e-3 * self.tolerance * self.quickest
+
+    def until(self, end: float) -> None:
+        """Integrate to `end`; with an infinite end, until every contact is open and none can close again."""
+        while self.time < end and not (math.isinf(end) and self.is_over()):
+            self.step(end)
+
+    def step(self, end: float) -> None:
+        """Try one step, at most to `end`; ReferenceGaveUpError where the run has taken all that it may."""
+        self.steps += 1
+        if self.steps > self.most_steps:
+            raise ReferenceGaveUpError(f"at t = {float(self.time):.6g} s after {self.most_steps} steps")
+        if self._rests():
+            self.time = Extended(end)
+            return
+        with np.errstate(all="ignore"):  # powers of overlaps that Newton's iteration only passes
+            self._step(Extended(end))
+        if math.isfinite(end) and end - self.time <= 4.0 * EPSILON * abs(end):
+            self.time = Extended(end)
+
+    def reached(self) -> State:
+        """Where the run is, in double precision."""
+        point, anchor = self.point, self.chain.anchor
+        overlap, rate, force = (v.astype(np.float64) for v in (point.overlap, point.rate, point.force))
+        lead = np.array([float(self.position[anchor]), float(point.velocity[anchor])])
+        return State(float(self.time), overlap, rate, lead, force, absorbed=self.absorbed.astype(np.float64))
+
+    def _rests(self) -> bool:
+        """Whether no bead moves and none is accelerated: under steady forces it stays so."""
+        point = self.point
+        if self.steps <= FIRST_STEPS or point.velocity.any() or point.rate.any():
+            return False
+        acceleration = np.abs(self.rows.acceleration(point.force, point.friction))
+        return bool((acceleration <= 1e-12 * np.abs(point.force).max(initial=0.0) * self.rows.inverse_mass).all())
+
+    def is_over(self) -> bool:
+        """Whether no contact pushes and none closes, and with friction no bead moves."""
+        if self._rests():
+            return True
+        point = self.point
+        heaviest = float(self.rows.inverse_mass[self.rows.inverse_mass > 0.0].min())
+        pushing = point.force * heaviest > self.tolerance * self.speed / self.quickest  # what is left else is round-off
+        pushes = bool(pushing.any() or (point.branch >= PRESSED).any())
+        if self.rows.bed.size:
+            slides = self.rows.bed > 0.0
+            acceleration = np.abs(self.rows.acceleration(point.force, point.friction))
+            slows = (point.velocity != 0.0) & (acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass)
+            if (slides & slows).any() or self._moves(point.velocity[slides]):
+                return False
+            pushes &= bool((acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass).any())  # at rest it may push
+        return not (pushes or self._moves(np.maximum(point.rate, 0.0)))
+
+    def _moves(self, speeds: Array) -> bool:
+        """Whether one of the speeds is more than the iteration may leave."""
+        return bool((np.abs(speeds) > STILL * self.tolerance * self.speed).any())
+
+    def _step(self, end: Extended) -> None:
+        """Try one step; take it or shorten the next."""
+        h = Extended(np.minimum(self.length, end - self.time))
+        if self._is_crossing(float(h)):
+            self._cross(h)
+            return
+        wanted = NEWTON * self.tolerance * self.speed
+        stages = Stages(self.rows, self.tableau, self.point, h, wanted).solve()
+        if stages is None:
+            self.length = 0.25 * float(h)
+            return
+        error = local_error(self.tableau, self.rows, stages, float(h)) / (self.tolerance * self.speed)
+        factor = SAFETY * max(error, 1e-30) ** (-0.5 / self.stages)
+        if error > 1.0:
+            self.length = float(h) * min(0.5, max(0.1, factor))
+        elif hides_switch(self.tableau, self.rows, self.point, stages, float(h), wanted):
+            self.length = 0.5 * float(h)
+        else:
+            corner = next_corner(
+                self.tableau, self.rows, stages, float(h), self.speed, CROSSING * self.tolerance * self.speed
+            )
+            self._take(stages, h)
+            grown = float(h) * min(GROWTH, max(0.2, factor))
+            if h < self.length:  # the end of the run cut it short
+                grown = max(grown, self.length)
+            self.length = min(grown, max(corner, 0.5 * self._crossing_length()))
+
+    def _crossing_length(self) -> float:
+        """Longest step [s] that may cross a corner."""
+        acceleration = self.rows.acceleration(self.point.force, self.point.friction)
+        jump = np.zeros_like(acceleration)
+        jump[:-1] += self.rows.preload + self.point.force * self.rows.loss
+        jump[1:] += self.rows.preload + self.point.force * self.rows.loss
+        if self.rows.bed.size:
+            jump += 2.0 * self.rows.bed
+        most = float((np.abs(acceleration) + jump * self.rows.inverse_mass).max())
+        return CROSSING * self.tolerance * self.speed / max(most, self.speed / self.quickest)
+
+    def _is_crossing(self, h: float) -> bool:
+        return h <= self._crossing_length()
+
+    def _cross(self, h: Extended) -> None:
+        """Take a step of implicit Euler, in which every row finds its branch at the end: a monotone problem."""
+        speed = float(np.abs(self.point.velocity).max()) + self.speed
+        wanted, strict = NEWTON * self.tolerance * self.speed, 4.0 * EPSILON * speed
+        stages = Stages(self.rows, tableau(1), self.point, h, wanted, strict).solve()
+        if stages is not None:
+            self._take(stages, h)
+            self.length = GROWTH * float(h)
+            return
+        self.length = 0.25 * float(h)
+        if self.length < NO_STEP * self._crossing_length():
+            raise ReferenceGaveUpError(f"at t = {float(self.time):.6g} s: no step converges")
+
+    def _take(self, stages: Point, h: Extended) -> None:
+        acceleration = self.rows.acceleration(stages.force, stages.friction)
+        twice = tableau(stages.force.shape[0]).twice[-1]
+        moved = h * self.point.velocity + h * h * (twice @ acceleration)
+        before, self.point = self.point, stages.last()
+        self._round_to_rest(before, moved)
+        self._absorb(before, moved)
+        self.position, self.time = self.position + moved, self.time + h
+
+    def _round_to_rest(self, before: Point, moved: Array) -> None:
+        """Set to 0 what is 0 but for round-off: velocities of beads that stick, rates of contacts that touch or are held."""
+        point = self.point
+        rests = np.abs(point.velocity) <= 4.0 * EPSILON * self.speed
+        if self.rows.bed.size:
+            past = point.side * point.velocity < 0.0  # by less than the iteration may leave: it has come to rest
+            rests |= ((point.side == STICKS) | past) & (self.rows.bed > 0.0)
+            point.side[rests & past] = STICKS
+        left = np.where(rests, point.velocity, 0.0)
+        point.velocity -= left
+        point.rate -= left[:-1] - left[1:]
+        stays = rests & (before.velocity == 0.0)
+        moved[stays] = 0.0
+        both = stays[:-1] & stays[1:]
+        point.overlap[both] = before.overlap[both]
+        point.rate[rests[:-1] & rests[1:]] = 0.0
+        fixed = np.isin(point.branch, (TOUCHING, HELD)) & (np.abs(point.rate) < 10.0 * self.tolerance * self.speed)
+        point.rate[fixed] = 0.0
+
+    def _absorb(self, start: Point, moved: Array) -> None:
+        """Add what contacts with loss and the bed absorb in a step."""
+        before, now = self.rows.stored(start.overlap), self.rows.stored(self.point.overlap)
+        self.absorbed[0] += (self.rows.loss * np.maximum(before - now, 0.0)).sum()
+        if self.rows.bed.size:
+            self.absorbed[1] += (self.rows.bed * np.abs(moved)).sum()
+
+
+def _first_point(rows: Rows, chain: Chain, state: State) -> Point:
+    overlap, rate = state.overlap.astype(Extended), state.rate.astype(Extended)
+    velocity = state.velocity(chain).astype(Extended)
+    with_loss = rows.loss > 0.0
+    branch = np.where(overlap > 0.0, PRESSED, OPEN).astype(np.int8)
+    branch[(overlap == 0.0) & (rate == 0.0) & (rows.preload > 0.0)] = TOUCHING
+    branch[with_loss & (overlap > 0.0) & (rate == 0.0)] = HELD
+    branch[with_loss & (overlap > 0.0) & (rate < 0.0)] = HELD + 1
+    part = np.where(branch == HELD + 1, 1.0 - rows.loss, 1.0)
+    force = np.where(branch >= PRESSED, part * rows.law(overlap), 0.0)
+    side = np.sign(velocity).astype(np.int8) if rows.bed.size else np.zeros(0, dtype=np.int8)
+    friction = side * rows.bed
+    return Point(overlap, rate, velocity, force, friction, branch, side)
+
+
+def _scales(rows: Rows, point: Point, position: Array) -> tuple[float, float]:
+    """Speed [m/s] of the motion, from the energies it begins with and the forces on it, and its shortest time [s]."""
+    inverse_reduced = rows.response.diagonal()[: rows.contacts]
+    stored = float(np.sqrt(2.0 * rows.stored(point.overlap) * inverse_reduced).max())
+    acceleration = np.abs(rows.acceleration(point.force, point.friction))
+    speed = max(float(np.ptp(point.velocity)), stored)
+    if speed == 0.0:
+        speed = _driven_speed(rows, position)
+    energy = 0.5 * speed**2 / inverse_reduced
+    with np.errstate(divide="ignore"):
+        by_power = ((1.0 + rows.exponent) * energy / rows.stiffness) ** (1.0 / (1.0 + rows.exponent))
+        depth = np.minimum(energy / rows.preload, by_power)
+    quickest = float(depth.min()) / speed
+    most = float(acceleration.max())
+    return speed, min(quickest, speed / most) if most else quickest
+
+
+def _driven_speed(rows: Rows, position: Array) -> float:
+    """Speed [m/s] of beads from rest, after the longest gap or the distance at which a contact carries the drive."""
+    push = float(np.abs(rows.external * rows.inverse_mass).max())
+    carried = rows.inverse(np.full(rows.contacts, np.abs(rows.external).max()))
+    distance = max(float(np.abs(np.diff(position)).max()), float(carried.min()))
+    return math.sqrt(2.0 * push * distance) if push and distance else 1.0

@@ -1,0 +1,250 @@
+"""The stages of one collocation step: points on the graphs of all rows that fulfil the step's equations, by Newton's iteration.
+
+At each stage a row is linearised along its graph, so a stiff contact moves by its force and a slack one by its overlap; a point
+that runs over a corner goes on along the next branch. The matrix is in double precision, residuals are in extended precision.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.reference.collocation import EPSILON, Array, Extended, Tableau
+from softcradle.physics.reference.monotone_rows import (
+    BACKWARD,
+    FORWARD,
+    HELD,
+    OPEN,
+    PRESSED,
+    RELEASED,
+    STICKS,
+    TOUCHING,
+    Branches,
+    Rows,
+)
+
+Double = NDArray[np.float64]
+
+MOST_ITERATIONS = 40  # of Newton's method, in a step that is then tried shorter
+UNDAMPED_ITERATIONS, DAMPED = 12, 0.5  # before steps count by half, for contacts that alternate between two branches
+SINGULAR = 1e-10  # of the largest eigenvalue or singular value: one below it counts as 0
+
+
+@dataclass
+class Point:
+    """Where the rows are: one moment, or s stages (leading axis).
+
+    Attributes:
+        overlap, rate (..., n), velocity (..., n+1): of contacts and beads.
+        force (..., n), friction (..., n+1 or 0): dual values.
+        branch (..., n), side (..., n+1 or 0): branches of contacts and beds.
+    """
+
+    overlap: Array
+    rate: Array
+    velocity: Array
+    force: Array
+    friction: Array
+    branch: Branches
+    side: Branches
+
+    def last(self) -> Point:
+        """The point at the last stage."""
+        return Point(*(value[-1].copy() for value in vars(self).values()))
+
+
+class Stages:
+    """The stage equations of one step of length `h` from `start`; `solve` gives the stages or None."""
+
+    def __init__(
+        self,
+        rows: Rows,
+        tableau: Tableau,
+        start: Point,
+        h: Extended,
+        wanted: float,
+        wanted_at_rest: float | None = None,
+    ) -> None:
+        self.rows, self.start, self.h = rows, start, h
+        self.once, self.twice = h * tableau.once, h * h * tableau.twice
+        self.drift = start.overlap + h * tableau.node[:, None] * start.rate
+        # errors of velocities [m/s] that the iteration may leave, in all and in those that are 0
+        self.wanted, self.wanted_at_rest = wanted, wanted if wanted_at_rest is None else wanted_at_rest
+        self.round_off = 8.0 * EPSILON * (np.abs(start.overlap) + np.abs(h * start.rate))
+        diagonal = rows.response.diagonal()[: rows.contacts]
+        self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # overlap that a force of 1 N takes away
+        self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
+
+    def solve(self) -> Point | None:
+        """The stages, or None where Newton's iteration does not converge."""
+        stages = self._guess()
+        for iteration in range(MOST_ITERATIONS):
+            contact_error, bed_error = self._residuals(stages)
+            wanted = self.wanted if iteration >= UNDAMPED_ITERATIONS else self.wanted_at_rest
+            if self._is_small(contact_error, stages.branch, bed_error, wanted) and not self._turn(stages):
+                return stages
+            contact_step, bed_step = self._newton_step(stages, contact_error, bed_error)
+            if not (np.isfinite(contact_step).all() and np.isfinite(bed_step).all()):
+                return None
+            part = DAMPED if iteration >= UNDAMPED_ITERATIONS else 1.0
+            self._move_contacts(stages, part * contact_step)
+            self._move_beds(stages, bed_step)
+        return None
+
+    def _guess(self) -> Point:
+        """Every stage with the forces of the start; contacts that are not stiff at the overlaps to which these lead."""
+        start, rows, shape = self.start, self.rows, self.drift.shape
+        stages = Point(*(np.broadcast_to(v, (shape[0], v.size)).copy() for v in vars(start).values()))
+        acceleration = rows.acceleration(start.force, start.friction)
+        ahead = self.drift + self.twice.sum(axis=1)[:, None] * (acceleration[:-1] - acceleration[1:])
+        loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
+        slack = loaded & (self.yielding * rows.slope(start.overlap) < 1.0) & (ahead > 0.0)
+        stages.overlap = np.where(slack | ((stages.branch == OPEN) & (ahead <= 0.0)), ahead, stages.overlap)
+        stages.force = np.where(slack, self._part(stages.branch) * rows.law(stages.overlap), stages.force)
+        return stages
+
+    def _part(self, branch: Branches) -> Array:
+        """Part of the law's force on each branch."""
+        return np.where(branch == RELEASED, 1.0 - self.rows.loss, 1.0)
+
+    def _residuals(self, stages: Point) -> tuple[Array, Array]:
+        """Primal values less what the stage equations make them, of contacts and beds; updates rates and velocities."""
+        acceleration = self.rows.acceleration(stages.force, stages.friction)
+        closing = acceleration[:, :-1] - acceleration[:, 1:]
+        overlap = self.drift + self.twice @ closing
+        stages.rate = self.start.rate + self.once @ closing
+        velocity = self.start.velocity + self.once @ acceleration
+        held = stages.branch == HELD
+        stages.overlap = np.where(held, overlap, stages.overlap)
+        contact_error = np.where(held, -stages.rate, stages.overlap - overlap)
+        stages.velocity = velocity
+        bed_error = np.where(stages.side == STICKS, -velocity, 0.0) if self.rows.bed.size else stages.friction
+        return contact_error, bed_error
+
+    def _is_small(self, contact_error: Array, branch: Branches, bed_error: Array, wanted: float) -> bool:
+        allowed = np.where(branch == HELD, self.wanted_at_rest, np.maximum(wanted * self.h, self.round_off))
+        return bool((np.abs(contact_error) <= allowed).all() and (np.abs(bed_error) <= self.wanted_at_rest).all())
+
+    def _turn(self, stages: Point) -> bool:
+        """Hold contacts with loss that move against their branch, stop beads that do; whether there were any."""
+        turned = False
+        if self.rows.loss.any():
+            lossy = (self.rows.loss > 0.0) & (stages.overlap > 0.0)
+            against = np.where(stages.branch == PRESSED, -stages.rate, stages.rate) > self.wanted_at_rest
+            against &= lossy & ((stages.branch == PRESSED) | (stages.branch == RELEASED))
+            stages.branch[against] = HELD
+            turned = bool(against.any())
+        if self.rows.bed.size:
+            against = stages.side * stages.velocity < -self.wanted_at_rest
+            stages.side[against] = STICKS
+            turned |= bool(against.any())
+        return turned
+
+    def _newton_step(self, stages: Point, contact_error: Array, bed_error: Array) -> tuple[Double, Double]:
+        """(s, n) and (s, b) steps along the graphs."""
+        rows, (s, n), b = self.rows, stages.force.shape, self.rows.bed.size
+        held = np.zeros((s, n + b), dtype=bool)
+        held[:, :n], held[:, n:] = stages.branch == HELD, True
+        primal, dual = np.empty((s, n + b)), np.empty((s, n + b))
+        primal[:, :n], dual[:, :n] = self._tangent(stages)
+        primal[:, n:], dual[:, n:] = stages.side != STICKS, stages.side == STICKS
+        rule = np.where(held[:, :, None], self.once_double[:, None, :], self.twice_double[:, None, :])
+        matrix = rule[:, :, :, None] * rows.response[None, :, None, :] * dual[None, None]
+        matrix = matrix.reshape(s * (n + b), s * (n + b))
+        matrix[np.diag_indices(s * (n + b))] += primal.ravel()
+        error = np.hstack((contact_error, bed_error)).ravel() if b else contact_error.ravel()
+        step = _solved(matrix, -error, self._is_determined(primal)).reshape(s, n + b)
+        return step[:, :n], step[:, n:]
+
+    def _is_determined(self, primal: Double) -> bool:
+        """Whether the motion determines all multipliers: not between beads that stick, or between two walls."""
+        fixed = (primal == 0.0).all(axis=0)
+        if fixed.sum() < 2:
+            return True
+        coupling = self.rows.response[np.ix_(fixed, fixed)]
+        size = np.sqrt(coupling.diagonal())
+        if not size.all():
+            return False
+        return bool(np.linalg.eigvalsh(coupling / np.outer(size, size))[0] > SINGULAR)
+
+    def _tangent(self, stages: Point) -> tuple[Double, Double]:
+        """(s, n) changes of primal and dual values along the graph of each contact: the larger, as they weigh, is 1."""
+        loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
+        slope = np.where(loaded, self._part(stages.branch) * self.rows.slope(stages.overlap), 0.0)
+        stiff = self.yielding * slope > 1.0
+        with np.errstate(divide="ignore", over="ignore"):
+            primal = np.where(stiff, 1.0 / slope, 1.0)
+        dual = np.where(stiff, 1.0, slope)
+        fixed = (stages.branch == TOUCHING) | (stages.branch == HELD)
+        return np.where(fixed, 0.0, primal).astype(np.float64), np.where(fixed, 1.0, dual).astype(np.float64)
+
+    def _move_contacts(self, stages: Point, step: Double) -> None:
+        """Move along the graphs, in place, over corners to the next branch."""
+        rows, branch, part = self.rows, stages.branch, self._part(stages.branch)
+        overlap, force, weight = stages.overlap.copy(), stages.force.copy(), self.yielding
+        loaded = (branch == PRESSED) | (branch == RELEASED)
+        slope = part * rows.slope(overlap)
+        stiff = loaded & (weight * slope > 1.0)
+        slack = loaded & ~stiff
+        # a position along the graph: overlap + weight * force, from the branch's own variable
+        new_force = np.where(stiff | (branch == TOUCHING) | (branch == HELD), force + step, force)
+        new_overlap = np.where(slack | (branch == OPEN), overlap + step, overlap)
+        corner = part * rows.preload
+        beyond = np.zeros_like(overlap)  # signed way past the corner at overlap 0, in overlaps
+        leaves_loaded = (stiff & (new_force <= corner)) | (slack & (new_overlap <= 0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            beyond = np.where(stiff, weight * new_force, np.where(slack, new_overlap + weight * corner, beyond))
+        beyond = np.where(branch == OPEN, new_overlap, np.where(branch == TOUCHING, weight * new_force, beyond))
+        at_corner = leaves_loaded | (branch == OPEN) | (branch == TOUCHING)
+        enters = at_corner & (beyond > weight * rows.preload) & ~leaves_loaded
+        touches = at_corner & ~enters & (beyond > 0.0) & (rows.preload > 0.0)
+        opens = at_corner & ~enters & ~touches
+        # loaded and staying loaded
+        stays = loaded & ~leaves_loaded
+        stages.overlap = np.where(stays & stiff, rows.inverse(new_force / part), new_overlap)
+        stages.force = np.where(stays & slack, part * rows.law(np.maximum(new_overlap, 0.0)), new_force)
+        # from the corner into the law: by overlap where the law is slack, by force where it is stiff
+        excess = np.where(enters, beyond - weight * rows.preload, 0.0)
+        by_overlap = weight * rows.stiffness * excess**rows.exponent <= excess
+        pushed = rows.preload + excess / weight
+        stages.overlap = np.where(enters, np.where(by_overlap, excess, rows.inverse(pushed)), stages.overlap)
+        stages.force = np.where(enters, np.where(by_overlap, rows.law(excess), pushed), stages.force)
+        stages.overlap = np.where(touches, 0.0, np.where(opens, np.minimum(beyond, 0.0), stages.overlap))
+        stages.force = np.where(touches, np.minimum(beyond / weight, rows.preload), np.where(opens, 0.0, stages.force))
+        branch[enters], branch[touches], branch[opens] = PRESSED, TOUCHING, OPEN
+        self._release(stages)
+
+    def _release(self, stages: Point) -> None:
+        """Held contacts whose force has left its bounds are pressed in or come out."""
+        if not self.rows.loss.any():
+            return
+        law = self.rows.law(stages.overlap)
+        held = stages.branch == HELD
+        over, under = held & (stages.force > law), held & (stages.force < (1.0 - self.rows.loss) * law)
+        stages.force = np.where(over, law, np.where(under, (1.0 - self.rows.loss) * law, stages.force))
+        stages.branch[over], stages.branch[under] = PRESSED, RELEASED
+
+    def _move_beds(self, stages: Point, step: Double) -> None:
+        """Frictions of beads that stick, in place; a bead whose friction leaves its bounds slides."""
+        if not self.rows.bed.size:
+            return
+        friction = np.where(stages.side == STICKS, stages.friction + step, stages.side * self.rows.bed)
+        stages.side[friction > self.rows.bed] = FORWARD
+        stages.side[friction < -self.rows.bed] = BACKWARD
+        stages.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
+
+
+def _solved(matrix: Double, right: Array, is_determined: bool) -> Double:
+    """Solution of the equations, of those there are the least; NaN where there is none."""
+    rows = np.abs(matrix).max(axis=1)
+    rows[rows == 0.0] = 1.0
+    scaled, wanted = matrix / rows[:, None], (right / rows).astype(np.float64)
+    try:
+        if is_determined:
+            return np.linalg.solve(scaled, wanted)
+        columns = np.abs(scaled).max(axis=0)
+        columns[columns == 0.0] = 1.0
+        return np.linalg.lstsq(scaled / columns, wanted, rcond=SINGULAR)[0] / columns
+    except np.linalg.LinAlgError:
+        return np.full(right.size, np.nan)
