@@ -86,7 +86,7 @@ def _candidates(
     chain: Chain, velocity: ArrayLike, duration: float | None, error: float, price: Costs, near: bool
 ) -> Iterator[Choice]:
     """The methods that can hold `error`, each at its longest step or loosest tolerance; `near` a critical speed."""
-    contacts, kind = chain.contacts, kind_of(chain.contact)
+    contacts, kind = chain.contacts, kind_of(chain.power_laws)
     collision = collision_time(chain, velocity)
     span = collision if duration is None else duration
     if chain.dissipative:
@@ -100,7 +100,7 @@ def _candidates(
         return
     tolerance = accurate_tolerance(chain, error)
     steps = accurate_steps(chain, tolerance) * max(min(1.0, span / collision), 0.05)
-    gears = all(law.preload > 0.0 for law in chain.contact)  # most of them touch, and are one linear system to radau
+    gears = all(law.preload > 0.0 for law in chain.power_laws)  # most of them touch, and are one linear system to radau
     yield Choice("radau" if gears else "accurate", 0.0, tolerance, price["accurate", kind].of(steps, contacts))
     if duration is None or not is_single_collision(chain):
         return
@@ -159,7 +159,7 @@ def is_single_collision(chain: Chain) -> bool:
 
     A second collision multiplies the errors of the first, and a wall sends every bead back.
     """
-    return not chain.walls and chain.drive is None and not chain.dissipative and not any(chain.gap)
+    return not chain.walls and not chain.driven and not chain.dissipative and not any(chain.gap)
 
 
 def _excluded(chain: Chain, duration: float | None, near: bool) -> str:
@@ -172,7 +172,7 @@ def _excluded(chain: Chain, duration: float | None, near: bool) -> str:
         return "; fixed steps are left out: without a duration they may never see the end"
     if not is_single_collision(chain):
         return "; fixed steps are left out: gaps, walls and drives make collision after collision"
-    if any(law.preload > 0.0 for law in chain.contact):
+    if any(law.preload > 0.0 for law in chain.power_laws):
         return "; explicit steps are left out: a contact with preload chatters"
     return ""
 
@@ -183,7 +183,7 @@ def accurate_tolerance(chain: Chain, error: float) -> float:
     Soft contacts that bounce three to six times are checked by a finer run at tolerances below 4e-10 alone; up to 1e-9 one
     run in some hundred of one on 5 at alpha = 1/14 misses by 10 to 30 tolerances.
     """
-    soft = all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact)
+    soft = all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.power_laws)
     factor = 2.0 if soft and error >= LOOSE else 0.5
     tolerance = max(factor * error, FINEST)
     return ALWAYS_CHECKED if ALWAYS_CHECKED < tolerance < LEAST_UNCHECKED else tolerance
@@ -191,7 +191,7 @@ def accurate_tolerance(chain: Chain, error: float) -> float:
 
 def accurate_steps(chain: Chain, tolerance: float) -> float:
     """Steps that `accurate` is expected to take for one collision."""
-    if any(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact):
+    if any(law.preload == 0.0 and law.exponent < 1.0 for law in chain.power_laws):
         return (15.0 + 2.0 * chain.contacts) * (tolerance / 1e-2) ** -0.16
     return (5.0 + 1.6 * chain.contacts) * (tolerance / 1e-3) ** -0.135
 

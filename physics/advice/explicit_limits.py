@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.checked_input import magnitude, require_kind
+from softcradle.physics.own_law import OwnLaw, zero_of
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.state import checked_velocity
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
 TRUSTED_ERROR = 1e-2  # of the closing speed: a step that is expected to err by more gives a warning
 LEAST_STEPS = 6  # of `conserving` in the shortest contact time: at five its velocities are off by a hundredth
+MOST_HALVINGS = 200  # of the time that a contact takes to its depth: no step that counts is shorter
 CHATTER_STEPS = 8  # two switches of a contact within so many steps are chatter: a true bounce takes longer
 MOST_CHATTER = 10  # switches by chatter that a run may have without a warning
 
@@ -40,7 +46,9 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     >>> 0.001 < stable_step(one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]) < 1.0
     True
     """
-    preload, stiffness, exponent = chain.parameters.law.T
+    require_kind("chain", chain, Chain)
+    velocity, error = checked_velocity(chain, velocity), magnitude("error", error)
+    preload, stiffness, exponent = chain.law_rows.T
     weight = chain.inverse_reduced_mass
     speed = speed_scale(chain, velocity)
     small = error * speed
@@ -51,8 +59,29 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
         stiff = 2.0 / np.sqrt(2.0 * weight * exponent * stiffness * at ** (exponent - 1.0))
         onset = (small / (weight * stiffness * speed**exponent)) ** (1.0 / (1.0 + exponent))
         push = small / (weight * preload)
-    bounds = np.stack([stiff, np.where(stiffness > 0.0, onset, np.inf), push])
+    for i, law in chain.own_contacts:
+        stiff[i], onset[i] = _bounds_of(law, float(weight[i]), speed, small, float(depth[i]))
+    bounds = np.stack([stiff, np.where(stiffness != 0.0, onset, np.inf), push])
     return float(np.nanmin(bounds))
+
+
+def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: float) -> tuple[float, float]:
+    """The bounds by stiffness or chatter, and by onset, of a contact with a law of its own: the same, by its force.
+
+    The law is softest or stiffest at its depth, or where its energy gives the velocity `small`.
+    """
+    chatter = law.depth(0.5 * small**2 / weight)
+    stiffness = max(law.slope(depth), law.slope(chatter))
+    stiff = 2.0 / math.sqrt(2.0 * weight * stiffness) if stiffness > 0.0 else math.inf
+
+    def impulse(power: float) -> float:
+        step = 2.0**power
+        return step * weight * law.force(min(speed * step, depth)) - small
+
+    longest = math.log2(depth / speed)
+    if impulse(longest) <= 0.0:
+        return stiff, math.inf
+    return stiff, float(2.0 ** zero_of(impulse, longest - MOST_HALVINGS, longest))
 
 
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:

@@ -8,11 +8,13 @@ velocity divergence among the cluster particles". Walls belong to a side, but no
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.analysis.cluster_scaling import penetration_depth
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.critical_speed import speed_ratio
 from softcradle.physics.analysis.measures import (
     cluster_beads,
     dwell,
@@ -22,110 +24,13 @@ from softcradle.physics.analysis.measures import (
     restitution,
     rigidity,
 )
+from softcradle.physics.analysis.ringing import ringing
 from softcradle.physics.chain import Chain, accelerated_mass
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import simulate
 from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-
-
-def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> Any:
-    """A field of a table of measures: its title, unit and meaning, and whether it is of use for dissipative chains alone."""
-    return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dissipative})
-
-
-@dataclass(frozen=True)
-class ContactMeasures:
-    """What one contact did; ``fields`` gives title, unit and meaning of every number as metadata.
-
-    A mass that includes a wall is None, and so is the force per mass.
-    """
-
-    peak_force: float = _measure("peak force", "N", "greatest force")
-    accelerated_mass: float | None = _measure(
-        "mass accelerated", "kg", "of the beads beyond it, seen from the struck contact, Eq. (4)"
-    )
-    peak_acceleration: float | None = _measure(
-        "force per mass",
-        "m/s²",
-        "peak force over the mass accelerated: the common A of Eq. (4), one number for all contacts of a rigid cluster",
-    )
-    momentum: float = _measure("momentum passed", "N s", 'integral of the force over time; "the flow rate of momentum"')
-    open: float = _measure(
-        "open", "s", "for how long apart, from the first touch of the struck contact to the end of the run"
-    )
-    touching: float = _measure(
-        "touching", "s", "for how long at overlap 0 with a force between 0 and the preload, Eq. (C1)"
-    )
-    loaded: float = _measure("loaded", "s", "for how long at overlaps > 0")
-
-
-@dataclass(frozen=True)
-class CollisionMeasures:
-    """Measures of one collision; ``fields`` gives title, unit and meaning of every number as metadata.
-
-    A number is None where it does not exist: over a mean of 0, without detachment, or for a side that is a wall alone.
-
-    Attributes:
-        struck: index of the contact where strikers meet targets.
-        final_velocity: of every bead.
-        contacts: one a contact, from left to right.
-    """
-
-    struck: int
-    final_velocity: tuple[float, ...] = _measure("final velocities", "m/s", "of the beads, from left to right")
-    rigidity_at_detachment: float | None = _measure(
-        "rigidity at detachment",
-        "",
-        "velocity spread of the target cluster (largest less smallest) over its mean at detachment; 0 for a rigid body",
-    )
-    rigidity: float | None = _measure(
-        "rigidity at the end",
-        "",
-        'the same when all is over: "the finite overlaps ... cause the velocity divergence among the cluster particles"',
-    )
-    restitution: float | None = _measure(
-        "restitution of the striker",
-        "",
-        "speed at which the centres of mass of strikers and targets part at detachment over that at which they met: 1 for "
-        "two rigid bodies; in an elastic collision 1 less its square is the share of the energy of approach left inside",
-    )
-    energy_inside_at_detachment: float | None = _measure(
-        "energy inside at detachment",
-        "",
-        "share of the energy at the start that is inside the target cluster: what its contacts store and the motion of "
-        'its beads about their centre of mass; "only in the limit alpha -> +0 ... the target cluster does not accumulate '
-        'the compressive energies during the collision"',
-    )
-    energy_inside: float | None = _measure("energy inside at the end", "", "the same when all is over")
-    momentum_deficit: float | None = _measure(
-        "deficit of momentum",
-        "",
-        '"the relative deficits in the momentum and energy upon collision": share of the momentum at the first touch of '
-        "the struck contact that is missing at detachment",
-        dissipative=True,
-    )
-    energy_deficit: float | None = _measure("deficit of energy", "", "the same of the kinetic energy", dissipative=True)
-    absorbed_by_contacts: float | None = _measure(
-        "absorbed by contacts",
-        "",
-        "share of the energy at the start that contacts with loss have taken",
-        dissipative=True,
-    )
-    absorbed_by_bed: float | None = _measure(
-        "absorbed by the bed", "", "the same by friction on the bed", dissipative=True
-    )
-    detachment: float | None = _measure("detachment", "s", "time of the last opening of the struck contact")
-    contact_time: float | None = _measure(
-        "contact time", "s", "for how long the struck contact was closed; the paper's tau_dur"
-    )
-    peak_force: float = _measure("peak force", "N", "greatest force of the struck contact")
-    peak_acceleration: float | None = _measure(
-        "peak force per mass", "m/s²", "the same over the mass that it accelerates, the target cluster"
-    )
-    momentum: float = _measure("momentum passed", "N s", "by the struck contact")
-    contacts: tuple[ContactMeasures, ...] = ()
 
 
 def struck_contact(velocity: ArrayLike) -> int:
@@ -151,20 +56,22 @@ def collide(
     step: float | None = None,
     tolerance: float = 1e-9,
     samples: int = 2001,
+    run: Callable[..., Trajectory] = simulate,
 ) -> Trajectory:
     """:func:`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches.
 
-    `method` None is "accurate" where that carries the chain, else "conserving".
+    `method` None is "accurate" where that carries the chain, else "conserving". `run` is `simulate`, or `solve` in threads,
+    for which Python's warnings are not.
     """
     if method is None:
         method = "conserving" if chain.dissipative and not find_method("accurate").dissipative else "accurate"
-    first = simulate(chain, velocity, duration, method, step, 2, tolerance)
+    first = run(chain, velocity, duration, method, step, 2, tolerance)
     end = float(first.time[-1]) if duration is None else duration
     switches = np.array([t for spans in first.contact_intervals for span in spans for t in span])
     switches = switches[switches <= end]
     closed = np.linspace(switches.min(), switches.max(), samples) if switches.size else switches
     times = np.unique(np.concatenate((np.linspace(0.0, end, samples), closed, switches)))
-    return simulate(chain, velocity, duration, method, step, times, tolerance)
+    return run(chain, velocity, duration, method, step, times, tolerance)
 
 
 def measured(trajectory: Trajectory) -> CollisionMeasures:
@@ -182,6 +89,8 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
     whole = float(trajectory.kinetic_energy[0] + trajectory.contact_energy[0]) or math.nan
     contacts = tuple(_contact_measures(trajectory, struck))
     own = contacts[struck]
+    speed = -float(np.diff(trajectory.velocity[0])[struck])
+    ratio = speed_ratio(trajectory.chain, struck, speed)
     return CollisionMeasures(
         struck=struck,
         final_velocity=tuple(trajectory.final_velocity.tolist()),
@@ -201,6 +110,9 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
         peak_force=own.peak_force,
         peak_acceleration=own.peak_acceleration,
         momentum=own.momentum,
+        speed_ratio=ratio,
+        speed_margin=None if ratio is None else 1.0 - ratio,
+        penetration_depth=penetration_depth(trajectory, struck) or None,
         contacts=contacts,
     )
 
@@ -208,6 +120,9 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
 def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasures]:
     accelerated = accelerated_mass(trajectory.chain.mass, struck)
     peak, passed, times = trajectory.force.max(axis=0), impulses(trajectory, struck), dwell(trajectory, struck)
+    heard = [ringing(trajectory.time, force) for force in trajectory.force.T]
+    mass = np.array(trajectory.chain.mass)
+    incident = np.cumsum(np.where(np.isfinite(mass), mass, math.nan) * trajectory.velocity[0])[:-1]
     return [
         ContactMeasures(
             peak_force=float(peak[k]),
@@ -217,6 +132,9 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
             open=float(times[k, 0]),
             touching=float(times[k, 1]),
             loaded=float(times[k, 2]),
+            transmitted=_finite(passed[k] / incident[k]) if incident[k] > 0.0 else None,
+            turns=heard[k].turns,
+            ringing_period=heard[k].period,
         )
         for k in range(trajectory.chain.contacts)
     ]

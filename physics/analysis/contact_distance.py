@@ -55,7 +55,7 @@ def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Cont
         time = touched + (opened - touched) * GRADED
         return time - touched, _solved(candidate, velocity, opened, time).force[:, struck]
 
-    time, force = curve(chain.contact[0])
+    time, force = curve(chain.power_laws[0])
     whole = np.trapezoid(force**2, time)
 
     def apart(contact: Contact) -> float:
@@ -92,7 +92,7 @@ def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Co
         closed = sum(opened - touched for touched, opened in found.contact_intervals[struck])
         return found.final_velocity / closing, math.log(closed)
 
-    speeds, logarithm = outcome(chain.contact[0])
+    speeds, logarithm = outcome(chain.power_laws[0])
 
     def apart(contact: Contact) -> float:
         other_speeds, other_logarithm = outcome(contact)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.analysis.closed_forms import rigid_masses
-from softcradle.physics.chain import mass_shares
+from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.contact import Contact
 
 
@@ -29,3 +29,13 @@ def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
         return math.inf
     frequency = math.sqrt(gear.stiffness * (1.0 / first + 1.0 / second))
     return frequency * gear.preload / gear.stiffness * math.sqrt(1.0 / carried**2 - 1.0)
+
+
+def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
+    """V/v_c of draft gears, all alike, whose contact `struck` closes at `speed` [m/s]; None where there is no critical speed."""
+    gear = chain.power_laws[struck]
+    alike = all(contact == gear for contact in chain.power_laws)
+    if not alike or chain.walls or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:
+        return None
+    critical = critical_speed(gear, chain.mass, struck + 1)
+    return speed / critical if math.isfinite(critical) else None

@@ -9,8 +9,8 @@ small alpha; the force is not.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,6 +19,8 @@ from scipy import optimize
 from softcradle.physics.analysis.closed_forms import rigid_stroke
 from softcradle.physics.analysis.collision import struck_contact
 from softcradle.physics.analysis.contact_distance import DISTANCES, Distance, force_distance, outcome_distance
+from softcradle.physics.analysis.critical_speed import speed_ratio
+from softcradle.physics.analysis.matching_starts import gears_of_all_speeds, laws_of_all_exponents
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact, draft_gear, power_law
 
@@ -35,7 +37,8 @@ FORCES = (1e-3, 1e3)  # range of the forces that are searched, in that of the fi
 LOGARITHM_TOLERANCE = 1e-5  # of the logarithms of the two numbers, at which the search ends
 AT_END = 1e-3  # of a logarithm: a number this near to an end of its range counts as lying there
 SIMPLEX_SIZES = (0.3, 0.1, 0.03)  # of the logarithms: the search begins again with each until nothing changes
-MOST_COLLISIONS = 150  # of one search; two numbers need about 60
+MOST_COLLISIONS = 150  # of one descent; two numbers need about 60
+DESCENTS = {"force": 1, "outcome": 3}  # from the nearest starts, by distance: the outcome has several valleys
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,8 @@ class Match:
         distance: name of the distance that was made small; see softcradle.physics.analysis.contact_distance.
         residual: the least distance found; 0.1 for force curves that differ by 10 % in the root mean square.
         near: whether the residual is at most NEAR.
+        outcome: how far final velocities and contact time are apart, whatever the distance was; equal forces do not mean them.
+        speed_ratio: V/v_c of the draft gear, given or found: below 1 the clusters stay exactly rigid; None without one.
         ends: names of the numbers that lie at an end of the range searched: beyond it there may be a nearer contact.
         evaluations: collisions computed.
     """
@@ -56,6 +61,8 @@ class Match:
     distance: Distance
     residual: float
     near: bool
+    outcome: float
+    speed_ratio: float | None
     ends: tuple[str, ...]
     evaluations: int
 
@@ -89,16 +96,32 @@ def match(
     speeds = np.asarray(velocity, dtype=np.float64)
     struck = struck_contact(speeds)
     sought: Family = family or ("power_law" if given.preload > 0.0 else "draft_gear")
-    guess = start or _first_guess(given, sought, _depth(chain, speeds, struck))
-    apart = (force_distance if distance == "force" else outcome_distance)(chain, speeds, struck)
-    return _search(given, sought, guess, _depth(chain, speeds, struck), distance, apart)
+    depth, closing = _depth(chain, speeds, struck), float(speeds[struck] - speeds[struck + 1])
+    guess = start or _first_guess(given, sought, depth)
+    by_outcome = outcome_distance(chain, speeds, struck)
+    apart = force_distance(chain, speeds, struck) if distance == "force" else by_outcome
+    starts = [guess, *_all_starts(chain, sought, struck, closing)]
+    place, residual, ends, evaluations = _search(sought, starts, depth, apart, DESCENTS[distance])
+    gear = given if sought == "power_law" else place
+    ratio = speed_ratio(replace(chain, contact=(gear,) * chain.contacts), struck, closing)
+    return Match(given, place, distance, residual, residual <= NEAR, by_outcome(place), ratio, ends, evaluations)
+
+
+def _all_starts(chain: Chain, family: Family, struck: int, speed: float) -> list[Contact]:
+    """Contacts of `family` of all kinds of motion, which hold rigid clusters together for as long as that of `chain`."""
+    time = rigid_stroke(chain.power_laws[0], chain.mass, struck + 1, speed).contact_time
+    all_of = laws_of_all_exponents if family == "power_law" else gears_of_all_speeds
+    return all_of(chain, struck, speed, time)
 
 
 def _search(
-    given: Contact, family: Family, guess: Contact, depth: float, distance: Distance, apart: Callable[[Contact], float]
-) -> Match:
-    """The nearest contact by Nelder and Mead in the logarithms of the two numbers, restarted until nothing changes."""
-    low, high = np.log(_ranges(family, guess, depth)).T
+    family: Family, starts: Sequence[Contact], depth: float, apart: Callable[[Contact], float], descents: int
+) -> tuple[Contact, float, tuple[str, ...], int]:
+    """The nearest contact, its distance, its numbers that lie at an end of their range, and the number of collisions.
+
+    The distance of all `starts` first, then Nelder and Mead from the nearest ones, in the logarithms of the two numbers.
+    """
+    low, high = np.log(_ranges(family, starts[0], depth)).T
     evaluations = 0
 
     def objective(logarithms: Array) -> float:
@@ -106,16 +129,26 @@ def _search(
         evaluations += 1
         return apart(_contact(family, np.exp(np.clip(logarithms, low, high)), depth))
 
-    place, least = np.clip(np.log(_numbers(guess, family, depth)), low, high), math.inf
+    places = [np.clip(np.log(_numbers(start, family, depth)), low, high) for start in starts]
+    order = np.argsort([objective(place) for place in places], kind="stable")
+    ends_of_search = [_descend(objective, places[k], low, high) for k in order[:descents]]
+    place, least = min(ends_of_search, key=lambda found: found[1])
+    names = ("f0", "alpha") if family == "power_law" else ("stiffness", "precompression")
+    ends = tuple(n for n, x, a, b in zip(names, place, low, high, strict=True) if min(x - a, b - x) < AT_END)
+    return _contact(family, np.exp(place), depth), least, ends, evaluations
+
+
+def _descend(objective: Callable[[Array], float], place: Array, low: Array, high: Array) -> tuple[Array, float]:
+    """The least value near `place`, by Nelder and Mead, begun again until nothing changes; and where it is."""
+    least = math.inf
     for size in SIMPLEX_SIZES:
-        simplex = _simplex(place, size, low, high)
         found = optimize.minimize(
             objective,
             place,
             method="Nelder-Mead",
             bounds=list(zip(low, high, strict=True)),
             options={
-                "initial_simplex": simplex,
+                "initial_simplex": _simplex(place, size, low, high),
                 "xatol": LOGARITHM_TOLERANCE,
                 "fatol": 1e-9,
                 "maxfev": MOST_COLLISIONS,
@@ -125,9 +158,7 @@ def _search(
         place, least = (found.x, float(found.fun)) if found.fun < least else (place, least)
         if unchanged:
             break
-    names = ("f0", "alpha") if family == "power_law" else ("stiffness", "precompression")
-    ends = tuple(n for n, x, a, b in zip(names, place, low, high, strict=True) if min(x - a, b - x) < AT_END)
-    return Match(given, _contact(family, np.exp(place), depth), distance, least, least <= NEAR, ends, evaluations)
+    return place, least
 
 
 def _simplex(place: Array, size: float, low: Array, high: Array) -> Array:
@@ -141,14 +172,14 @@ def _simplex(place: Array, size: float, low: Array, high: Array) -> Array:
 
 def only_contact(chain: Chain) -> Contact:
     """The contact that all of `chain` have in common, if it can be matched; ValueError as in :func:`match`."""
-    given = chain.contact[0]
-    if any(contact != given for contact in chain.contact):
+    given = chain.power_laws[0]
+    if any(contact != given for contact in chain.power_laws):
         raise ValueError("matching needs a chain whose contacts are all alike")
     if not (given.preload == 0.0 or (given.exponent == 1.0 and given.stiffness > 0.0)):
         raise ValueError("matching is between power laws (preload 0) and draft gears (exponent 1)")
     if chain.dissipative:
         raise ValueError("matching needs elastic contacts and a bed without friction")
-    if chain.walls > 1 or chain.drive is not None:
+    if chain.walls > 1 or chain.driven:
         raise ValueError("matching needs a collision that ends: no drive and no second wall")
     return given
 
@@ -156,7 +187,7 @@ def only_contact(chain: Chain) -> Contact:
 def _depth(chain: Chain, velocity: Array, struck: int) -> float:
     """Largest overlap of the struck contact if both sides were rigid [m]."""
     speed = float(velocity[struck] - velocity[struck + 1])
-    return rigid_stroke(chain.contact[0], chain.mass, struck + 1, speed).largest_overlap
+    return rigid_stroke(chain.power_laws[0], chain.mass, struck + 1, speed).largest_overlap
 
 
 def _first_guess(given: Contact, family: Family, depth: float) -> Contact:

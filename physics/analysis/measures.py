@@ -141,12 +141,14 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     chain, time = trajectory.chain, trajectory.time
     mass = np.array(chain.mass)
     drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * time[-1]
+    for item in chain.forces:
+        drive[list(item.beads)] += item.impulse(float(time[-1]))
     with np.errstate(invalid="ignore"):
         gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
     late = time >= first_touch(trajectory, struck)
     summed = np.trapezoid(trajectory.force[late], time[late], axis=0)
-    if chain.friction:
+    if chain.on_bed:
         return np.asarray(summed)
     passed: Array = np.where(np.isfinite(right), right, np.where(np.isfinite(left), left, summed))
     return passed

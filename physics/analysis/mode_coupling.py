@@ -51,10 +51,12 @@ class Reduction:
         Raises:
             ValueError: the start is neither, or an overlap inside a cluster has no power law to be found by.
         """
+        if chain.timed:
+            raise ValueError("mode coupling needs forces that are steady, not forces or brakes over time")
         struck = _struck(chain, checked_velocity(chain, velocity))
         found = cls(chain, _modes(chain, struck), struck)
         for i in set(range(chain.contacts)) - {struck}:
-            if chain.contact[i].preload > 0.0 or chain.contact[i].stiffness == 0.0:
+            if chain.power_laws[i].preload > 0.0 or chain.power_laws[i].stiffness == 0.0:
                 raise ValueError(f"mode coupling needs power laws inside a cluster, contact {i} has a preload")
             if chain.gap[i] != 0.0:
                 raise ValueError(
@@ -74,7 +76,7 @@ class Reduction:
         chain = self.chain
         drive = None if chain.drive is None else [sum(chain.drive[lump]) for lump in self.lumps]
         masses = [sum(chain.mass[lump]) for lump in self.lumps]
-        return Chain(masses, [chain.contact[i] for i in self.modes], [chain.gap[i] for i in self.modes], drive)
+        return Chain(masses, [chain.power_laws[i] for i in self.modes], [chain.gap[i] for i in self.modes], drive)
 
     @cached_property
     def carrier(self) -> NDArray[np.int64]:
@@ -106,8 +108,8 @@ class Reduction:
     @cached_property
     def profile(self) -> tuple[Array, Array]:
         """(n,) C and r of Eq. (A1), ``overlap = C * mode**r``: the depth law of the cluster."""
-        exponent = np.array([c.exponent for c in self.chain.contact])
-        stiffness = np.array([c.stiffness for c in self.chain.contact])
+        exponent = np.array([c.exponent for c in self.chain.power_laws])
+        stiffness = np.array([c.stiffness for c in self.chain.power_laws])
         carrier = self.carrier + self.modes[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = (self.share * stiffness[carrier] / stiffness) ** (1.0 / exponent)
@@ -161,7 +163,7 @@ class ModeCoupling:
             net += chain.drive_force
         net[:, :-1] -= self.reduced.force
         net[:, 1:] += self.reduced.force
-        bead = net * chain.parameters.inverse_mass
+        bead = net * chain.inverse_mass
         difference: Array = bead[:, :-1] - bead[:, 1:]
         return difference
 

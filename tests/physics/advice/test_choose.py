@@ -199,7 +199,7 @@ def test_other_methods_have_no_choice_to_tell():
     ("wish", "said"),
     [
         ({"step": 0.1}, "'auto' chooses its own steps"),
-        ({"tolerance": 0.0}, "tolerance must be > 0"),
+        ({"tolerance": 0.0}, "tolerance must be a finite number > 0"),
         ({"duration": -1.0}, "duration"),
     ],
 )

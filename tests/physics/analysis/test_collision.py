@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, one_on, power_law, simulate
 from softcradle.physics.analysis.closed_forms import rigid_collision, rigid_stroke
-from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
+from softcradle.physics.analysis.collision import collide, measured, struck_contact
+from softcradle.physics.analysis.collision_measures import CollisionMeasures
 from softcradle.physics.analysis.critical_speed import critical_speed
-from softcradle.physics.analysis.measures import dwell, energy_inside, impulses, interpolated, rigidity
+from softcradle.physics.analysis.measures import dwell, energy_inside, impulses, interpolated, response_times, rigidity
+from softcradle.physics.analysis.ringing import ringing
 
 from tests.helpers.truth import ELASTIC, GEARS, Truth
 
@@ -185,3 +187,40 @@ def test_where_nothing_rubs_nothing_is_missing_but_what_contacts_store():
     assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
     assert found.energy_deficit == pytest.approx(0.0, abs=1e-9)
     assert (found.absorbed_by_contacts, found.absorbed_by_bed) == (0.0, 0.0)
+
+
+def test_speed_over_critical_and_margin_of_draft_gears():
+    chain = one_on(3, GEAR, MASS)
+    found = measured(collide(chain, [0.5 * critical_speed(GEAR, chain.mass, 1), 0.0, 0.0, 0.0]))
+    assert (found.speed_ratio, found.speed_margin) == pytest.approx((0.5, 0.5))
+    assert found.rigidity < 1e-9
+    soft = measured(collide(one_on(3, power_law(1.0, 0.1)), [1, 0, 0, 0]))
+    assert (soft.speed_ratio, soft.speed_margin) == (None, None)
+
+
+def test_momentum_is_transmitted_or_reflected():
+    found = measured(collide(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]))
+    struck = found.contacts[0]
+    assert struck.transmitted == pytest.approx(1.0 - found.final_velocity[0], rel=1e-6)  # what is not reflected
+    shares = [contact.transmitted for contact in found.contacts]
+    assert shares == sorted(shares, reverse=True)
+    assert shares[-1] == pytest.approx(found.final_velocity[-1], rel=1e-6)
+
+
+def test_inner_contacts_of_small_exponents_ring_about_their_branch():
+    trajectory = collide(one_on(2, power_law(1.0, 1 / 20)), [1, 0, 0], samples=20_001)
+    inner = measured(trajectory).contacts[1]
+    assert inner.turns >= 7
+    usual = measured(collide(one_on(2, power_law(1.0, 1 / 10)), [1, 0, 0]))
+    assert usual.contacts[0].turns == 1
+    struck = simulate(trajectory.chain, [1, 0, 0], trajectory.contact_intervals[1][0][1], samples=20_001)
+    found = ringing(struck.time, struck.force[:, 1])
+    assert found.period == pytest.approx(2.0 * math.pi * response_times(struck)[1], rel=0.03)
+    assert 0.0 < found.amplitude < 1e-4
+
+
+def test_the_evanescent_mode_reaches_no_deeper_than_n_alpha():
+    for n, alpha in ((4, 0.1), (6, 0.1), (8, 0.05)):
+        found = measured(collide(one_on(n, power_law(1.0, alpha)), [1.0] + [0.0] * n))
+        assert 0.1 * n * alpha < found.penetration_depth < n * alpha
+    assert measured(collide(one_on(2, power_law(1.0, 0.1)), [1, 0, 0])).penetration_depth is None

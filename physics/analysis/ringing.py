@@ -1,0 +1,85 @@
+"""Ringing of a contact: how its overlap or force oscillates about a slow branch: turning points, period, amplitude, decay.
+
+Inside a struck cluster a contact follows the force that it has to pass on, its quasi-static branch, Eq. (4). About it the
+contact oscillates at the local frequency ``sqrt((1/m + 1/m') df/dd)``, whose inverse is the response time before Eq. (10).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 1e-9  # of the range of a curve: a swing smaller than this is none
+FEWEST_TURNS = 4  # turning points that an oscillation on top of one rise and one fall has at least
+
+
+@dataclass(frozen=True)
+class Ringing:
+    """An oscillation on top of a curve that rises and falls once.
+
+    Attributes:
+        turns: turning points of the curve; 1 where nothing oscillates.
+        period: mean time between every other turning point [s]; None below 4 turning points.
+        amplitude: largest distance of a turning point from the mean of its neighbours, halved, in units of the curve.
+        decay: rate at which the logarithm of that distance falls [1/s]; negative where it grows.
+    """
+
+    turns: int
+    period: float | None = None
+    amplitude: float | None = None
+    decay: float | None = None
+
+
+def turning_points(curve: ArrayLike) -> NDArray[np.int_]:
+    """Indices of the samples at which `curve` (T,) turns; swings below ROUND_OFF of its range are passed over.
+
+    >>> turning_points([0.0, 1.0, 0.5, 2.0, 0.0]).tolist()
+    [1, 2, 3]
+    """
+    values = np.asarray(curve, dtype=np.float64)
+    least, found = ROUND_OFF * float(np.ptp(values)), []
+    extreme, direction = 0, 0
+    for i in range(1, values.size):
+        swing = values[i] - values[extreme]
+        if direction * swing > 0.0 or (direction == 0 and abs(swing) > least):
+            extreme, direction = i, int(np.sign(swing))
+        elif direction * swing < -least:
+            found.append(extreme)
+            extreme, direction = i, -direction
+    return np.array(found, dtype=np.int_)
+
+
+def ringing(time: ArrayLike, curve: ArrayLike) -> Ringing:
+    """The oscillation of `curve` (T,) sampled at `time` (T,) [s]; samples must be several times denser than its period.
+
+    >>> t = np.linspace(0.0, 1.0, 2001)
+    >>> found = ringing(t, np.sin(np.pi * t) + 0.1 * np.sin(2.0 * np.pi * t / 0.05))
+    >>> round(found.period, 3), round(found.amplitude, 2)
+    (0.05, 0.1)
+    """
+    times, values = np.asarray(time, dtype=np.float64), np.asarray(curve, dtype=np.float64)
+    at = turning_points(values)
+    if at.size < FEWEST_TURNS:
+        return Ringing(int(at.size))
+    height = values[at]
+    swing = np.abs(height[:-2] - 2.0 * height[1:-1] + height[2:]) / 4.0
+    period = float(np.mean(times[at[2:]] - times[at[:-2]]))
+    decay = -float(np.polyfit(times[at[1:-1]], np.log(swing), 1)[0]) if swing.size > 2 and (swing > 0.0).all() else None
+    return Ringing(int(at.size), period, float(swing.max()), decay)
+
+
+def returns(trajectory: Trajectory, contact: int) -> tuple[Array, Array]:
+    """Times [s] at which the overlap of `contact` turns from falling to rising, and the overlaps [m] there.
+
+    Between two samples the overlap is a parabola, by its rates: samples must be dense against the period.
+    """
+    rate, overlap, time = trajectory.rate[:, contact], trajectory.overlap[:, contact], trajectory.time
+    rows = np.flatnonzero((rate[1:-1] < 0.0) & (rate[2:] >= 0.0)) + 1
+    part = -rate[rows] / (rate[rows + 1] - rate[rows])
+    span = part * (time[rows + 1] - time[rows])
+    return time[rows] + span, overlap[rows] + 0.5 * rate[rows] * span
