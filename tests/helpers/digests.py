@@ -1,0 +1,121 @@
+"""Digests of the motion of every scene by every method, to the last digit: made here, kept in data/digests.json.
+
+    python -m tests.helpers.digests
+
+writes them anew, after a change that is meant to change digits. They hold for one arithmetic: the powers, exponentials and
+logarithms of the C library and the instructions of the processor. On another one the states themselves are compared, where
+a motion is so far determined that a change of 1e-15 in its forces moves no velocity by more than `CALM`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import warnings
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import METHODS, Chain, State, advance
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.scales import contact_scales
+
+from softcradle import scenes
+
+Array = NDArray[np.float64]
+
+FILE = Path(__file__).parent / "data" / "digests.json"
+CHECKPOINTS = 12
+CONTACT_TIMES = 3.0  # of the quickest contact: the time that is hashed
+CALM = 1e-13  # closing speeds
+SHAKE = 1e-15  # of the forces
+
+
+@jit
+def _probe(numbers: Array, found: Array) -> None:
+    """Functions of the C library as compiled code calls them, and a product and a sum that might be fused."""
+    for i in range(numbers.size):
+        x = numbers[i]
+        found[0, i], found[1, i] = x**0.1, math.expm1(x)
+        found[2, i], found[3, i] = math.log1p(x), x * x + 1.0 / x
+
+
+def arithmetic() -> str:
+    """A name for the arithmetic of this machine: equal where all digits are."""
+    numbers = np.random.default_rng(1).lognormal(0.0, 2.0, 5000)
+    found = np.empty((4, numbers.size))
+    _probe(numbers, found)
+    return hashlib.sha256(found.tobytes() + np.power(numbers, 0.3).tobytes()).hexdigest()[:12]
+
+
+def motions() -> Iterator[tuple[str, Chain, Array, str]]:
+    """Name, chain, start velocities and method: every scene by every method that takes its chain.
+
+    Alone, dop853 is for contacts that are not soft: in others it follows every swing, for seconds.
+    """
+    for name in scenes.names():
+        lane = scenes.load(name).lanes[0]
+        chain = lane.chain()
+        slow = {"scipy", "dop853"} if min(law.exponent for law in chain.contact) < 1.0 else {"scipy"}
+        for method in METHODS:
+            if method.name not in slow and (method.dissipative or not chain.dissipative):
+                yield f"{name}/{method.name}", chain, np.asarray(lane.velocity, dtype=float), method.name
+
+
+def states(chain: Chain, velocity: Array, method: str) -> Array:
+    """(CHECKPOINTS, 2n+2) overlaps, rates and the anchor's position and velocity, frame by frame."""
+    speed = velocity if np.ptp(velocity) else np.eye(1, velocity.size)[0]
+    frame = CONTACT_TIMES * float(contact_scales(chain, speed)[1].min()) / CHECKPOINTS
+    state, rows = State.at_start(chain, velocity), []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # explicit methods pass their limits, which is not what is looked at here
+        for _ in range(CHECKPOINTS):
+            advance(chain, state, frame, method)
+            rows.append(np.concatenate((state.overlap, state.rate, state.anchor)))
+    return np.array(rows)
+
+
+def digest(rows: Array) -> str:
+    """Of every bit of the states."""
+    return hashlib.sha256((rows + 0.0).tobytes()).hexdigest()[:12]  # -0 as 0
+
+
+def velocities(chain: Chain, row: Array) -> Array:
+    """(n+1,) of one row of states."""
+    n = chain.contacts
+    state = State(0.0, row[:n], row[n : 2 * n], row[2 * n :], np.zeros(n))
+    return state.velocity(chain)
+
+
+def shaken(chain: Chain) -> Chain:
+    """The chain with forces that differ in the last digit."""
+    laws = [
+        replace(law, preload=law.preload * (1.0 + SHAKE), stiffness=law.stiffness * (1.0 - SHAKE))
+        for law in chain.contact
+    ]
+    return replace(chain, contact=tuple(laws))
+
+
+def record() -> dict[str, Any]:
+    """Digests and calm velocities of all motions."""
+    found: dict[str, Any] = {"arithmetic": arithmetic(), "motions": {}}
+    for name, chain, velocity, method in motions():
+        rows, other = states(chain, velocity, method), states(shaken(chain), velocity, method)
+        speed = float(np.ptp(velocity)) or 1.0
+        apart = np.array(
+            [np.abs(velocities(chain, a) - velocities(chain, b)).max() for a, b in zip(rows, other, strict=True)]
+        )
+        calm = int(np.argmax(apart > CALM * speed)) if (apart > CALM * speed).any() else CHECKPOINTS
+        entry = {"digest": digest(rows), "calm": calm}
+        if calm:
+            entry["velocity"] = velocities(chain, rows[calm - 1]).tolist()
+        found["motions"][name] = entry
+    return found
+
+
+if __name__ == "__main__":
+    FILE.write_text(json.dumps(record(), indent=0) + "\n")
