@@ -16,35 +16,34 @@ class ContactKind:
     """One kind of contact.
 
     Attributes:
-        law: its name in a scene file.
-        spelling: its name in a line of text, that of its constructor in Python; read in a file too, but not written.
+        law: its name in scene files, in a line of text, and that of its constructor in Python.
         constructor: makes the contact from its numbers and its loss.
         numbers: the names of its numbers in the order of the constructor, each with the values that it may have.
+        former: the name in scene files of version 0.1, which are read.
     """
 
     law: str
-    spelling: str
     constructor: Callable[..., physics.Contact]
     numbers: Mapping[str, Any]
+    former: str = ""
 
 
 KINDS = (
     # f0 * overlap**alpha, Eq. (2); f0 [N / m**alpha]
-    ContactKind("power", "power_law", physics.power_law, {"f0": Positive, "alpha": Positive}),
+    ContactKind("power_law", physics.power_law, {"f0": Positive, "alpha": Positive}, former="power"),
     # a spring of stiffness [N/m] precompressed by precompression [m] behind a piston, Eq. (C1)
-    ContactKind("draft_gear", "draft_gear", physics.draft_gear, {"stiffness": Positive, "precompression": NotNegative}),
+    ContactKind("draft_gear", physics.draft_gear, {"stiffness": Positive, "precompression": NotNegative}),
     # elastic spheres, stiffness * overlap**1.5; stiffness [N / m**1.5]
-    ContactKind("hertz", "hertz", physics.hertz, {"stiffness": Positive}),
+    ContactKind("hertz", physics.hertz, {"stiffness": Positive}),
     # a one-sided linear spring; stiffness [N/m]
-    ContactKind("hooke", "hooke", physics.hooke, {"stiffness": Positive}),
+    ContactKind("hooke", physics.hooke, {"stiffness": Positive}),
     # the limit alpha -> 0: f0 [N] at any overlap
-    ContactKind("step", "step_force", physics.step_force, {"f0": Positive}),
+    ContactKind("step_force", physics.step_force, {"f0": Positive}, former="step"),
     # preload [N] + stiffness * overlap**exponent, the law that all others are cases of
     ContactKind(
-        "preloaded",
         "preloaded",
         physics.Contact,
         {"preload": NotNegative, "stiffness": Positive, "exponent": Positive},
     ),
 )
-KIND_BY_NAME = {name: kind for kind in KINDS for name in (kind.law, kind.spelling)}
+KIND_BY_NAME = {name: kind for kind in KINDS for name in (kind.law, kind.former) if name}

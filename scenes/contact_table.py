@@ -1,4 +1,4 @@
-"""The contact of a scene file, a table such as ``{law = "power", f0 = 1.0, alpha = "1/10"}``, and that of a Contact."""
+"""The contact of a scene file, a table such as ``{law = "power_law", f0 = 1.0, alpha = "1/10"}``, and that of a Contact."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def read_law(table: Any) -> Law:
     if isinstance(table, Law):
         return table
     if not isinstance(table, Mapping):
-        raise problem(f'must be a table such as {{law = "power", f0 = 1.0, alpha = 0.1}}, not {table!r}')
+        raise problem(f'must be a table such as {{law = "power_law", f0 = 1.0, alpha = 0.1}}, not {table!r}')
     laws = [kind.law for kind in KINDS]
     if "law" not in table:
         raise problem(f"key 'law' is missing; allowed: {', '.join(laws)}")
@@ -56,11 +56,11 @@ def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
     precompression = _precompression(preload, stiffness, accuracy) if stiffness and exponent == 1.0 else None
     if stiffness == 0.0:
-        table: dict[str, Any] = {"law": "step", "f0": preload}
+        table: dict[str, Any] = {"law": "step_force", "f0": preload}
     elif preload == 0.0 and exponent in (1.0, 1.5):
         table = {"law": "hooke" if exponent == 1.0 else "hertz", "stiffness": stiffness}
     elif preload == 0.0:
-        table = {"law": "power", "f0": stiffness, "alpha": exponent}
+        table = {"law": "power_law", "f0": stiffness, "alpha": exponent}
     elif precompression is not None:
         table = {"law": "draft_gear", "stiffness": stiffness, "precompression": precompression}
     else:

@@ -34,8 +34,8 @@ def contact_from(text: str) -> Law:
     if match is None:
         raise SceneError([f"contact {text!r} must be a law with its numbers, such as power_law(1, 1/10)"])
     if match[1] not in KIND_BY_NAME:
-        spellings = [kind.spelling for kind in KINDS]
-        raise SceneError([f"contact {text!r}: unknown law {match[1]!r}{suggestion(match[1], spellings)}"])
+        laws = [kind.law for kind in KINDS]
+        raise SceneError([f"contact {text!r}: unknown law {match[1]!r}{suggestion(match[1], laws)}"])
     table = {"law": match[1], **_numbers(text, match[1], match[2])}
     try:
         return TABLE.validate_python(table)
@@ -68,15 +68,17 @@ def _number(text: str) -> Any:
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def contact_text(contact: Law | physics.Contact) -> str:
-    """The contact as one line of text, numbers to six digits; :func:`contact_from` reads it back.
+def contact_text(contact: Law | physics.Contact | physics.OwnLaw) -> str:
+    """The contact as one line of text, numbers to six digits; :func:`contact_from` reads it back, but for an OwnLaw.
 
     >>> contact_text(physics.draft_gear(770.0, 0.0177))
     'draft_gear(770, 0.0177)'
     """
+    if isinstance(contact, physics.OwnLaw):
+        return f"{contact.name}(overlap)"
     law = law_of(contact, ACCURACY) if isinstance(contact, physics.Contact) else contact
     kind: ContactKind = KIND_BY_NAME[law.law]
     numbers = [f"{getattr(law, name):.6g}" for name in kind.numbers]
     if law.loss:
         numbers.append(f"loss={law.loss:.6g}")
-    return f"{kind.spelling}({', '.join(numbers)})"
+    return f"{kind.law}({', '.join(numbers)})"

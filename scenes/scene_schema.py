@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
+from softcradle.physics import notebook_views
 from softcradle.physics.methods import AUTO, refusal
+from softcradle.physics.scales import require_computable
+from softcradle.physics.state import checked_velocity
 from softcradle.scenes.contact_table import ContactTable
 from softcradle.scenes.toml_table import (
     AtLeastOne,
@@ -21,9 +24,37 @@ from softcradle.scenes.toml_table import (
 
 from softcradle import physics
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 MOST_BEADS = 100_000  # of a lane: a typing error must not fill the memory
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
+
+
+class ForceTable(Table):
+    """A force over time on some beads, or a brake.
+
+    Attributes:
+        beads: one index or a list of them, from 0.
+        time: times [s] >= 0, one or an ascending list; the force is linear between them, 0 before the first, kept after the
+            last.
+        force: the force [N] at these times, to the right where it is positive; a brake, which acts against the motion, is
+            >= 0.
+    """
+
+    beads: OneOrMany[Annotated[int, Strict(), Field(ge=0)]]
+    time: OneOrMany[NotNegative]
+    force: OneOrMany[Number]
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        self.timed_force()
+        return self
+
+    def timed_force(self) -> physics.TimedForce:
+        """The force."""
+        return physics.TimedForce(self.beads, self.time, self.force)
 
 
 class Lane(Table):
@@ -40,6 +71,8 @@ class Lane(Table):
         approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
         drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
         friction: Coulomb coefficient of the bed on which the beads slide; 0: no friction.
+        forces: forces over time on some beads, beside the drive.
+        brakes: brakes over time on some beads, beside the friction of the bed.
     """
 
     label: Text = ""
@@ -51,6 +84,8 @@ class Lane(Table):
     approach: NotNegative | None = None
     drive: tuple[Number, ...] | None = None
     friction: NotNegative = 0.0
+    forces: tuple[ForceTable, ...] = ()
+    brakes: tuple[ForceTable, ...] = ()
 
     @model_validator(mode="before")
     @classmethod
@@ -78,7 +113,7 @@ class Lane(Table):
                 raise problem(f"{key} is a list of {len(given)}, but {count} beads need {length}")
         if self.approach is not None and (not isinstance(self.beads, tuple) or isinstance(self.gap, tuple)):
             raise problem("approach needs beads = [strikers, targets] and no list of gaps")
-        self.chain()  # refuses what only the whole chain shows, such as two walls side by side
+        require_computable(self.chain(), checked_velocity(self.chain(), self.velocity))
         return self
 
     def _count(self) -> int:
@@ -98,7 +133,8 @@ class Lane(Table):
         contacts = (
             [table.contact() for table in self.contact] if isinstance(self.contact, tuple) else self.contact.contact()
         )
-        return physics.Chain(masses, contacts, self._gaps(count - 1), self.drive, self.friction)
+        forces, brakes = ([table.timed_force() for table in tables] for tables in (self.forces, self.brakes))
+        return physics.Chain(masses, contacts, self._gaps(count - 1), self.drive, self.friction, forces, brakes)
 
     def _gaps(self, contacts: int) -> tuple[float, ...]:
         if isinstance(self.gap, tuple):
@@ -169,7 +205,7 @@ class Scene(Table):
     def _check_settings(self) -> Self:
         if self.duration is None and any(lane.chain().walls > 1 for lane in self.lanes):
             raise problem("two walls may keep beads between them for ever: the scene needs a duration")
-        if self.duration is None and any(lane.chain().drive for lane in self.lanes):
+        if self.duration is None and any(lane.chain().lasts for lane in self.lanes):
             raise problem("a drive may keep beads together for ever: the scene needs a duration")
         adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
         chosen = next((known for known in physics.METHODS if known.name == self.method), None)
@@ -195,3 +231,20 @@ class Scene(Table):
         import tomli_w
 
         return tomli_w.dumps(self.model_dump(exclude_defaults=True))
+
+    def __repr__(self) -> str:
+        lanes = " and ".join(f"{len(lane.velocity)} beads" for lane in self.lanes)
+        return f"Scene({self.title!r}, {lanes})"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return notebook_views.html_of(self)
+
+    def plot(self) -> Figure:
+        """Velocities and forces of each lane over time, in the style of the paper's figures. Extra [figures]."""
+        return notebook_views.figure_of(self)
+
+    def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> notebook_views.InlineFilm:
+        """The film, which a notebook plays: `slow` seconds for one of motion, None as the scene says. Extra [film]."""
+        return notebook_views.film_of(self, slow, size)
