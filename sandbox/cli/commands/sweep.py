@@ -1,0 +1,127 @@
+"""`softcradle sweep`: a study of many points, on this machine or on a Dask scheduler's; what is done is kept."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from softcradle.sandbox.cli.arguments import positive_number, whole_number
+from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from softcradle.sandbox.sweeps.run_sweep import Progress
+
+MOST_WORKERS = 1024
+REASONS_SHOWN = 3  # of points that have no numbers
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("study", metavar="STUDY", nargs="?", help="path of a study file (.toml)")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="a .zarr folder or a .nc file (default: out/NAME.zarr, by the study)"
+    )
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of Dask, such as tcp://127.0.0.1:8786; else this machine"
+    )
+    parser.add_argument(
+        "--workers", type=whole_number(1, MOST_WORKERS), metavar="N", help="processes or threads (default: one a core)"
+    )
+    parser.add_argument(
+        "--chunk", type=positive_number, metavar="SECONDS", default=1.0,
+        help="work of a chunk (default 1; more for hundreds of workers)",
+    )  # fmt: skip
+    parser.add_argument("--threads", action="store_true", help="threads in place of processes")
+    parser.add_argument("--fresh", action="store_true", help="begin anew, and replace what is there")
+    parser.add_argument("--measures", action="store_true", help="list the measures that a study can name")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Compute the study, or what is left of it, and say what was found."""
+    if args.measures:
+        return _list_measures()
+    if args.study is None:
+        raise UserError("a study file is missing (softcradle sweep STUDY.toml; --measures lists what it can measure)")
+    if args.threads and args.scheduler:
+        raise UserError("--threads is for this machine, --scheduler for another: give one of them")
+    from softcradle.sandbox.console import note
+    from softcradle.sandbox.output_files import make_folder
+    from softcradle.sandbox.sweeps.run_sweep import sweep
+    from softcradle.sandbox.sweeps.study_file import load_study
+
+    study = load_study(args.study)
+    output = args.output or str(make_folder("out") / f"{Path(args.study).stem}.zarr")
+    with _shown() as progress:
+        found = sweep(
+            study.scene,
+            study.points,
+            study.measures,
+            output=output,
+            executor="threads" if args.threads else "auto",
+            scheduler=args.scheduler,
+            workers=args.workers,
+            title=study.title,
+            fresh=args.fresh,
+            progress=progress,
+            chunk_seconds=args.chunk,
+        )
+    _print_summary(found)
+    found.close()
+    note(f"written: {output}")
+    return 0
+
+
+def _list_measures() -> int:
+    from softcradle.sandbox.console import console, print_table, table
+    from softcradle.sandbox.sweeps.measure_table import MEASURES
+
+    grid = table("measure", "unit", "of each", "meaning")
+    for measure in MEASURES:
+        grid.add_row(measure.name, measure.unit, measure.each, measure.meaning)
+    print_table(console(), grid)
+    return 0
+
+
+@contextmanager
+def _shown() -> Iterator[Progress]:
+    """A bar with the time that is left."""
+    from softcradle.sandbox.console import progress_bar
+
+    tasks: dict[str, Any] = {}
+    with ExitStack() as shown:
+
+        def show(what: str, done: int, count: int) -> None:
+            if not tasks:  # nothing is printed before there is something to wait for
+                bars.append(shown.enter_context(progress_bar()))
+            if what not in tasks:
+                tasks[what] = bars[0].add_task(what, total=count, completed=done)
+            bars[0].update(tasks[what], completed=done)
+
+        bars: list[Any] = []
+        yield show
+
+
+def _print_summary(found: xr.Dataset) -> None:
+    """What is in the Dataset: its size, the range of every measure, and why points have no numbers."""
+    import numpy as np
+    from softcradle.sandbox.console import console, print_table, table
+    from softcradle.sandbox.sweeps.summary import reasons_of, summary_rows
+
+    output = console()
+    output.print(
+        found.attrs["title"] + ": " + " x ".join(f"{size} {name}" for name, size in found["status"].sizes.items())
+    )
+    grid = table("measure", "least", "mean", "greatest", "no number", numbers=True)
+    for row in summary_rows(found):
+        grid.add_row(*row)
+    print_table(output, grid)
+    reasons = reasons_of(found)
+    for text, count in reasons[:REASONS_SHOWN]:
+        output.print(f"{count} points without numbers: {text}" if count > 1 else f"a point without numbers: {text}")
+    more = int(np.sum([count for _, count in reasons[REASONS_SHOWN:]]))
+    if more:
+        output.print(f"and {more} more; the variable `reason` has them all")

@@ -1,0 +1,196 @@
+"""The work of a sweep: what every process that takes part in it computes, one chunk of points at a time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain, Trajectory
+from softcradle.sandbox.sweeps.measure_table import Measure, Run, Value, find_measure
+from softcradle.sandbox.sweeps.sample_points import Points
+from softcradle.sandbox.sweeps.scene_points import ScenePoints, Start
+from softcradle.sandbox.sweeps.study_error import StudyError
+
+Array = NDArray[np.float64]
+
+
+class PointStatus(IntEnum):
+    """What became of a point; the first five are those of a run, :class:`softcradle.physics.status.Status`."""
+
+    DONE = 0
+    SEPARATED = 1
+    OUT_OF_STEPS = 2
+    FAILED = 3
+    UNDETERMINED = 4
+    REFUSED = 5  # the point cannot be, or its function raised an error: the reason says which
+    LOST = 6  # the process that computed it died, each time
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One point: its numbers by name, its status, how many warnings there were, and what went wrong."""
+
+    values: Mapping[str, Any]
+    status: PointStatus = PointStatus.DONE
+    warned: int = 0
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Computed points.
+
+    Attributes:
+        begin, end: their numbers.
+        columns: arrays (end - begin, ...) by the name of a measure, nan where there is no number; "status", "warned".
+        reasons: what went wrong, by number of the point.
+        seconds: what it took.
+    """
+
+    begin: int
+    end: int
+    columns: dict[str, NDArray[Any]]
+    reasons: dict[int, str]
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Work:
+    """A sweep as it is sent to the processes that compute it.
+
+    Attributes:
+        points: the sample points.
+        source: a scene, or a function of the parameters by name. The function returns numbers by name, a Trajectory, a
+            (chain, start velocities), or these and keywords of `simulate`.
+        measures: what is taken of every run; those of the table by name.
+        versions: of what computes it; a process with others refuses.
+    """
+
+    points: Points
+    source: ScenePoints | Callable[..., Any]
+    measures: tuple[str | Measure, ...]
+    versions: Mapping[str, str]
+
+    def compute(self, begin: int, end: int, seconds: float = float("inf")) -> Chunk:
+        """The points from `begin` on, up to `end` or until `seconds` have passed, at least one."""
+        began, outcomes = perf_counter(), []
+        columns = {path: values.tolist() for path, values in self.points.columns(begin, end).items()}
+        for values in zip(*columns.values(), strict=True):
+            outcomes.append(self.outcome(dict(zip(columns, values, strict=True))))
+            if perf_counter() - began > seconds:
+                break
+        return packed(begin, outcomes, perf_counter() - began)
+
+    def outcome(self, values: Mapping[str, Any]) -> Outcome:
+        """One point. What goes wrong with it is its status and reason."""
+        try:
+            return self._outcome(values)
+        except Exception as error:  # whatever a point or a user's function does, the others go on
+            return Outcome({}, PointStatus.REFUSED, 0, sentence_of(error))
+
+    def _outcome(self, values: Mapping[str, Any]) -> Outcome:
+        if isinstance(self.source, ScenePoints):
+            runs = [Run(start) for start in self.source.starts(values)]
+        else:
+            found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
+            if isinstance(found, Mapping):
+                return Outcome(found)
+            runs = [_run_of(found)]
+        measures = [find_measure(item) if isinstance(item, str) else item for item in self.measures]
+        numbers: dict[str, Value] = {}
+        for measure in measures:
+            each = [measure.function(run) for run in runs]
+            numbers[measure.name] = each[0] if len(runs) == 1 else stacked([as_floats(value) for value in each])
+        status = PointStatus(max(run.status for run in runs))
+        warnings = [str(warning) for run in runs for one in run.runs() for warning in one.warnings]
+        bad = status not in (PointStatus.DONE, PointStatus.SEPARATED)
+        return Outcome(numbers, status, len(warnings), warnings[0] if bad and warnings else "")
+
+
+def _run_of(found: Any) -> Run:
+    """The Run of what a function returned."""
+    if isinstance(found, Trajectory):
+        return Run(Start(found.chain, found.velocity[0], {}), found)
+    if isinstance(found, tuple) and len(found) in (2, 3) and isinstance(found[0], Chain):
+        return Run(Start(found[0], found[1], found[2] if len(found) == 3 else {}))
+    kinds = "numbers by name, a Trajectory, or (chain, velocity)"
+    raise StudyError(f"the function must return {kinds}, not {type(found).__name__}")
+
+
+def sentence_of(error: BaseException) -> str:
+    """What an error says, in one line; errors that are no refusals have their name before it."""
+    text = " ".join(str(error).split())
+    return text if isinstance(error, ValueError) and text else f"{type(error).__name__}: {text}".rstrip(": ")
+
+
+def as_floats(value: Value) -> Array:
+    """A number, or a list of them, as an array; None is nan."""
+    return np.asarray(np.nan if value is None else value, dtype=np.float64)
+
+
+def stacked(arrays: Sequence[Array | None]) -> Array:
+    """(N, ...) the arrays in the largest shape among them, nan where one has no number, or is None."""
+    given = [array for array in arrays if array is not None]
+    if len({array.ndim for array in given}) > 1:
+        raise StudyError("a measure is a number at one point and a list at another")
+    shape = np.max([array.shape for array in given], axis=0).astype(int) if given and given[0].ndim else ()
+    found = np.full((len(arrays), *shape), np.nan)
+    for row, array in zip(found, arrays, strict=True) if len(shape) else ():
+        if array is not None:
+            row[tuple(slice(0, length) for length in array.shape)] = array
+    if not len(shape):
+        found[:] = [np.nan if array is None else float(array) for array in arrays]
+    return found
+
+
+def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chunk:
+    """The outcomes of the points from `begin` on as arrays."""
+    names = dict.fromkeys(name for outcome in outcomes for name in outcome.values)
+    columns: dict[str, NDArray[Any]] = {
+        name: stacked([as_floats(o.values[name]) if name in o.values else None for o in outcomes]) for name in names
+    }
+    columns["status"] = np.array([outcome.status for outcome in outcomes], dtype=np.int8)
+    columns["warned"] = np.array([outcome.warned for outcome in outcomes], dtype=np.int32)
+    reasons = {begin + k: outcome.reason for k, outcome in enumerate(outcomes) if outcome.reason}
+    return Chunk(begin, begin + len(outcomes), columns, reasons, seconds)
+
+
+def lost(begin: int, times: int) -> Chunk:
+    """The one point of number `begin`, whose process died so many times."""
+    return packed(begin, [Outcome({}, PointStatus.LOST, 0, f"the process that computed it died, {times} times")])
+
+
+def current_versions() -> dict[str, str]:
+    """Versions of all that the numbers of a sweep depend on."""
+    import scipy
+    from softcradle.physics.source_digest import PHYSICS, digest_of
+    from softcradle.physics.trajectory_file import versions
+
+    compiled = "no" if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0") else "yes"
+    return {**versions(), "scipy": scipy.__version__, "compiled": compiled, "source": digest_of(PHYSICS.rglob("*.py"))}
+
+
+def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
+    """A chunk, in another process, where everything has the same version as here. Raises StudyError."""
+    own = _own_versions()
+    for name, wanted in work.versions.items():
+        if own[name] != wanted:
+            raise StudyError(
+                f"a worker has {name} {own[name]}, but the sweep was begun with {wanted}: install the same there"
+            )
+    return work.compute(begin, end, seconds)
+
+
+_versions: dict[str, str] = {}
+
+
+def _own_versions() -> dict[str, str]:
+    if not _versions:
+        _versions.update(current_versions())
+    return _versions

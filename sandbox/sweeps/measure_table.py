@@ -1,0 +1,170 @@
+"""The table of measures: every number that a sweep can take of a run, one line each, by name, with unit and meaning."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from softcradle.physics import Trajectory
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.simulation import solve
+from softcradle.physics.status import Status
+from softcradle.sandbox.sweeps.scene_points import Start
+from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.scenes.toml_table import suggestion
+
+Value = float | int | None | Sequence[Any] | np.ndarray[Any, Any]
+
+
+class Run:
+    """One lane at one point: its runs, each computed when a measure asks for it.
+
+    Arguments:
+        start: what moves.
+        motion: its Trajectory, where that is known already.
+    """
+
+    def __init__(self, start: Start, motion: Trajectory | None = None) -> None:
+        self.start = start
+        if motion is not None:
+            self.motion = motion
+
+    @cached_property
+    def motion(self) -> Trajectory:
+        """The run to its end, with its start and its end as samples."""
+        return solve(self.start.chain, self.start.velocity, samples=2, **self.start.settings)
+
+    @cached_property
+    def struck(self) -> int:
+        """The contact that is struck."""
+        from softcradle.physics.analysis.collision import (
+            struck_contact,
+        )  # takes SciPy with it, which many sweeps need not
+
+        return struck_contact(self.start.velocity)
+
+    @cached_property
+    def detachment(self) -> float:
+        """When the struck contact opens last [s]; nan where it does not, or where the run gave up before."""
+        spans = self.motion.contact_intervals[self.struck]
+        return spans[-1][1] if spans and math.isfinite(spans[-1][1]) else math.nan
+
+    @property
+    def contact_time(self) -> float:
+        """For how long the struck contact was closed [s]; nan where it does not open for good."""
+        spans = self.motion.contact_intervals[self.struck]
+        return math.nan if math.isnan(self.detachment) else sum(opened - closed for closed, opened in spans)
+
+    @cached_property
+    def detached(self) -> Trajectory | None:
+        """The run up to the detachment; None without one."""
+        if math.isnan(self.detachment):
+            return None
+        settings = {**self.start.settings, "duration": self.detachment}
+        return solve(self.start.chain, self.start.velocity, samples=2, **settings)
+
+    @cached_property
+    def collision(self) -> CollisionMeasures:
+        """All measures of the collision, of a run with fine samples."""
+        from softcradle.physics.analysis.collision import collide, measured
+
+        found = collide(self.start.chain, self.start.velocity, run=solve, **self.start.settings)
+        self.sampled = found
+        return measured(found)
+
+    def runs(self) -> list[Trajectory]:
+        """All runs that were computed."""
+        found = [self.__dict__.get(name) for name in ("motion", "detached", "sampled")]
+        return [run for run in found if run is not None]
+
+    @property
+    def status(self) -> Status:
+        """The worst status of these runs."""
+        return max((run.status for run in self.runs()), default=Status.DONE)
+
+    def spread(self, run: Trajectory | None) -> float:
+        """The rigidity of the struck cluster at the end of `run`; nan where that is unknown."""
+        from softcradle.physics.analysis.measures import cluster_beads, rigidity
+
+        beads = cluster_beads(self.start.chain, slice(self.struck + 1, None))
+        known = run is not None and not run.status.gave_up and beads.size > 0
+        return float(rigidity(run.final_velocity[beads])) if run is not None and known else math.nan
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One measure of a run.
+
+    Attributes:
+        name: of its variable in the Dataset.
+        unit, meaning: its attributes.
+        each: "bead" or "contact" where it has a number for each of these, else "".
+        function: gives it of a Run; None is nan.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    each: str
+    function: Callable[[Run], Value]
+
+
+def _of_collision(name: str) -> Callable[[Run], Value]:
+    return lambda run: getattr(run.collision, name)
+
+
+def _of_contacts(name: str) -> Callable[[Run], Value]:
+    return lambda run: [getattr(contact, name) for contact in run.collision.contacts]
+
+
+def _of_motion(function: Callable[[Trajectory], Any]) -> Callable[[Run], Value]:
+    return lambda run: function(run.motion)
+
+
+def _closings(motion: Trajectory) -> list[int]:
+    return [len(spans) for spans in motion.contact_intervals]
+
+
+# Those of the run to its end alone cost least; two runs; one with fine samples.
+CHEAP = (
+    Measure("final_velocity", "m/s", "velocity at the end", "bead", _of_motion(lambda run: run.final_velocity)),
+    Measure("velocity_error", "m/s", "estimated error of final_velocity", "bead", _of_motion(lambda run: run.velocity_error)),
+    Measure("end", "s", "time at which the run ended", "", _of_motion(lambda run: run.time[-1])),
+    Measure("steps", "", "steps that the method took", "", _of_motion(lambda run: run.steps)),
+    Measure("evaluations", "", "evaluations of all contact forces", "", _of_motion(lambda run: run.evaluations)),
+    Measure("closings", "", "how often each contact closed", "contact", _of_motion(_closings)),
+    Measure("lost_to_contacts", "J", "energy that contacts took", "", _of_motion(lambda run: run.absorbed_by_contacts[-1])),
+    Measure("lost_to_bed", "J", "energy that friction took", "", _of_motion(lambda run: run.absorbed_by_bed[-1])),
+    Measure("detachment", "s", "time of the last opening of the struck contact", "", lambda run: run.detachment),
+    Measure("contact_time", "s", "for how long the struck contact was closed", "", lambda run: run.contact_time),
+    Measure("rigidity", "", "spread of the struck cluster's velocities over their mean", "", lambda run: run.spread(run.motion)),
+    Measure("rigidity_at_detachment", "", "the same at the detachment", "", lambda run: run.spread(run.detached)),
+)  # fmt: skip
+
+
+def _collision_measures() -> tuple[Measure, ...]:
+    """The numbers of `measured`, and those of each contact as ``contact_...``."""
+    known = {measure.name for measure in CHEAP}
+    whole = [item for item in fields(CollisionMeasures) if item.metadata and item.name not in known]
+    return (
+        *(Measure(f.name, f.metadata["unit"], f.metadata["meaning"], "", _of_collision(f.name)) for f in whole),
+        *(
+            Measure(f"contact_{f.name}", f.metadata["unit"], f.metadata["meaning"], "contact", _of_contacts(f.name))
+            for f in fields(ContactMeasures)
+        ),
+    )
+
+
+MEASURES = (*CHEAP, *_collision_measures())
+MEASURE_BY_NAME = {measure.name: measure for measure in MEASURES}
+
+
+def find_measure(name: str) -> Measure:
+    """The measure of that name. Raises StudyError."""
+    if name not in MEASURE_BY_NAME:
+        raise StudyError(f"there is no measure {name!r}{suggestion(name, MEASURE_BY_NAME)}")
+    return MEASURE_BY_NAME[name]

@@ -1,0 +1,252 @@
+"""`sweep`: a scene or a function over many points, on this machine or many; what is on disk is not computed again."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from softcradle.physics.chain_ensemble import cores
+from softcradle.physics.extras import needed_for
+from softcradle.sandbox.sweeps.chunk_pools import Pool, executor_pool, process_pool, sendable, thread_pool
+from softcradle.sandbox.sweeps.chunk_schedule import ChunkSchedule
+from softcradle.sandbox.sweeps.chunk_work import Work
+from softcradle.sandbox.sweeps.dataset_files import KINDS, MemorySink, file_sink, fill, open_dataset
+from softcradle.sandbox.sweeps.dataset_layout import layout_of
+from softcradle.sandbox.sweeps.journal import Journal
+from softcradle.sandbox.sweeps.measure_table import Measure
+from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
+from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.sweeps.study_text import lanes_of, study_text, sweep_work
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from distributed import Client
+    from softcradle.scenes import Scene
+
+LOGGER = logging.getLogger("softcradle")
+TRIED_HERE = 0.3  # s that points are computed in this process first: kernels are then compiled, and the cost is known
+WORTH_PROCESSES = 3.0  # s of work below which other processes begin too late to be of use
+Where = Literal["auto", "here", "threads", "processes"]
+Progress = Callable[[str, int, int], None]
+
+
+def sweep(
+    what: Scene | str | Callable[..., Any],
+    over: Points | Mapping[str, Any] | Sequence[Axis],
+    measures: Sequence[str | Measure] = (),
+    *,
+    output: str | Path | None = None,
+    executor: Executor | Where = "auto",
+    scheduler: str | Client | None = None,
+    workers: int | None = None,
+    units: Mapping[str, str] | None = None,
+    title: str = "",
+    fresh: bool = False,
+    progress: Progress | None = None,
+    chunk_seconds: float = 1.0,
+) -> xr.Dataset:
+    """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Extra [sweep].
+
+    Arguments:
+        what: a Scene, its name or the path of its file; or a function of the parameters by name, which returns numbers by
+            name, or a motion to be measured: a Trajectory, (chain, velocity) or (chain, velocity, keywords of `simulate`).
+        over: the points: ``{path: values}`` is a grid; else `grid`, `listed`, `sobol` or `latin_hypercube` of
+            `softcradle.sandbox.sweeps`. The path of a scene's number is as in its file, ``lanes.0.contact.alpha``; * is every
+            item of a list.
+        measures: names of the table of measures, or a Measure of one's own; of a function that returns numbers, none.
+        output: a .zarr folder or a .nc file; beside it a journal keeps what is computed until all is. A sweep that was
+            stopped goes on from there, and one that is complete is only opened. None: in memory.
+        executor: "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" takes
+            processes where the work is worth them.
+        scheduler: a Dask scheduler instead: its address, such as "tcp://127.0.0.1:8786", or a Client. Extra [dask].
+        workers: how many threads or processes; None: one for each core.
+        units: of the numbers that a function returns, by name.
+        fresh: begin anew, whatever is at `output`.
+        progress: called with ("points" or "writing", done, all).
+        chunk_seconds: work of one chunk [s].
+
+    A point that cannot be, or whose run gives up, is marked in `status` with its `reason`. The Dataset does not depend on where
+    its points were computed, in which chunks, or how often the sweep was stopped.
+
+    Raises:
+        ValueError: something that is asked for cannot be; one sentence.
+    """
+    with needed_for("sweep", "sweep"):
+        import xarray  # noqa: F401  # before the work, not after it
+    points = over if isinstance(over, Points) else grid(over)
+    work = sweep_work(what, points, measures)
+    path, study = _checked_output(output), study_text(work, title)
+    if path is not None and path.exists() and not fresh:
+        return _complete(path, study)
+    with _journal(path, study, fresh) as journal:
+        pools = _Places(work, executor, scheduler, workers)
+        _compute(work, journal, pools, progress, chunk_seconds)
+        attributes = {"title": title or lanes_of(work)[1], **work.versions, "study": study, "digest": _digest(study)}
+        own = [measure for measure in work.measures if isinstance(measure, Measure)]
+        layout = layout_of(journal, points, lanes_of(work)[0], own, units or {}, attributes)
+        told = _telling(progress, "writing", points.count, 0)
+        if path is None:
+            found: xr.Dataset = fill(MemorySink(), layout, journal, told)
+            return found
+        if fresh:
+            _remove(path)
+        try:
+            with file_sink(path) as sink:
+                fill(sink, layout, journal, told)
+        except OSError as error:
+            raise StudyError(
+                f"cannot write {path}: {error.strerror or error}; the points are kept in {journal.path}"
+            ) from None
+        journal.remove()
+    return open_dataset(path)
+
+
+def _digest(study: str) -> str:
+    return hashlib.sha256(study.encode()).hexdigest()[:16]
+
+
+def _checked_output(output: str | Path | None) -> Path | None:
+    """The path of the output. Raises StudyError where nothing can be written there."""
+    if output is None:
+        return None
+    path = Path(output)
+    if path.suffix not in KINDS:
+        raise StudyError(f"the output of a sweep must end in {' or '.join(KINDS)}, not {str(output)!r}")
+    if not path.absolute().parent.is_dir():
+        raise StudyError(f"cannot write {path}: there is no folder {path.absolute().parent}")
+    with needed_for(f"a sweep that is kept as {path.suffix}", "sweep"):
+        if path.suffix == ".zarr":
+            import zarr  # noqa: F401
+        else:
+            import h5netcdf  # noqa: F401
+    return path
+
+
+def _complete(path: Path, study: str) -> xr.Dataset:
+    """The Dataset that is there already. Raises StudyError where it is another."""
+    try:
+        found = open_dataset(path)
+        same = found.attrs.get("study") == study
+    except (OSError, ValueError, KeyError) as error:
+        raise StudyError(
+            f"{path} is there and cannot be read ({type(error).__name__}): give another output, or begin afresh"
+        ) from None
+    if not same:
+        found.close()
+        raise StudyError(f"{path} holds another study, or one by another version: give another output, or begin afresh")
+    LOGGER.info("%s is complete: nothing to compute", path)
+    return found
+
+
+def _remove(path: Path) -> None:
+    import shutil
+
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def journal_path(path: Path) -> Path:
+    """Where the points of a sweep are kept until all are computed."""
+    return path.with_name(f"{path.name}.partial")
+
+
+@contextmanager
+def _journal(path: Path | None, study: str, fresh: bool) -> Iterator[Journal]:
+    """The journal; where the sweep ends early, how much is kept is said."""
+    journal = Journal(None if path is None else journal_path(path), study, fresh)
+    try:
+        yield journal
+    except BaseException as error:
+        if not journal.done:
+            journal.remove()
+        if journal.path is not None and journal.done:
+            kept = f"{journal.done} points are kept in {journal.path}; the same sweep goes on from there"
+            if isinstance(error, StudyError):
+                raise StudyError(f"{error}; {kept}") from None
+            LOGGER.warning("%s", kept)
+        raise
+    finally:
+        journal.close()
+
+
+def _telling(progress: Progress | None, what: str, count: int, begin: int) -> Callable[[int], None]:
+    """A function that counts points on, for the caller's."""
+    done = [begin]
+
+    def tell(more: int) -> None:
+        done[0] += more
+        if progress is not None:
+            progress(what, done[0], count)
+
+    tell(0)
+    return tell
+
+
+class _Places:
+    """Where the chunks of a sweep are computed, once it is known what they cost."""
+
+    def __init__(
+        self, work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None
+    ) -> None:
+        if scheduler is not None and not (isinstance(executor, str) and executor == "auto"):
+            raise StudyError("a sweep takes an executor or a scheduler, not both")
+        if isinstance(executor, str) and executor not in ("auto", "here", "threads", "processes"):
+            raise StudyError(f"executor must be auto, here, threads, processes or an Executor, not {executor!r}")
+        if workers is not None and workers < 1:
+            raise StudyError(f"workers must be at least 1, not {workers}")
+        if executor == "processes":
+            sendable(work)
+        self._work, self._executor, self._scheduler, self._workers = work, executor, scheduler, workers
+        self.remote = scheduler is not None or not isinstance(executor, str)
+        self._dask = (
+            self._dask_pool() if scheduler is not None else None
+        )  # before any work, so that a wrong address is told at once
+
+    def _dask_pool(self) -> Pool:
+        from softcradle.sandbox.sweeps.dask_pool import DaskPool
+
+        assert self._scheduler is not None
+        return DaskPool(self._work, self._scheduler)
+
+    def pool(self, seconds_left: float) -> Pool | None:
+        """The pool for so much work; None: this process alone."""
+        if self._dask is not None or not isinstance(self._executor, str):
+            return self._dask or executor_pool(self._work, self._executor, self._workers)  # type: ignore[arg-type]
+        if self._executor == "threads":
+            return thread_pool(self._work, self._workers)
+        if self._executor == "processes":
+            return process_pool(self._work, self._workers)
+        many = (self._workers or cores()) > 1
+        if self._executor == "here" or seconds_left < WORTH_PROCESSES or not many:
+            return None
+        try:
+            return process_pool(self._work, self._workers)
+        except StudyError:  # a function of a notebook: other processes cannot read it
+            return thread_pool(self._work, self._workers)
+
+
+def _compute(work: Work, journal: Journal, places: _Places, progress: Progress | None, chunk_seconds: float) -> None:
+    """Compute all points that the journal does not have."""
+    missing, kept = list(journal.missing(work.points.count)), journal.done
+    if kept and journal.path is not None:
+        LOGGER.warning("%d of %d points are in %s and not computed again", kept, work.points.count, journal.path)
+    schedule = ChunkSchedule(missing, journal, _telling(progress, "points", work.points.count, kept), chunk_seconds)
+    if not places.remote:
+        schedule.run_here(work, TRIED_HERE)
+    if not schedule.left:
+        return
+    pool = places.pool(schedule.seconds_left)
+    if pool is None:
+        schedule.run_here(work, float("inf"))
+        return
+    try:
+        schedule.run(pool)
+    finally:
+        pool.close()

@@ -1,0 +1,238 @@
+"""The sample points of a sweep: grids, lists, Latin hypercube and Sobol samples, each computed from its index alone."""
+
+from __future__ import annotations
+
+import math
+import threading
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.checked_input import shown, whole_number
+from softcradle.sandbox.sweeps.study_error import StudyError
+
+if TYPE_CHECKING:
+    from scipy.stats import qmc
+
+Array = NDArray[np.float64]
+Scale = Literal["linear", "log", "whole"]
+Design = Literal["grid", "list", "sobol", "latin_hypercube"]
+
+SCALES = ("linear", "log", "whole")
+MOST_POINTS = 2**53  # whole numbers up to here are exact as floats
+MOST_LATIN = 2**24  # numbers of a Latin hypercube, which exists as a whole alone: 128 MB in every process
+SOBOL_BITS = 30  # of the sequence, so that 2**30 points differ; SciPy goes on from a point with at most 32 of them
+_own = threading.local()  # the Sobol engine of each thread: it goes on from where it is
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One parameter that varies.
+
+    Attributes:
+        path: where it is in the scene, such as ``lanes.0.contact.alpha``, or the name of a function's argument.
+        values: the values that it takes, numbers or texts; empty for one that is sampled between bounds.
+        low, high: the bounds of a sampled one.
+        scale: how samples lie between them: "linear", "log" (even in the logarithm), "whole" (whole numbers, both included).
+        name: of its coordinate in the Dataset; "": its path.
+    """
+
+    path: str
+    values: tuple[Any, ...] = ()
+    low: float = 0.0
+    high: float = 1.0
+    scale: Scale = "linear"
+    name: str = ""
+
+    @property
+    def coordinate(self) -> str:
+        """The name of its coordinate in the Dataset."""
+        return self.name or self.path
+
+    def between(self, unit: Array) -> NDArray[Any]:
+        """The values at (N,) places from 0 to 1; number by number, so that they do not depend on N."""
+        if self.scale == "whole":
+            steps = np.floor(unit * (self.high - self.low + 1.0))
+            return (self.low + np.minimum(steps, self.high - self.low)).astype(np.int64)
+        if self.scale == "log":
+            low, width = math.log(self.low), math.log(self.high / self.low)
+            return np.array([math.exp(low + place * width) for place in unit.tolist()])
+        return np.asarray(self.low + unit * (self.high - self.low))
+
+    def ends(self) -> tuple[Any, Any]:
+        """Its first and its last value."""
+        return (self.values[0], self.values[-1]) if self.values else (self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Points:
+    """All points of a sweep, by number.
+
+    Attributes:
+        design: "grid" (every combination), "list" (the k-th values of all axes together), "sobol" or "latin_hypercube".
+        axes: what varies; the last one varies fastest in a grid.
+        count: number of points.
+        seed: of the samples.
+    """
+
+    design: Design
+    axes: tuple[Axis, ...]
+    count: int
+    seed: int = 0
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each dimension of the Dataset."""
+        return tuple(len(axis.values) for axis in self.axes) if self.design == "grid" else (self.count,)
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """The dimensions of the Dataset: the axes of a grid, else "point"."""
+        return tuple(axis.coordinate for axis in self.axes) if self.design == "grid" else ("point",)
+
+    def columns(self, begin: int, end: int) -> dict[str, NDArray[Any]]:
+        """The values of every axis, by path, at the points from `begin` to `end`."""
+        numbers = np.arange(begin, end)
+        if self.design == "grid":
+            places = np.unravel_index(numbers, self.shape)
+            return {axis.path: _array(axis.values)[place] for axis, place in zip(self.axes, places, strict=True)}
+        if self.design == "list":
+            return {axis.path: _array(axis.values[begin:end]) for axis in self.axes}
+        unit = _unit_rows(self.design, len(self.axes), self.count, self.seed, begin, end)
+        return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
+
+
+def grid(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
+    """Every combination of the values; ``{path: values}``, or a list of Axis."""
+    found = _valued(axes)
+    return _checked(Points("grid", found, math.prod(len(axis.values) for axis in found)))
+
+
+def listed(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
+    """The k-th values of all axes together are the k-th point; ``{path: values}`` of one length, or a list of Axis."""
+    found = _valued(axes)
+    lengths = {axis.coordinate: len(axis.values) for axis in found}
+    if len(set(lengths.values())) > 1:
+        raise StudyError(f"a list of points needs as many values of each parameter, not {shown(lengths)}")
+    return _checked(Points("list", found, len(found[0].values)))
+
+
+def sobol(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -> Points:
+    """`count` points of a scrambled Sobol sequence; ``{path: (low, high)}`` or ``(low, high, scale)``, or a list of Axis.
+
+    A power of 2 balances them best. The first of a longer sequence of the same seed are those of a shorter one.
+    """
+    if whole_number("count", count) > 2**SOBOL_BITS:
+        raise StudyError(f"a Sobol sequence has at most {2**SOBOL_BITS} points, not {count}")
+    return _checked(Points("sobol", _bounded(axes), count, whole_number("seed", seed)))
+
+
+def latin_hypercube(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -> Points:
+    """`count` points of a Latin hypercube: each of `count` equal parts of every axis holds one; axes as for `sobol`."""
+    found = Points("latin_hypercube", _bounded(axes), whole_number("count", count), whole_number("seed", seed))
+    if count * len(found.axes) > MOST_LATIN:
+        most = MOST_LATIN // len(found.axes)
+        raise StudyError(
+            f"a Latin hypercube of {len(found.axes)} parameters has at most {most} points, not {count}: take sobol"
+        )
+    return _checked(found)
+
+
+def _valued(axes: Mapping[str, Any] | Sequence[Axis]) -> tuple[Axis, ...]:
+    if isinstance(axes, Mapping):
+        axes = [Axis(str(path), _value_tuple(path, values)) for path, values in axes.items()]
+    for axis in axes:
+        if not axis.values:
+            raise StudyError(f"{axis.path} needs at least one value")
+    return _named(axes)
+
+
+def _value_tuple(path: str, values: Any) -> tuple[Any, ...]:
+    if isinstance(values, (str, bytes)) or np.ndim(values) != 1:
+        raise StudyError(f"{path} must be a list of values, not {shown(values)}")
+    return tuple(value.item() if isinstance(value, np.generic) else value for value in values)
+
+
+def _bounded(axes: Mapping[str, Any] | Sequence[Axis]) -> tuple[Axis, ...]:
+    if isinstance(axes, Mapping):
+        axes = [_from_bounds(str(path), bounds) for path, bounds in axes.items()]
+    for axis in axes:
+        if axis.values:
+            raise StudyError(f"{axis.path} must be sampled between bounds, not from a list of values")
+        if axis.scale not in SCALES:
+            raise StudyError(f"{axis.path}: scale must be one of {', '.join(SCALES)}, not {axis.scale!r}")
+        if not (math.isfinite(axis.low) and math.isfinite(axis.high) and axis.low < axis.high):
+            raise StudyError(
+                f"{axis.path} must lie between two numbers, the smaller one first, not {axis.low!r} and {axis.high!r}"
+            )
+        if axis.scale == "log" and axis.low <= 0.0:
+            raise StudyError(f"{axis.path}: bounds on a log scale must be greater than 0, not {axis.low!r}")
+        if axis.scale == "whole" and not (float(axis.low).is_integer() and float(axis.high).is_integer()):
+            raise StudyError(f"{axis.path}: bounds of whole numbers must be whole, not {axis.low!r} and {axis.high!r}")
+    return _named(axes)
+
+
+def _from_bounds(path: str, bounds: Any) -> Axis:
+    numbers = list(bounds) if isinstance(bounds, (list, tuple)) else []
+    if len(numbers) not in (2, 3) or not all(isinstance(number, (int, float)) for number in numbers[:2]):
+        raise StudyError(f"{path} must be (low, high) or (low, high, scale), not {shown(bounds)}")
+    return Axis(path, low=numbers[0], high=numbers[1], scale=numbers[2] if len(numbers) == 3 else "linear")
+
+
+def _named(axes: Sequence[Axis]) -> tuple[Axis, ...]:
+    names = [axis.coordinate for axis in axes]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise StudyError(f"two parameters are called {twice!r}")
+    if not names:
+        raise StudyError("a sweep needs at least one parameter that varies")
+    return tuple(axes)
+
+
+def _checked(points: Points) -> Points:
+    if not 1 <= points.count <= MOST_POINTS:
+        raise StudyError(f"a sweep has from 1 to {MOST_POINTS} points, not {points.count}")
+    if points.seed < 0:
+        raise StudyError(f"seed must be at least 0, not {points.seed}")
+    return points
+
+
+def _array(values: tuple[Any, ...]) -> NDArray[Any]:
+    """The values as floats or whole numbers where all are, else as objects."""
+    whole = all(isinstance(value, int) and not isinstance(value, bool) for value in values)
+    real = all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)
+    return np.array(values, dtype=np.int64 if whole else np.float64 if real else object)
+
+
+def _unit_rows(design: Design, dimensions: int, count: int, seed: int, begin: int, end: int) -> Array:
+    """(end - begin, dimensions) places from 0 to 1 of the points from `begin` to `end`."""
+    if design == "latin_hypercube":
+        return _latin_rows(dimensions, count, seed)[begin:end]
+    key, engine = getattr(_own, "sobol", (None, None))
+    if engine is None or key != (dimensions, seed) or engine.num_generated > begin:
+        engine = _sobol_engine(dimensions, seed)
+        _own.sobol = (dimensions, seed), engine
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a number of points that is no power of 2: a chunk is not the sample
+        if begin > engine.num_generated:
+            engine.fast_forward(begin - engine.num_generated)
+        rows: Array = engine.random(end - begin)
+    return rows
+
+
+def _sobol_engine(dimensions: int, seed: int) -> qmc.Sobol:
+    from scipy.stats import qmc
+
+    return qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=np.random.default_rng(seed))
+
+
+@lru_cache(maxsize=2)
+def _latin_rows(dimensions: int, count: int, seed: int) -> Array:
+    from scipy.stats import qmc
+
+    rows: Array = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
+    return rows

@@ -1,0 +1,134 @@
+"""From a scene and a point to what moves: the numbers at dotted paths such as `lanes.0.contact.alpha` are replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+from softcradle.physics import Chain
+from softcradle.scenes import Lane, Scene
+from softcradle.scenes.scene_errors import SceneError, scene_error
+from softcradle.scenes.toml_table import suggestion
+
+ONE_OR_MANY = ("mass", "contact", "gap")  # fields of a lane that may be one value for all
+LENGTHS = ("beads",)  # fields that decide how long the lists of a lane are
+EVERY = "*"  # a path of every item of a list
+KEPT_BASES = 64  # scenes with other beads, laws or methods that are kept in memory
+
+
+class Start(NamedTuple):
+    """A chain, the start velocities of its beads, and keywords of `simulate`."""
+
+    chain: Chain
+    velocity: Any
+    settings: Mapping[str, Any]
+
+
+@dataclass
+class ScenePoints:
+    """A scene whose numbers vary.
+
+    Attributes:
+        scene: the scene; every lane of it moves.
+    """
+
+    scene: Scene
+    _bases: dict[tuple[Any, ...], Scene] = field(default_factory=dict, repr=False, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The scene as a table: the models of its contacts are made when they are first needed, and cannot be sent."""
+        return self.scene.model_dump()
+
+    def __setstate__(self, table: dict[str, Any]) -> None:
+        self.scene, self._bases = Scene.model_validate(table), {}
+
+    def starts(self, values: Mapping[str, Any]) -> list[Start]:
+        """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
+        structure = {path: value for path, value in values.items() if is_structure(path, value)}
+        scene = self._base(structure)
+        for path, value in values.items():
+            if path not in structure:
+                scene = replaced(scene, path.split("."), float(value), path)
+        settings = scene.settings()
+        return [Start(lane.chain(), lane.velocity, settings) for lane in scene.lanes]
+
+    def checked(self, values: Mapping[str, Any]) -> Scene:
+        """The scene at a point, checked as a file is. Raises SceneError."""
+        scene = self._base({path: value for path, value in values.items() if is_structure(path, value)})
+        for path, value in values.items():
+            if not is_structure(path, value):
+                scene = replaced(scene, path.split("."), value, path)
+        return validated(scene)
+
+    def _base(self, structure: Mapping[str, Any]) -> Scene:
+        """The scene with other beads or texts, checked; made once for all points that share these."""
+        key = tuple(structure.items())
+        if not key:
+            return self.scene
+        if key not in self._bases:
+            scene = self.scene
+            for path, value in structure.items():
+                scene = replaced(scene, path.split("."), value, path)
+            if len(self._bases) >= KEPT_BASES:
+                self._bases.clear()
+            self._bases[key] = validated(scene)
+        return self._bases[key]
+
+
+def is_structure(path: str, value: Any) -> bool:
+    """Whether another value makes another kind of chain, which is checked as a file is; other numbers the chain checks."""
+    return not isinstance(value, (int, float, np.number)) or any(part in LENGTHS for part in path.split("."))
+
+
+def validated(scene: Scene) -> Scene:
+    """The scene, read anew from its numbers. Raises SceneError."""
+    table = scene.model_dump(warnings=False)
+    table["lanes"] = [_lane_table(lane, known) for lane, known in zip(table["lanes"], scene.lanes, strict=True)]
+    try:
+        return Scene.model_validate(table)
+    except ValidationError as error:
+        raise scene_error("the scene", error) from None
+
+
+def _lane_table(table: dict[str, Any], lane: Lane) -> dict[str, Any]:
+    """The table of a lane; strikers of one velocity before targets at rest are written so that their numbers may change."""
+    clusters = lane.beads
+    if isinstance(clusters, tuple) and len(clusters) == 2 and sum(clusters) != len(lane.velocity):
+        moving = {speed for speed in lane.velocity if speed != 0.0}
+        if len(moving) == 1 and lane.velocity[0] != 0.0:
+            table["beads"], table["velocity"] = list(clusters), lane.velocity[0]
+    return table
+
+
+def replaced(item: Any, keys: list[str], value: Any, path: str) -> Any:
+    """`item` with the value at `keys`; tables and lists on the way are new, `item` itself stays. Raises SceneError."""
+    if not keys:
+        return value
+    key, rest = keys[0], keys[1:]
+    if isinstance(item, BaseModel):
+        known = type(item).model_fields
+        if key not in known:
+            raise SceneError([f"{path}: there is no {key!r}{suggestion(key, known)}"])
+        inner = getattr(item, key)
+        if (
+            isinstance(item, Lane)
+            and key in ONE_OR_MANY
+            and rest
+            and not isinstance(inner, tuple)
+            and _is_place(rest[0])
+        ):
+            inner = (inner,) * (len(item.velocity) - (key != "mass"))
+        return item.model_copy(update={key: replaced(inner, rest, value, path)})
+    if isinstance(item, tuple):
+        places = range(len(item)) if key == EVERY else [int(key)] if key.isdigit() and int(key) < len(item) else []
+        if not places:
+            raise SceneError([f"{path}: {key!r} must be a number from 0 to {len(item) - 1}, or * for all"])
+        return tuple(replaced(part, rest, value, path) if k in places else part for k, part in enumerate(item))
+    raise SceneError([f"{path}: there is nothing below {'.'.join(path.split('.')[: -len(keys)])!r}, which is {item!r}"])
+
+
+def _is_place(key: str) -> bool:
+    return key.isdigit() or key == EVERY

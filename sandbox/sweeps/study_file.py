@@ -1,0 +1,167 @@
+"""The study file: a TOML file that says what is swept, over which points, and what is measured."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, Strict, ValidationError, model_validator
+from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid, latin_hypercube, listed, sobol
+from softcradle.sandbox.sweeps.scene_points import replaced, validated
+from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.sweeps.study_text import checked_source, scene_of
+from softcradle.sandbox.user_error import reason
+from softcradle.scenes import Scene
+from softcradle.scenes.scene_errors import SceneError, scene_error
+from softcradle.scenes.toml_table import Number, Table, problem
+
+DESIGNS = ("grid", "list", "sobol", "latin_hypercube")
+Whole = Annotated[int, Strict()]
+Value = Annotated[Whole | Number | str, Field(union_mode="left_to_right")]  # a fraction such as "1/14" is a number
+
+
+class Span(Table):
+    """The values of one parameter.
+
+    Attributes:
+        values: a list of them.
+        between: or the smallest and the largest.
+        count: how many between these, in a grid or a list; samples have one count for all parameters.
+        scale: "linear", "log" (even in the logarithm) or "whole" (whole numbers).
+        name: of the coordinate in the Dataset; else the path.
+    """
+
+    values: tuple[Value, ...] = ()
+    between: tuple[Number | Whole, Number | Whole] | None = None
+    count: Annotated[int, Strict(), Field(ge=2)] | None = None
+    scale: Literal["linear", "log", "whole"] = "linear"
+    name: str = ""
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if bool(self.values) == (self.between is not None):
+            raise problem("needs either values = [...] or between = [low, high]")
+        if self.between is not None and (
+            self.between[0] >= self.between[1] or (self.scale == "log" and self.between[0] <= 0)
+        ):
+            raise problem(f"between must be the smaller number first, both > 0 on a log scale, not {[*self.between]}")
+        return self
+
+    def valued(self, path: str) -> Axis:
+        """The Axis of a grid or a list."""
+        if self.between is None:
+            return Axis(path, self.values, name=self.name)
+        low, high = self.between
+        if self.scale == "whole":
+            values = tuple(range(int(low), int(high) + 1))
+        elif self.count is None:
+            raise StudyError(f"{path}: count is missing: how many values between {low:g} and {high:g}")
+        else:
+            spread = np.geomspace if self.scale == "log" else np.linspace
+            values = tuple(spread(low, high, self.count).tolist())
+        return Axis(path, values, name=self.name)
+
+    def sampled(self, path: str) -> Axis:
+        """The Axis of samples."""
+        if self.between is None or self.count is not None:
+            raise StudyError(f"{path}: samples need between = [low, high], and one count for all parameters")
+        return Axis(path, low=self.between[0], high=self.between[1], scale=self.scale, name=self.name)
+
+
+def _span(value: Any) -> Any:
+    return {"values": value} if isinstance(value, list) else value
+
+
+Spans = Mapping[str, Annotated[Span, BeforeValidator(_span)]]
+
+
+class Samples(Table):
+    """How many samples, from which seed, over which parameters."""
+
+    count: Annotated[int, Strict(), Field(ge=1)]
+    seed: Annotated[int, Strict(), Field(ge=0)] = 0
+    over: Spans
+
+
+class StudyFile(Table):
+    """A study.
+
+    Attributes:
+        title: its name.
+        scene: of the catalogue, or the path of a scene file, from the folder of the study.
+        measures: names of the table of measures.
+        set: numbers of the scene that are other than in its file, by path.
+        grid, list, sobol, latin_hypercube: the points; one of them.
+    """
+
+    title: str = ""
+    scene: str
+    measures: tuple[str, ...]
+    set: Mapping[str, Value] = {}
+    grid: Spans | None = None
+    list: Spans | None = None
+    sobol: Samples | None = None
+    latin_hypercube: Samples | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        given = [name for name in DESIGNS if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise problem(f"a study needs one of the tables {', '.join(DESIGNS)}, not {len(given)}")
+        return self
+
+    def points(self) -> Points:
+        """The sample points."""
+        if self.grid is not None:
+            return grid([span.valued(path) for path, span in self.grid.items()])
+        if self.list is not None:
+            return listed([span.valued(path) for path, span in self.list.items()])
+        samples, design = (self.sobol, sobol) if self.sobol is not None else (self.latin_hypercube, latin_hypercube)
+        assert samples is not None
+        return design([span.sampled(path) for path, span in samples.over.items()], samples.count, samples.seed)
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study file says, read: the arguments of `sweep`."""
+
+    title: str
+    scene: Scene
+    points: Points
+    measures: tuple[str, ...]
+
+
+def load_study(path: str) -> Study:
+    """The study in a file. Raises StudyError with what is wrong with it."""
+    try:
+        table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        found = StudyFile.model_validate(table)
+    except OSError as error:
+        raise StudyError(f"cannot read {path}: {reason(error)}") from None
+    except UnicodeDecodeError:
+        raise StudyError(f"{path}: not a text file in UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
+        raise StudyError(f"{path}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
+    except ValidationError as error:
+        raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
+    try:
+        study = Study(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
+        checked_source(study.scene, study.points, study.measures)
+        return study
+    except StudyError as error:
+        raise StudyError(f"{path}: {error}") from None
+    except SceneError as error:
+        raise StudyError(f"{path}: set: {str(error).removeprefix('the scene: ')}") from None
+
+
+def _scene(study: StudyFile, folder: Path) -> Scene:
+    """The scene of a study, with the numbers that it sets."""
+    beside = folder / study.scene
+    scene = scene_of(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
+    for key, value in study.set.items():
+        scene = replaced(scene, key.split("."), value, key)
+    return validated(scene)

@@ -1,0 +1,35 @@
+"""Functions that tests sweep, in a module that other processes can import; each point leaves a line in a log."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+
+LOG = "SWEPT_LOG"  # environment: the file of the log
+ONE_POINT = 0.004  # s
+
+
+def numbers(a: float, n: int) -> dict[str, object]:
+    """Two numbers of a point, one of them a list whose length depends on it."""
+    if a > 0.9:
+        raise ValueError(f"a must be at most 0.9, not {a:.3g}")
+    return {"product": a * n, "powers": np.float64(a) ** np.arange(n)}
+
+
+def logged(a: float, n: int) -> dict[str, object]:
+    """The same, slowly, with a line in the log."""
+    with Path(os.environ[LOG]).open("a") as file:
+        file.write(f"{a!r} {n}\n")
+    time.sleep(ONE_POINT)
+    return numbers(a, n)
+
+
+def deadly(a: float, n: int) -> dict[str, object]:
+    """The same; one of the points kills its process."""
+    if n == 3 and a == 0.5:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return numbers(a, n)

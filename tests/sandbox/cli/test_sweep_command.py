@@ -1,0 +1,140 @@
+"""`softcradle sweep`: studies from files, refusals in a sentence, what is missing, what is there already."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.sweeps.measure_table import MEASURES
+from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.sweeps.study_file import load_study
+
+from tests.helpers.paths import ROOT
+
+xr = pytest.importorskip("xarray")
+GOOD = """
+title = "two speeds"
+scene = "one-on-four"
+measures = ["final_velocity", "rigidity"]
+[set]
+"lanes.0.contact.alpha" = 1
+tolerance = 1e-4
+[grid]
+"lanes.0.velocity.0" = {values = [0.5, 1], name = "speed"}
+"""
+SOBOL = """
+[sobol]
+count = 8
+[sobol.over]
+"lanes.0.contact.alpha" = {between = ["1/10", 1], scale = "log"}
+"""
+
+
+def changed(old: str, new: str) -> str:
+    assert old in GOOD
+    return GOOD.replace(old, new)
+
+
+GRID = GOOD.partition("[grid]")[2]
+
+
+def test_a_study_is_computed_once(tmp_path, capsys):
+    study, output = tmp_path / "study.toml", tmp_path / "found.nc"
+    study.write_text(GOOD)
+    assert main(["-q", "sweep", str(study), "-o", str(output), "--workers", "1"]) == 0
+    printed = capsys.readouterr().out
+    assert "two speeds: 2 speed" in printed
+    assert "final_velocity [m/s]" in printed
+    with xr.open_dataset(output, engine="h5netcdf") as found:
+        first = found.load()
+    assert first["final_velocity"].dims == ("speed", "bead")
+    assert float(first["final_velocity"].sel(speed=1).sum()) == pytest.approx(1.0)
+    assert first["final_velocity"].sel(speed=0.5).sum() == pytest.approx(0.5)
+    changed_at = output.stat().st_mtime_ns
+    assert main(["sweep", str(study), "-o", str(output)]) == 0
+    assert output.stat().st_mtime_ns == changed_at
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
+
+
+def test_samples_of_a_file(tmp_path):
+    (tmp_path / "study.toml").write_text(GOOD.partition("[set]")[0] + SOBOL)
+    points = load_study(str(tmp_path / "study.toml")).points
+    assert (points.design, points.count, points.axes[0].low) == ("sobol", 8, 0.1)
+
+
+def test_the_example_is_a_study():
+    study = load_study(str(ROOT / "examples" / "softness-and-size.toml"))
+    assert study.points.shape == (24, 5)
+    assert study.scene.tolerance == 1e-6
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (changed("[grid]", "[gird]"), r"unknown key 'gird' \(did you mean 'grid'\?\)"),
+        (changed("[grid]" + GRID, ""), "needs one of the tables grid, list, sobol, latin_hypercube, not 0"),
+        (GOOD + SOBOL, "needs one of the tables grid, list, sobol, latin_hypercube, not 2"),
+        (changed("velocity.0", "velocity.9"), "'9' must be a number from 0 to 4"),
+        (changed("lanes.0.velocity.0", "lanes.0.mess"), r"there is no 'mess' \(did you mean 'mass'\?\)"),
+        (changed("values = [0.5, 1]", "between = [1, 0.5]"), "between must be the smaller number first"),
+        (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
+        (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
+        (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),
+        (changed("one-on-four", "one-on-for"), "there is no scene 'one-on-for'"),
+        (changed('contact.alpha" = 1', 'contact.alpha" = -1'), r"contact.alpha must be greater than 0, not -1"),
+        (changed('scene = "one-on-four"', ""), "key 'scene' is missing"),
+        ("title = ", "not valid TOML"),
+    ],
+)
+def test_bad_study_file(text, sentence, tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    study.write_text(text)
+    assert main(["sweep", str(study), "-o", str(tmp_path / "found.zarr")]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert re.fullmatch(r"softcradle: .+\n", err), err
+    assert re.search(sentence, err), err
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "a study file is missing"),
+        (["nowhere.toml"], "cannot read nowhere.toml: no such file"),
+        (["study.toml", "-o", "x.csv"], "must end in .zarr or .nc, not 'x.csv'"),
+        (["study.toml", "--threads", "--scheduler", "tcp://127.0.0.1:1"], "give one of them"),
+        (["study.toml", "--chunk", "0"], "must be a number > 0, not '0'"),
+        (["study.toml", "--workers", "0"], "must be a whole number from 1"),
+    ],
+)
+def test_bad_arguments(arguments, sentence, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.toml").write_text(GOOD)
+    assert main(["sweep", *arguments]) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_measures_are_listed(capsys):
+    assert main(["sweep", "--measures"]) == 0
+    printed = capsys.readouterr().out
+    assert all(measure.name in printed for measure in MEASURES)
+    assert all(measure.meaning for measure in MEASURES)
+
+
+def test_without_the_extra_it_is_a_sentence(tmp_path):
+    (tmp_path / "study.toml").write_text(GOOD)
+    program = "from softcradle.sandbox.cli.main import main\nsys.exit(main(['sweep', 'study.toml']))"
+    code = f"import sys\nsys.modules['zarr'] = None\n{program}"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.endswith("needs zarr, which is not installed: pip install 'softcradle[sweep]'\n")
+
+
+def test_a_study_of_auto_is_refused(tmp_path):
+    (tmp_path / "study.toml").write_text(changed("[set]", '[set]\nmethod = "auto"').replace("tolerance = 1e-4\n", ""))
+    with pytest.raises(StudyError, match=r"study.toml: .* depends on the machine"):
+        load_study(str(tmp_path / "study.toml"))

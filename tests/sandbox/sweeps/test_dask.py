@@ -1,0 +1,158 @@
+"""A sweep on a real Dask scheduler with real workers: killed, resumed, a worker killed, the scheduler restarted."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from softcradle.sandbox.sweeps import dask_pool, sobol, sweep
+from softcradle.sandbox.sweeps.study_error import StudyError
+
+from tests.helpers.paths import ROOT
+from tests.helpers.swept import LOG, logged
+
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own connections, which are cut on purpose
+
+COUNT = 300
+POINTS = sobol({"a": (0.0, 1.0), "n": (1, 4, "whole")}, COUNT, seed=5)
+QUICK = {
+    "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "20s",
+    "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "120s",
+    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "3",
+}
+COORDINATOR = """
+import sys
+from softcradle.sandbox.sweeps import sweep
+from tests.helpers.swept import logged
+from tests.sandbox.sweeps.test_dask import POINTS
+sweep(logged, POINTS, output=sys.argv[1], scheduler=sys.argv[2], chunk_seconds=0.05)
+"""
+
+
+class Cluster:
+    """A scheduler on this machine and its workers, each a process."""
+
+    def __init__(self, log: Path) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{self.port}"
+        self._environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT), LOG: str(log)}
+        self._told = (log.parent / "told").open("wb")
+        self.processes: list[subprocess.Popen[bytes]] = []
+        self.start_scheduler()
+
+    def start(self, *words: str) -> subprocess.Popen[bytes]:
+        started = subprocess.Popen(
+            [sys.executable, *words], env=self._environment, stdout=subprocess.DEVNULL, stderr=self._told
+        )
+        self.processes.append(started)
+        return started
+
+    def start_scheduler(self) -> None:
+        place = ("--host", "127.0.0.1", "--port", str(self.port), "--no-dashboard")
+        self.scheduler = self.start("-m", "distributed.cli.dask_scheduler", *place)
+        until(self.answers)
+        for _ in range(2):
+            self.worker = self.start(
+                "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+                "--host", "127.0.0.1", "--death-timeout", "120",
+            )  # fmt: skip
+
+    def answers(self) -> bool:
+        with socket.socket() as asking:
+            return asking.connect_ex(("127.0.0.1", self.port)) == 0
+
+    def close(self) -> None:
+        for process in self.processes:
+            process.kill()
+            process.wait()
+        self._told.close()
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+
+
+def until(condition: Callable[[], bool], seconds: float = 120.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def cluster(tmp_path, monkeypatch):
+    monkeypatch.setenv(LOG, str(tmp_path / "log"))
+    (tmp_path / "log").touch()
+    found = Cluster(tmp_path / "log")
+    yield found
+    found.close()
+
+
+def lines(path: Path) -> list[str]:
+    return path.read_text().splitlines()
+
+
+@pytest.mark.slow
+def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
+    output, log = tmp_path / "swept.zarr", tmp_path / "log"
+    kept = tmp_path / "swept.zarr.partial"
+    coordinator = cluster.start("-c", COORDINATOR, str(output), cluster.address)
+    until(lambda: len(lines(log)) > COUNT // 5 or coordinator.poll() is not None)
+    assert coordinator.poll() is None
+    kill(coordinator)
+    time.sleep(0.5)  # chunks that were handed out are computed, for nobody
+    assert kept.exists()
+    assert not output.exists()
+    before, events = lines(log), []
+
+    def strike(what: str, done: int, count: int) -> None:
+        if what == "points" and not events:
+            events.append(done)
+        if what == "points" and len(events) == 1 and done > 0.4 * count:
+            events.append(done)
+            kill(cluster.worker)
+        if what == "points" and len(events) == 2 and done > 0.6 * count:
+            events.append(done)
+            for process in cluster.processes:
+                kill(process)
+            cluster.start_scheduler()
+
+    found = sweep(logged, POINTS, output=output, scheduler=cluster.address, chunk_seconds=0.05, progress=strike).load()
+    assert len(events) == 3
+    kept_then, after = events[0], lines(log)[len(before) :]
+    assert 0 < kept_then < COUNT
+    assert f"{kept_then} of {COUNT} points are in {kept} and not computed again" in caplog.text
+    assert "workers have left the scheduler" in caplog.text
+    assert "lost the scheduler" in caplog.text
+    assert "is back" in caplog.text
+    assert not kept.exists()
+    # all that was not kept is computed, what was kept is not; a chunk is computed again only where its worker was killed
+    assert len(set(after)) == COUNT - kept_then
+    assert max(Counter(after).values()) <= 3
+    alone = sweep(logged, POINTS, executor="here")
+    for name in alone.variables:
+        assert found[name].dtype.kind in (alone[name].dtype.kind, "T", "O")
+        assert found[name].identical(alone[name]), name
+    assert found.identical(alone)
+
+
+def test_no_scheduler_is_told_at_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(dask_pool, "CONNECT", 0.1)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        with pytest.raises(StudyError, match=f"no Dask scheduler answers at '{address}'"):
+            sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler=address)
+    assert list(tmp_path.iterdir()) == []

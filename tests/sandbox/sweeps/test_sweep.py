@@ -1,0 +1,343 @@
+"""`sweep`: the same Dataset bit for bit by any executor, chunking and resumption; what fails is marked; disks and files."""
+
+from __future__ import annotations
+
+import errno
+import os
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from softcradle.physics import one_on, power_law, simulate
+from softcradle.physics.analysis.collision import collide, measured
+from softcradle.sandbox.sweeps import Measure, chunk_schedule, grid, journal, listed, run_sweep, sobol, sweep
+from softcradle.sandbox.sweeps.chunk_pools import Lost
+from softcradle.sandbox.sweeps.chunk_work import PointStatus
+from softcradle.sandbox.sweeps.journal import Journal
+from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.scenes import load
+
+from tests.helpers.swept import deadly, logged, numbers
+
+xr = pytest.importorskip("xarray")
+pytest.importorskip("zarr")
+pytest.importorskip("h5netcdf")
+
+A = np.linspace(0.0, 1.0, 21)
+GRID = grid({"a": A, "n": [1, 2, 3]})
+
+
+@pytest.fixture(scope="module")
+def alone():
+    """The sweep of a single process, in memory."""
+    return sweep(numbers, GRID, executor="here", units={"product": "m"})
+
+
+def same(found, alone) -> bool:
+    return found.load().identical(alone)
+
+
+def test_numbers_stand_where_they_belong(alone):
+    assert alone["product"].dims == ("a", "n")
+    np.testing.assert_array_equal(alone["product"][:18], np.outer(A[:18], [1, 2, 3]))
+    np.testing.assert_array_equal(alone["powers"].sel(n=3)[4], A[4] ** np.arange(3))
+    assert np.isnan(alone["powers"].sel(n=2)[4, 2])
+    assert alone["product"].attrs["units"] == "m"
+    assert {"softcradle", "numpy", "python", "scipy", "source", "study"} <= alone.attrs.keys()
+
+
+def test_a_point_that_fails_is_marked_with_its_reason(alone):
+    failed = A > 0.9
+    assert (alone["status"].to_numpy() == np.where(failed, PointStatus.REFUSED, PointStatus.DONE)[:, None]).all()
+    assert alone["reason"].sel(n=2)[-1] == "a must be at most 0.9, not 1"
+    assert (alone["reason"][:18] == "").all()
+    assert np.isnan(alone["product"].to_numpy()[failed]).all()
+    assert alone["status"].attrs["flag_meanings"].split()[PointStatus.REFUSED] == "refused"
+
+
+@pytest.mark.parametrize("kind", ["threads", "executor", "one by one"])
+@pytest.mark.parametrize("output", [None, "x.zarr", "x.nc"])
+def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path, monkeypatch):
+    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    path = tmp_path / output if output else None
+    options = {"output": path, "units": {"product": "m"}}
+    if kind == "threads":
+        found = sweep(numbers, GRID, executor="threads", workers=3, chunk_seconds=1e-5, **options)
+    elif kind == "executor":
+        with ThreadPoolExecutor(2) as executor:
+            found = sweep(numbers, GRID, executor=executor, chunk_seconds=1e-4, **options)
+    else:
+        found = sweep(numbers, GRID, executor="here", chunk_seconds=0.0, **options)
+    assert same(found, alone)
+    assert [p.name for p in tmp_path.iterdir()] == ([output] if output else [])
+    found.close()
+
+
+@pytest.mark.slow
+def test_it_is_equal_by_processes(alone, tmp_path, monkeypatch):
+    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    found = sweep(
+        numbers,
+        GRID,
+        executor="processes",
+        workers=2,
+        output=tmp_path / "x.nc",
+        chunk_seconds=1e-4,
+        units={"product": "m"},
+    )
+    assert same(found, alone)
+
+
+@pytest.mark.slow
+def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(monkeypatch, caplog):
+    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    few = grid({"a": [0.25, 0.5], "n": [2, 3]})
+    found = sweep(deadly, few, executor="processes", workers=1, chunk_seconds=1e-3)
+    assert found["status"].to_numpy().tolist() == [[0, 0], [0, PointStatus.LOST]]
+    assert found["reason"].to_numpy()[1, 1] == "the process that computed it died, 3 times"
+    np.testing.assert_array_equal(found["product"], [[0.5, 0.75], [1.0, np.nan]])
+    assert "a worker died" in caplog.text
+
+
+class Deaths:
+    """A pool whose worker dies with what it was given whenever a point of `deadly` is in it, and once more at `innocent`."""
+
+    def __init__(self, work, deadly_points=(), innocent=()) -> None:
+        self.work, self.deadly, self.innocent = work, set(deadly_points), set(innocent)
+        self.handed: list[tuple[int, int]] = []
+        self.computed: list[int] = []
+
+    def room(self) -> int:
+        return 3 - len(self.handed)
+
+    def submit(self, begin: int, end: int, seconds: float) -> None:
+        self.handed.append((begin, end))
+
+    def wait(self):
+        begin, end = self.handed[-1]
+        if self.deadly & set(range(begin, end)) or self.innocent & set(range(begin, end)):
+            self.innocent -= set(range(begin, end))
+            guilty = len(self.handed) == 1
+            lost, self.handed = self.handed, []
+            yield from (Lost(*handed, guilty=guilty) for handed in lost)
+            return
+        self.handed.pop()
+        self.computed += range(begin, end)
+        yield self.work.compute(begin, end)
+
+    def busy(self) -> bool:
+        return bool(self.handed)
+
+    def close(self) -> None:
+        """Nothing to let go of."""
+
+
+def test_the_guilty_point_alone_is_given_up(alone):
+    work = run_sweep.sweep_work(numbers, GRID, ())
+    kept = Journal(None, "study")
+    pool = Deaths(work, deadly_points=(17,), innocent=(40,))
+    told: list[int] = []
+    chunk_schedule.ChunkSchedule([(0, 63)], kept, told.append, 1e-3).run(pool)
+    rows = kept.rows(0, 63)
+    assert np.flatnonzero(rows.columns["status"] == PointStatus.LOST).tolist() == [17]
+    assert sum(told) == 63 == kept.done
+    assert sorted(pool.computed) == sorted(set(range(63)) - {17})
+    expected = alone["product"].to_numpy().ravel()
+    np.testing.assert_array_equal(np.delete(rows.columns["product"], 17), np.delete(expected, 17))
+
+
+def stopping_after(count: int):
+    def stop(what: str, done: int, _: int) -> None:
+        if done >= count:
+            raise KeyboardInterrupt
+
+    return stop
+
+
+def test_it_goes_on_where_it_was_stopped(tmp_path, monkeypatch, caplog):
+    log, output = tmp_path / "log", tmp_path / "x.zarr"
+    monkeypatch.setenv("SWEPT_LOG", str(log))
+    few = grid({"a": A[:10], "n": [1, 2]})
+    with pytest.raises(KeyboardInterrupt):
+        sweep(logged, few, executor="here", output=output, chunk_seconds=0.0, progress=stopping_after(7))
+    kept = tmp_path / "x.zarr.partial"
+    assert f"7 points are kept in {kept}; the same sweep goes on from there" in caplog.text
+    with kept.open("ab") as file:
+        file.write(b'{"begin": 7, "end": 9, "bytes": 10000, "sum": 1, "shapes": {}}\n1234')  # a chunk that was cut off
+    found = sweep(logged, few, executor="threads", output=output, chunk_seconds=0.0)
+    assert same(found, sweep(logged, few, executor="here"))
+    assert len(log.read_text().splitlines()[:20]) == len(set(log.read_text().splitlines()[:20])) == 20
+    assert "7 of 20 points are in" in caplog.text
+    assert not kept.exists()
+    found.close()
+
+
+def test_what_is_complete_is_opened_and_not_computed(tmp_path, monkeypatch):
+    log, output = tmp_path / "log", tmp_path / "x.nc"
+    monkeypatch.setenv("SWEPT_LOG", str(log))
+    few = {"a": [0.1, 0.2], "n": [1]}
+    first = sweep(logged, few, executor="here", output=output).load()
+    first.close()
+    second = sweep(logged, few, executor="here", output=output).load()
+    second.close()
+    assert second.identical(first)
+    assert len(log.read_text().splitlines()) == 2
+    with pytest.raises(StudyError, match=r"x.nc holds another study"):
+        sweep(logged, {"a": [0.1, 0.3], "n": [1]}, executor="here", output=output)
+    third = sweep(logged, {"a": [0.1, 0.3], "n": [1]}, executor="here", output=output, fresh=True).load()
+    third.close()
+    assert third["product"].to_numpy().ravel().tolist() == [0.1, 0.3]
+
+
+def test_the_journal_of_another_study_is_refused(tmp_path):
+    output = tmp_path / "x.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        sweep(numbers, GRID, executor="here", output=output, chunk_seconds=0.0, progress=stopping_after(2))
+    with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
+        sweep(numbers, {"a": [0.1], "n": [1]}, executor="here", output=output)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="files are locked otherwise there")
+def test_one_sweep_at_a_time(tmp_path):
+    first = Journal(tmp_path / "kept", "study")
+    with pytest.raises(StudyError, match="kept is being written by another sweep"):
+        Journal(tmp_path / "kept", "study")
+    first.close()
+    Journal(tmp_path / "kept", "study").close()
+
+
+def test_a_full_disk_loses_nothing(tmp_path, monkeypatch, alone):
+    """The disk is full in the middle of the third chunk."""
+    output, real, synced = tmp_path / "x.zarr", os.fsync, []
+
+    def full(descriptor: int) -> None:
+        synced.append(descriptor)
+        if len(synced) == 4:  # the first is of the study
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        real(descriptor)
+
+    monkeypatch.setattr(journal.os, "fsync", full)
+    with pytest.raises(
+        StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept in"
+    ):
+        sweep(numbers, GRID, executor="here", output=output, chunk_seconds=0.0, units={"product": "m"})
+    assert [path.name for path in tmp_path.iterdir()] == ["x.zarr.partial"]
+    begun: list[int] = []
+    found = sweep(
+        numbers,
+        GRID,
+        executor="here",
+        output=output,
+        units={"product": "m"},
+        progress=lambda _, done, __: begun.append(done),
+    )
+    assert begun[0] == 2
+    assert same(found, alone)
+
+
+def test_a_scene_gives_what_simulate_gives():
+    over = {"lanes.0.contact.alpha": [0.5, 1.0], "lanes.0.beads.1": [2, 3]}
+    found = sweep("one-on-four", over, ["final_velocity", "rigidity", "contact_time"], executor="here")
+    assert found["final_velocity"].dims == ("lanes.0.contact.alpha", "lanes.0.beads.1", "bead")
+    assert found["final_velocity"].attrs["units"] == "m/s"
+    chain = one_on(3, power_law(1.0, 0.5))
+    run = simulate(chain, [1, 0, 0, 0], samples=2)
+    np.testing.assert_array_equal(found["final_velocity"][0, 1, :4], run.final_velocity)
+    ((closed, opened),) = run.contact_intervals[0]
+    assert found["contact_time"][0, 1] == opened - closed
+    assert found["rigidity"][0, 1] == np.ptp(run.final_velocity[1:]) / run.final_velocity[1:].mean()
+
+
+def test_measures_of_fine_samples_are_those_of_the_table():
+    found = sweep(
+        "one-on-four", {"method": ["conserving"], "step": [0.02]}, ["peak_force", "contact_peak_force"], executor="here"
+    )
+    chain, velocity = load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0]
+    expected = measured(collide(chain, velocity, method="conserving", step=0.02))
+    assert found["peak_force"].item() == expected.peak_force
+    assert found["contact_peak_force"].values.ravel().tolist() == [contact.peak_force for contact in expected.contacts]
+
+
+def test_every_lane_is_measured():
+    over = listed({"lanes.*.velocity.0": [0.5, 1.0]})
+    found = sweep("weak-contact", over, ["end"], executor="here")
+    lanes = found.sizes.get("lane", 1)
+    assert found["end"].shape == ((2, lanes) if lanes > 1 else (2,))
+    assert (found["end"] > 0.0).all()
+
+
+def test_motions_of_a_function_are_measured():
+    share = Measure("share", "", "of the first target", "", lambda run: run.motion.final_velocity[1])
+    found = sweep(
+        lambda speed: (one_on(2, power_law(1.0, 1.0)), [speed, 0.0, 0.0], {"tolerance": 1e-6}),
+        {"speed": [0.5, 1.0]},
+        ["final_velocity", share],
+        executor="here",
+    )
+    np.testing.assert_array_equal(found["share"], found["final_velocity"][:, 1])
+    assert found["final_velocity"].sum("bead").values == pytest.approx([0.5, 1.0])
+
+
+def test_blocks_are_written_one_by_one(tmp_path, monkeypatch, alone):
+    """A store in blocks of a few points, of which a grid's are boxes, holds the same."""
+    from softcradle.sandbox.sweeps import dataset_layout
+
+    for shape in ((7,), (5, 3), (2, 3, 4)):
+        numbers_of = np.arange(np.prod(shape)).reshape(shape)
+        found = np.full(shape, -1)
+        for begin, end, region in dataset_layout.blocks(shape, 4):
+            assert numbers_of[region].ravel().tolist() == list(range(begin, end))
+            found[region] = numbers_of[region]
+        assert (found == numbers_of).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "sentence"),
+    [
+        ((numbers, {"status": [1]}), {}, "a parameter cannot be called 'status'"),
+        (("one-on-four", {"lanes.0.mass": [1.0]}), {}, "needs at least one measure"),
+        (
+            ("one-on-four", {"lanes.0.mass": [1.0]}, ["rigidty"]),
+            {},
+            r"no measure 'rigidty' \(did you mean 'rigidity'\?\)",
+        ),
+        (("one-on-four", {"lanes.0.mas": [1.0]}, ["end"]), {}, r"there is no 'mas' \(did you mean 'mass'\?\)"),
+        (
+            ("one-on-four", {"lanes.0.mass": [1.0, -1.0]}, ["end"]),
+            {},
+            r"lanes\[0\].mass must be greater than 0, not -1",
+        ),
+        (("one-on-four", {"method": ["auto"]}, ["end"]), {}, "what 'auto' chooses depends on the machine"),
+        (("one-on-fore", {"lanes.0.mass": [1.0]}, ["end"]), {}, "there is no scene 'one-on-fore'"),
+        ((numbers, GRID), {"output": "x.csv"}, "must end in .zarr or .nc, not 'x.csv'"),
+        ((numbers, GRID), {"output": "nowhere/x.nc"}, "there is no folder"),
+        ((numbers, GRID), {"executor": "nobody"}, "executor must be auto, here, threads, processes"),
+        ((numbers, GRID), {"workers": 0}, "workers must be at least 1, not 0"),
+        ((lambda a, n: {}, GRID), {"executor": "processes"}, "cannot be sent to another process"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_any_work(arguments, options, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=sentence):
+        sweep(*arguments, **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_samples_have_their_coordinates(tmp_path):
+    found = sweep(
+        numbers, sobol({"a": (0.0, 0.5), "n": (1, 3, "whole")}, 16), executor="here", output=tmp_path / "x.zarr"
+    )
+    assert found["product"].dims == ("point",)
+    np.testing.assert_array_equal(found["product"], found["a"] * found["n"])
+    assert set(found.coords) >= {"a", "n"}
+
+
+def test_the_journal_is_as_large_as_its_numbers(tmp_path: Path):
+    kept = Journal(tmp_path / "kept", "study")
+    work = run_sweep.sweep_work(numbers, sobol({"a": (0.0, 0.5), "n": (2, 2.0000001)}, 1000), ())
+    kept.append(work.compute(0, 100))
+    assert kept.path is not None
+    assert kept.path.stat().st_size < 100 * 8 * 6 + 2500
+    assert list(kept.missing(1000)) == [(100, 1000)]
+    kept.close()
