@@ -1,0 +1,45 @@
+"""One row of the verification: a number that is known, where from, what softcradle finds, and how far apart they may be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class KnownNumber:
+    """A number that is known from outside.
+
+    Attributes:
+        name: what it is, with its unit.
+        value: the number.
+        source: where it is known from.
+        find: what computes it by softcradle.
+        allowed: largest difference: of the last digit given, or of the tolerance; relative to `value` unless that is 0.
+    """
+
+    name: str
+    value: float
+    source: str
+    find: Callable[[], float]
+    allowed: float
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A known number, what softcradle found, and the difference: relative, or absolute where the number is 0."""
+
+    known: KnownNumber
+    found: float
+    error: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is within what is allowed."""
+        return self.error <= self.known.allowed
+
+
+def check(known: KnownNumber) -> Checked:
+    """Compute the number and compare."""
+    found = known.find()
+    return Checked(known, found, abs(found - known.value) / (abs(known.value) or 1.0))

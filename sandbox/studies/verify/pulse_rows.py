@@ -1,0 +1,78 @@
+"""Numbers known of pulses in long Hertz chains: speed and overlap of the solitary wave, pulses of several strikers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain, Trajectory, hertz, simulate
+from softcradle.sandbox.studies.verify.known_number import KnownNumber
+
+LENGTH = 60  # beads behind the striker
+FIRST, LAST = 20, 45  # contacts between which the pulse has its shape
+SOURCE = "long chains of unit spheres, K = 1, struck by one at 1 m/s"
+
+
+def rows() -> Iterator[KnownNumber]:
+    """All rows of this file."""
+    yield KnownNumber("Hertz pulse: contacts a second", 0.840509, SOURCE, _speed, 1e-4)
+    yield KnownNumber("Hertz pulse: largest overlap [m]", 0.742309, SOURCE, _overlap, 1e-4)
+    yield KnownNumber(
+        "width of the Hertz pulse in diameters", 4.967, "pi sqrt(10) / 2, Nesterenko's compacton", _width, 0.1
+    )
+    for m in (2, 3, 5):
+        yield KnownNumber(f"pulses that {m} strikers send", float(m), "one each", partial(_pulses_as_number, m), 0.0)
+
+
+def _pulses_as_number(strikers: int) -> float:
+    return float(_pulses(strikers))
+
+
+@cache
+def _struck(strikers: int) -> Trajectory:
+    chain = Chain([1.0] * (LENGTH + strikers), hertz(1.0))
+    velocity = [1.0] * strikers + [0.0] * LENGTH
+    time = np.linspace(0.0, 1.15 * LENGTH, 6001)
+    return simulate(chain, velocity, float(time[-1]), samples=time, tolerance=1e-8)
+
+
+def _peak(found: Trajectory, contact: int) -> tuple[float, float]:
+    """Time and overlap of the top of the parabola through the three samples about the largest."""
+    overlap = found.overlap[:, contact]
+    k = int(np.argmax(overlap))
+    a, b, c = np.polyfit(found.time[k - 1 : k + 2] - found.time[k], overlap[k - 1 : k + 2], 2)
+    return float(found.time[k] - 0.5 * b / a), float(c - 0.25 * b * b / a)
+
+
+def _speed() -> float:
+    found = _struck(1)
+    return (LAST - FIRST) / (_peak(found, LAST)[0] - _peak(found, FIRST)[0])
+
+
+def _overlap() -> float:
+    return _peak(_struck(1), LAST)[1]
+
+
+def _width() -> float:
+    """That of a squared cosine's fourth power in velocity, from the second moment of the force along the chain."""
+    found = _struck(1)
+    k = int(np.argmax(found.overlap[:, LAST]))
+    velocity: NDArray[np.float64] = np.maximum(found.velocity[k, FIRST:], 0.0)
+    place = np.arange(velocity.size)
+    mean = velocity @ place / velocity.sum()
+    spread = float(np.sqrt(velocity @ (place - mean) ** 2 / velocity.sum()))
+    return spread / _COSINE_SPREAD
+
+
+_X = np.linspace(-0.5, 0.5, 20001)
+_COSINE_SPREAD = float(np.sqrt((np.cos(np.pi * _X) ** 4 * _X**2).sum() / (np.cos(np.pi * _X) ** 4).sum()))  # of width 1
+
+
+def _pulses(strikers: int) -> int:
+    """Maxima of the force in a contact far from the strikers, of at least a twentieth of the largest."""
+    force = _struck(strikers).force[:, LENGTH // 2 + strikers]
+    inner = force[1:-1]
+    tops = (inner > force[:-2]) & (inner >= force[2:]) & (inner > 0.05 * force.max())
+    return int(tops.sum())
