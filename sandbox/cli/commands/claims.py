@@ -1,56 +1,89 @@
-"""`softcradle claims`: the paper's statements and what was measured of each, as a table or as JSON."""
+"""`softcradle claims`: studies of the paper's statements, each with range, error bars, verdict, counter-example, picture."""
 
 from __future__ import annotations
 
 import argparse
 from typing import TYPE_CHECKING
 
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.user_error import UserError
+
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.claims.claim import Claim
+    from softcradle.sandbox.studies.claims.study import Study
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
+    parser.add_argument("names", metavar="ID", nargs="*", help="claims to measure, with all their cases (default: all)")
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER",
+        help="where to write the pictures and their numbers (default: out/claims for claims that are named, else none)",
+    )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument("--list", action="store_true", help="list the claims instead of measuring them")
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
-    """Measure all claims and print them."""
-    from softcradle.sandbox.studies.claims.claim_list import measure_claims
+    """Measure the claims, print them, and write their pictures."""
+    from softcradle.sandbox.console import console, print_table, table
+    from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 
-    found = measure_claims()
-    if args.json:
-        _print_json(found)
-    else:
-        _print_table(found)
+    known = [claim.name for claim in CLAIMS]
+    for name in args.names:
+        if name not in known:
+            raise UserError(f"there is no claim {name!r}; there are {', '.join(known)}")
+    if args.list:
+        listed = table("claim", "place in the paper", "statement")
+        for claim in CLAIMS:
+            if not args.names or claim.name in args.names:
+                listed.add_row(claim.name, claim.place, claim.statement)
+        print_table(console(), listed)
+        return 0
+    _measure_and_show(args)
     return 0
 
 
-def _print_json(found: list[Claim]) -> None:
+def _measure_and_show(args: argparse.Namespace) -> None:
+    from softcradle.sandbox.console import console
+    from softcradle.sandbox.output_files import make_folder
+    from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study, write_studies
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
+
+    output = args.output or ("out/claims" if args.names and not args.json else None)
+    if output:
+        require_matplotlib()
+    folder = make_folder(output) if output else None  # before the runs, so that an unwritable place is refused at once
+    written = WrittenFiles(folder.iterdir() if folder else ())
+    found = _measured(args.names)
+    if args.json:
+        _print_json(found)
+    elif args.names:
+        for study in found:
+            print_study(console(), study)
+    else:
+        print_studies(console(), found)
+    if folder is not None:
+        paths = write_studies(found, folder)
+        if not args.json:
+            written.report(paths, show=args.open)
+
+
+def _measured(names: list[str]) -> list[Study]:
+    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.studies.claims.claim_list import CLAIMS, measure_claims
+
+    with progress_bar() as progress:
+        task = progress.add_task("claims", total=len(set(names)) or len(CLAIMS))
+        return measure_claims(names, lambda name: progress.update(task, advance=1, description=f"{name} measured"))
+
+
+def _print_json(found: list[Study]) -> None:
     import json
-    from dataclasses import asdict
 
     from softcradle.physics.trajectory_file import versions
+    from softcradle.sandbox.studies.claims.claim_outputs import as_json
 
-    print(json.dumps({"claims": [asdict(claim) for claim in found], "versions": versions()}, indent=2, allow_nan=False))
-
-
-def _print_table(found: list[Claim]) -> None:
-    from rich.text import Text
-    from softcradle.sandbox.console import console, table
-    from softcradle.sandbox.studies.claims.claim import Verdict
-
-    colours = {Verdict.HOLDS: "green", Verdict.LIMIT: "yellow", Verdict.FAILS: "red"}
-    grid = table("claim", "place", "what we measure", "how", "verdict")
-    grid.show_lines = True
-    for column, share in zip(grid.columns, (5, 2, 10, 4, 2), strict=True):
-        column.ratio, column.overflow = share, "fold"
-    grid.expand = True
-    for claim in found:
-        grid.add_row(
-            claim.statement, claim.place, claim.measured, claim.how, Text(claim.verdict, colours[claim.verdict])
-        )
-    output = console()
-    output.print(grid)
-    for verdict, colour in colours.items():
-        output.print(f"{verdict}: {sum(claim.verdict == verdict for claim in found)}", style=colour)
+    print(
+        json.dumps({"claims": [as_json(study) for study in found], "versions": versions()}, indent=2, allow_nan=False)
+    )

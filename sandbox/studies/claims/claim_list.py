@@ -1,27 +1,54 @@
-"""The list of all claims, in the order of the paper."""
+"""The list of all claims, in the order of the paper, and their measurement on all cores."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 
+from softcradle.physics.chain_ensemble import cores
 from softcradle.sandbox.studies.claims import (
     collision_claims,
-    coupling_claims,
+    driven_claims,
+    experiment_claims,
     hypothesis_claims,
     limit_claims,
+    model_claims,
     variant_claims,
 )
 from softcradle.sandbox.studies.claims.claim import Claim
+from softcradle.sandbox.studies.claims.study import Study
 
-MEASUREMENTS: tuple[Callable[[], Claim], ...] = (
-    *collision_claims.MEASUREMENTS,
-    *coupling_claims.MEASUREMENTS,
-    *limit_claims.MEASUREMENTS,
-    *hypothesis_claims.MEASUREMENTS,
-    *variant_claims.MEASUREMENTS,
+CLAIMS: tuple[Claim, ...] = (
+    *collision_claims.CLAIMS,
+    *model_claims.CLAIMS,
+    *limit_claims.CLAIMS,
+    *driven_claims.CLAIMS,
+    *hypothesis_claims.CLAIMS,
+    *variant_claims.CLAIMS,
+    *experiment_claims.CLAIMS,
 )
 
 
-def measure_claims() -> list[Claim]:
-    """All claims, measured now, which takes some seconds."""
-    return [measure() for measure in MEASUREMENTS]
+def claim_named(name: str) -> Claim:
+    """The claim of that name; KeyError where there is none."""
+    return {claim.name: claim for claim in CLAIMS}[name]
+
+
+def measure_claims(
+    names: Sequence[str] = (), progress: Callable[[str], None] | None = None, workers: int | None = None
+) -> list[Study]:
+    """The studies of the claims of those names, all for none, in the order of the list; `progress` gets each name done."""
+    wanted = [claim.name for claim in CLAIMS if not names or claim.name in names]
+    found: dict[str, Study] = {}
+    with ProcessPoolExecutor(min(workers or cores(), len(wanted)) or 1) as pool:
+        running = {pool.submit(study_of, name): name for name in wanted}
+        for done in as_completed(running):
+            found[running[done]] = done.result()
+            if progress is not None:
+                progress(running[done])
+    return [found[name] for name in wanted]
+
+
+def study_of(name: str) -> Study:
+    """The study of one claim."""
+    return claim_named(name).study()

@@ -1,163 +1,229 @@
-"""Statements on the limit alpha -> 0, and on where rigid-like behaviour ends: Sec. IV."""
+"""Claims on the limit alpha -> 0 and on where rigid-like behaviour ends: Secs. IV and V."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from softcradle.physics.analysis.measures import depth_law
-from softcradle.sandbox.studies.claims.claim import Claim, verdict_of
-from softcradle.sandbox.studies.data_table import Table, rows_where
-from softcradle.sandbox.studies.figures import driven_figure, rigidity_figure, scaling_figure
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, N, full_one_on, model_one_on
+from softcradle.physics.analysis.cluster_scaling import spread_variable
+from softcradle.physics.analysis.measures import depth_law, time_scale_separation
+from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
+from softcradle.sandbox.studies.claims.soft_chains import (
+    OWN,
+    detachment,
+    later,
+    local_rate,
+    n_alpha,
+    soft_chain,
+    spread,
+    start,
+)
+from softcradle.sandbox.studies.claims.solver import FINER_SECOND, Solver
+
+RIGID_LIKE = 0.5  # largest spread, over the mean, that counts as rigid-like
+BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)  # of the contact time
 
 
-def _rate(table: Table, n: int, column: str, power: float = 0.0) -> float:
-    """Slope of the logarithm of `column` * alpha**power against 1/(n alpha), for alpha <= 1/50."""
-    rows = rows_where(table, n=n)
-    soft = rows["alpha"] <= 1.0 / 50.0
-    alpha = rows["alpha"][soft]
-    return float(np.polyfit(1.0 / (n * alpha), np.log(rows[column][soft] * alpha**power), 1)[0])
+def largest_psi(case: Parameters, solver: Solver) -> float:
+    """Largest psi of the full equations while the striker pushes."""
+    chain, n = soft_chain(case), case["n"]
+    found = solver.motion(chain, start(chain), 1.3 * n / (n + 1.0), 1001)
+    return float(found.overlap[:, 1].max())
 
 
-def amplitude_of_psi() -> Claim:
-    """Scaling (i): the amplitude of psi."""
-    table = scaling_figure.scalings()
-    rates = {n: _rate(table, n, "max psi") for n in scaling_figure.SIZES}
-    exact = {n: n * math.log((n - 1) / n) for n in rates}
-    agrees = all(abs(rates[n] / exact[n] - 1.0) < 0.05 for n in rates)
-    return Claim(
+def rate_of_psi(case: Parameters, solver: Solver) -> float:
+    """Distance of the rate of max psi from the stated -1."""
+    return abs(local_rate(case, largest_psi(case, solver), largest_psi(later(case), solver)) + 1.0)
+
+
+def psi_off_law(case: Parameters, solver: Solver) -> float:
+    """Relative distance of max psi from n/(2(n+1)) ((n-1)/n)**(1/alpha)."""
+    n = case["n"]
+    law = n / (2.0 * (n + 1.0)) * ((n - 1.0) / n) ** case["1/alpha"]
+    return abs(largest_psi(case, solver) / law - 1.0)
+
+
+def rate_of_duration(case: Parameters, solver: Solver) -> float:
+    """Distance of the rate of sqrt(alpha) times the contact time from the stated -1/2."""
+    low, high = (detachment(k, solver) / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
+    return abs(local_rate(case, low, high) + 0.5)
+
+
+def bend_over_bound(case: Parameters, solver: Solver) -> float:
+    """Left side of Eq. (8) at i = 2 over its stated bound, at a part of the time until Phi returns."""
+    chain, n, alpha = soft_chain(case), round(case["n"]), 1.0 / case["1/alpha"]
+    end = solver.model(chain, start(chain)).returns(0)
+    times = tuple((end * np.array(BOUND_PARTS)).tolist())
+    bend = solver.model(chain, start(chain), times[-1], times).acceleration[BOUND_PARTS.index(case["part"]), 1]
+    return float(depth_law(n, alpha)[1] * abs(bend) / (alpha * math.exp(-1.0 / (n * alpha))))
+
+
+def loss_of_rigidity(case: Parameters, solver: Solver) -> float:
+    """RIGID_LIKE over the spread: above 1 where the cluster is still rigid-like."""
+    return RIGID_LIKE / spread(case, solver)
+
+
+def withn_alpha(n: tuple[int, ...], products: tuple[float, ...]) -> list[Parameters]:
+    """Cases by n and n alpha, as n and 1/alpha."""
+    return [{"n": float(k), "1/alpha": k / product} for k in n for product in products]
+
+
+def separation(case: Parameters, solver: Solver) -> float:
+    """Largest (tau_i / tau_dur)**2 of Eq. (10), over all contacts behind the first inner one."""
+    chain = soft_chain(case)
+    found = solver.motion(chain, start(chain), detachment(case, solver) * (1.0 + 1e-6), 801)
+    return float(time_scale_separation(found)[2:].max())
+
+
+def energy_inside(case: Parameters, solver: Solver) -> float:
+    """Largest energy that the inner contacts store, of the striker's."""
+    chain, n = soft_chain(case), case["n"]
+    found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
+    return float(chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
+
+
+def rise_of_energy(case: Parameters, solver: Solver) -> float:
+    """Logarithm of the ratio of the energies inside at 1/alpha and LATER times that: below 0 where it falls."""
+    return math.log(energy_inside(later(case), solver) / energy_inside(case, solver))
+
+
+def inner_force(case: Parameters, solver: Solver) -> float:
+    """Distance of the largest f12 from (n-1)/n, its limit, as a part of it."""
+    chain, n = soft_chain(case), case["n"]
+    found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
+    return abs(float(found.force[:, 1].max()) * n / (n - 1.0) - 1.0)
+
+
+CLAIMS = (
+    Claim(
+        "time-scales",
+        "the consistency condition is the separation of time scales, (tau_i / tau_dur)**2 << 1, fulfilled as alpha -> 0",
+        "Sec. IV, Eq. (10)",
+        "largest (tau_i / tau_dur)**2 of the contacts i >= 2",
+        separation,
+        grid(n=(3, 4, 5, 6, 8, 10), **{"1/alpha": (6, 8, 10, 12, 14, 17, 20, 24)}),
+        OWN,
+        "n alpha",
+        n_alpha,
+        0.1,
+        "full equations, response times at the largest overlap while the striker pushes; << 1 is read as at most 0.1",
+        refer=False,
+    ),
+    Claim(
         "amplitude",
         "for alpha -> 0 the maximum of psi decreases as exp(-1/(n alpha))",
         "Sec. IV (i)",
-        "log(max psi) falls with 1/(n alpha) at the rate "
-        + ", ".join(f"{rate:.3f} for n = {n}" for n, rate in rates.items())
-        + "; not -1 but n log((n-1)/n), that is max psi ~ ((n-1)/n)**(1/alpha), which is the paper's law for large n "
-        "only",
-        "full equations, 1/alpha = 50 ... 200",
-        verdict_of(all(abs(rate + 1.0) < 0.05 for rate in rates.values()), agrees),
-        {f"n={n}": rate for n, rate in rates.items()} | {f"exact n={n}": rate for n, rate in exact.items()},
-    )
-
-
-def contact_duration() -> Claim:
-    """Scaling (ii): the duration of contact."""
-    table = scaling_figure.scalings()
-    last = {n: float(rows_where(table, n=n)["contact time"][-1]) for n in scaling_figure.SIZES}
-    stays = all(abs(last[n] / scaling_figure.contact_time_limit(n) - 1.0) < 0.02 for n in last)
-    response = {n: _rate(table, n, "response time", 0.5) / (n * math.log((n - 1) / n)) for n in scaling_figure.SIZES}
-    follows = all(abs(rate - 0.5) < 0.02 for rate in response.values())
-    return Claim(
+        "distance of the slope of log(max psi) against 1/(n alpha) from -1",
+        rate_of_psi,
+        withn_alpha((2, 3, 4, 5, 6, 8, 10, 12, 16), (0.1, 0.07)),
+        {"n": 4.0, "1/alpha": 57.0},
+        "1/n",
+        lambda case: 1.0 / case["n"],
+        0.06,
+        "full equations, n alpha from 0.056 to 0.1",
+        "the rate is n log((n-1)/n), -1 for many beads only: max psi ~ n/(2(n+1)) ((n-1)/n)**(1/alpha) (amplitude-law)",
+        first=Solver("accurate", tolerance=1e-6),
+        refer=False,
+    ),
+    Claim(
+        "amplitude-law",
+        "our law for Sec. IV (i): max psi tends to n/(2(n+1)) ((n-1)/n)**(1/alpha)",
+        "ours, for Sec. IV (i)",
+        "relative distance of max psi from the law",
+        psi_off_law,
+        grid(n=(2, 3, 4, 5, 6, 8, 10), **{"1/alpha": (20, 30, 50, 70, 100, 140, 200)}),
+        {"n": 4.0, "1/alpha": 200.0},
+        "n alpha",
+        n_alpha,
+        0.1,
+        "full equations",
+        "Phi reaches n/(2(n+1)) at a force of 1, of which f12 is (n-1)/n",
+        refer=False,
+    ),
+    Claim(
         "contact-duration",
         "the duration of contact of the striker decreases as exp(-1/(2 n alpha)) / sqrt(alpha)",
         "Sec. IV (ii)",
-        "the contact time tends to 2n/(n+1): "
-        + ", ".join(f"{time:.4f} for n = {n}" for n, time in last.items())
-        + " at alpha = 1/200. What does scale so is the response time of the inner contact, (df/dpsi)**(-1/2) (and the "
-        f"period of a driven cluster): {'yes' if follows else 'no'}, sqrt(alpha) times it goes as max psi to the power "
-        + ", ".join(f"{rate:.3f}" for rate in response.values()),
-        "full equations, 1/alpha = 5 ... 200; limit of a step force",
-        verdict_of(not stays),
-        {f"n={n}": time for n, time in last.items()} | {f"response n={n}": rate for n, rate in response.items()},
-    )
-
-
-def bound_on_consistency() -> Claim:
-    """The bound on Eq. (8) after (ii)."""
-    shares, peaks = [], {}
-    for k in (10, 20, 50, 100):
-        end = 0.95 * model_one_on(N, 1.0 / k, samples=2).returns(0)
-        found = model_one_on(N, 1.0 / k, end, tuple(np.geomspace(1e-60, end, 2001)[:-1].tolist()))
-        left_side = depth_law(N, 1.0 / k)[1] * np.abs(found.acceleration[:, 1])
-        bound = math.exp(-1.0 / (N / k)) / k
-        shares.append(float(left_side[found.time > 0.05 * found.time[-1]].max() / bound))
-        peaks[k] = float(found.acceleration[:, 1].max())
-    largest = max(shares)
-    limit = (N - 1) / (4.0 * N)
-    return Claim(
+        "distance of the slope of log(sqrt(alpha) tau_dur) against 1/(n alpha) from -1/2",
+        rate_of_duration,
+        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (8, 10, 12, 14, 16)}),
+        OWN,
+        "n alpha",
+        n_alpha,
+        0.05,
+        "full equations, 1/alpha from 8 to 20",
+        "the contact time tends to 2n/(n+1); what decreases so is the period of the inner contact (inner-period)",
+    ),
+    Claim(
         "bound-on-consistency",
         "the left side of Eq. (8) is bounded by alpha exp(-(i-1)/(n alpha)) for i >= 2",
         "Sec. IV, after (ii)",
-        f"in the middle of the contact it is at most {largest:.2f} of the bound; but at its very start psi'' "
-        "passes "
-        + ", ".join(f"{value:.3f} at 1/{k}" for k, value in peaks.items())
-        + f", towards (n-1)/(4n) = {limit:.4f} whatever alpha, where the factor alpha is missing",
-        "mode-coupling model, one on 4, i = 2, from t = 1e-60 on",
-        verdict_of(largest <= 1.0 and all(value < 2.0 / k for k, value in peaks.items()), largest <= 1.0),
-        {"middle": largest} | {f"peak 1/{k}": value for k, value in peaks.items()},
-    )
-
-
-def above_one_over_n() -> Claim:
-    """Sec. IV: where rigid-like behaviour ends."""
-    cases = ((4, 1 / 30), (4, 1 / 20), (4, ALPHA), (10, ALPHA), (30, ALPHA))
-    deviation = {}  # by n and alpha, in ascending order of n alpha
-    for n, alpha in sorted(cases, key=lambda case: case[0] * case[1]):
-        velocity = rigidity_figure.outcome(n, alpha)[1:] * (n + 1) / 2
-        deviation[n, alpha] = float(np.abs(velocity - 1.0).max())
-    values = list(deviation.values())
-    grows = bool((np.diff(values) > 0.0).all())
-    lost = all(value > 1.0 for (n, alpha), value in deviation.items() if n * alpha >= 1.0)
-    return Claim(
+        "left side of Eq. (8) at i = 2 over the bound",
+        bend_over_bound,
+        grid(n=(3, 4, 6, 8, 12, 16), **{"1/alpha": (10, 20, 40)}, part=BOUND_PARTS),
+        {**OWN, "part": 0.5},
+        "n",
+        lambda case: case["n"],
+        1.0,
+        "mode-coupling model, at parts of the time until Phi returns",
+        "at the very start psi'' passes (n-1)/(4n) whatever alpha: for many beads it exceeds the bound",
+        FINER_SECOND,
+        refer=False,
+    ),
+    Claim(
+        "below-1/n",
+        "Eq. (8) holds as a good approximation, and the cluster is rigid-like, for alpha << 1/n",
+        "Sec. IV",
+        "spread of the targets' velocities over their mean",
+        spread,
+        withn_alpha((3, 4, 5, 6, 8, 11, 16, 23, 32), (0.15, 0.2, 0.25, 0.3, 0.4)),
+        OWN,
+        "(n+1) exp(-1/(2 n alpha))",
+        lambda case: spread_variable(round(case["n"]), 1.0 / case["1/alpha"]),
+        RIGID_LIKE,
+        "velocities when every contact is open, n alpha from 0.15 to 0.4; rigid-like: a spread of at most 50 %",
+        "at fixed n alpha the spread grows with n: the threshold of n alpha falls like 1/(2 ln(0.9 (n+1))) (figure collapse)",
+        first=Solver("accurate", tolerance=1e-6),
+    ),
+    Claim(
         "above-1/n",
-        "for alpha > 1/n there is no rigid-body like behaviour, even with alpha << 1; for alpha << 1/n there is",
+        "for alpha > 1/n there is no rigid-like behaviour, even with alpha << 1",
         "Sec. IV",
-        "largest deviation of a target from the velocity of a rigid cluster, as a part of it: "
-        + ", ".join(f"{value:.3g} at n alpha = {n * alpha:.2g} (n = {n})" for (n, alpha), value in deviation.items()),
-        "velocities when every contact is open",
-        verdict_of(grows and lost and values[0] < 0.01),
-        {f"n={n}, n alpha={n * alpha:.3g}": value for (n, alpha), value in deviation.items()},
-    )
-
-
-def no_energy_inside() -> Claim:
-    """Sec. IV: the energy that the cluster stores during the collision."""
-    shares, forces = {}, {}
-    for k in (10, 20, 50, 200):
-        found = full_one_on(N, 1.0 / k)
-        inner = zip(found.chain.contact[1:], found.overlap.T[1:], strict=True)
-        stored = sum((np.asarray(contact.energy(overlap)) for contact, overlap in inner), np.zeros(1))
-        shares[k], forces[k] = float(stored.max() / 0.5), float(found.force[:, 1].max())
-    falls = bool((np.diff(list(shares.values())) < 0.0).all())
-    return Claim(
+        "0.5 over the spread of the targets' velocities",
+        loss_of_rigidity,
+        withn_alpha((2, 3, 4, 6, 8, 12, 16, 24, 32), (1.01, 1.3, 1.7, 2.2, 3.0)),
+        {"n": 16.0, "1/alpha": 10.0},
+        "1/(n alpha)",
+        lambda case: case["1/alpha"] / case["n"],
+        1.0,
+        "velocities when every contact is open, n alpha from 1.01 to 3; rigid-like: a spread of at most 50 %",
+        refer=False,
+    ),
+    Claim(
         "no-energy-inside",
-        "as alpha -> 0 the cluster stores no energy during the collision, while the forces remain finite",
+        "the energy that the cluster stores during the collision vanishes as alpha -> +0",
         "Sec. IV",
-        "largest energy inside, of the striker's: "
-        + ", ".join(f"{share:.1e} at 1/{k}" for k, share in shares.items())
-        + f"; largest f12 there {', '.join(f'{force:.3f}' for force in forces.values())}, towards (n-1)/n",
-        "full equations, one on 4",
-        verdict_of(falls and shares[200] < 1e-20 and abs(forces[200] - 0.75) < 0.01),
-        {f"share 1/{k}": share for k, share in shares.items()} | {f"f12 1/{k}": force for k, force in forces.items()},
-    )
-
-
-def periodic() -> Claim:
-    """Sec. V: the driven cluster."""
-    table = driven_figure.scan()
-    period = np.abs(table["period full"] / table["period model"] - 1.0)
-    amplitude = np.abs(table["amplitude full"] / table["amplitude model"] - 1.0)
-    remainder = table["least psi after 5 periods"]
-    pair, longer = table["n"] == 2, table["n"] > 2
-    paper = (table["n"] == N) & np.isclose(table["alpha"], ALPHA)
-    soft = longer & (table["n"] * table["alpha"] < 0.3)
-    return Claim(
-        "driven-periodic",
-        "a steady force on the first bead excites a time-periodic evanescent mode on top of a uniform acceleration",
-        "Sec. V, data not shown",
-        "for n = 2 exactly so. For n = 4, alpha = 1/10 period and amplitude are within "
-        f"{100 * period[paper][0]:.2f} % and {100 * amplitude[paper][0]:.2f} % of the model's, and after five "
-        f"periods psi returns to {100 * remainder[paper][0]:.1f} % of its amplitude instead of 0: the mode leaks into "
-        f"the deeper contacts, the less the smaller n alpha (at most {100 * remainder[soft].max():.2g} % below n "
-        "alpha = 0.3)",
-        "full equations against the closed form of the model, n = 2, 3, 4, alpha = 1/5 ... 1/20, five periods",
-        verdict_of(bool(remainder[longer].max() < 1e-3), bool(remainder[pair].max() < 1e-3 and remainder[soft].max() < 0.01)),
-        {
-            "period": float(period[paper][0]), "amplitude": float(amplitude[paper][0]), "left": float(remainder[paper][0]),
-            "left n=2": float(remainder[pair].max()), "worst period": float(period.max()),
-            "left soft": float(remainder[soft].max()),
-        },
-    )  # fmt: skip
-
-
-MEASUREMENTS = (amplitude_of_psi, contact_duration, bound_on_consistency, above_one_over_n, no_energy_inside, periodic)
+        "rise of its logarithm from 1/alpha to 1.25 / alpha",
+        rise_of_energy,
+        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 14, 20, 30, 50, 80)}),
+        OWN,
+        "n alpha",
+        n_alpha,
+        -0.1,
+        "full equations, largest energy of the inner contacts while the striker pushes",
+    ),
+    Claim(
+        "forces-remain-finite",
+        "the forces inside remain finite as alpha -> +0",
+        "Sec. IV",
+        "distance of the largest f12 from (n-1)/n, as a part of it",
+        inner_force,
+        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (10, 14, 20, 30, 50, 80)}),
+        {"n": 4.0, "1/alpha": 20.0},
+        "n alpha",
+        n_alpha,
+        0.15,
+        "full equations, while the striker pushes",
+        refer=False,
+    ),
+)

@@ -1,0 +1,91 @@
+"""The picture of a study: every case with its error bar over the variable, what the claim allows, the nearest counter-example."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from softcradle.sandbox.studies.claims.study import Case, Side, Study
+from softcradle.sandbox.studies.data_table import Table
+from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREY, RED, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LOG_SPAN = 30.0  # ratio of the largest to the smallest positive number from which on an axis is logarithmic
+SIDE_STYLES: dict[Side, dict[str, Any]] = {
+    Side.HOLDS: {"color": BLUE, "marker": "o"},
+    Side.FAILS: {"color": RED, "marker": "s"},
+    Side.UNDETERMINED: {"color": GREY, "marker": "x"},
+}
+MOST_TITLE = 72  # characters of a statement in a line above the picture
+
+
+def study_table(study: Study) -> Table:
+    """A row a case: parameters, variable, value, error, what is allowed, and 1 where it holds, -1 where it fails, else 0."""
+    table: Table = {
+        name: np.array([case.parameters[name] for case in study.cases]) for name in study.cases[0].parameters
+    }
+    columns = ("variable", "value", "error", "allowed")
+    table |= {name: np.array([getattr(case, name) for case in study.cases]) for name in columns}
+    sign = {Side.HOLDS: 1.0, Side.FAILS: -1.0, Side.UNDETERMINED: 0.0}
+    return table | {"holds": np.array([sign[case.side] for case in study.cases])}
+
+
+def draw_study(study: Study) -> Figure:
+    """All cases; a column of the journal wide."""
+    figure, axes = new_figure(height=2.9)
+    _set_scales(axes, study)
+    for side in Side:
+        _draw_cases(axes, study.on(side), side)
+    axes.axhline(study.cases[0].allowed, color=BLACK, linewidth=0.7, linestyle="--", label="allowed")
+    _ring(axes, study.own_case, "the paper's own", GREY)
+    if study.counter_example is not None and study.counter_example is not study.own_case:
+        _ring(axes, study.counter_example, "counter-example", RED)
+    axes.set(xlabel=study.variable.replace("alpha", r"$\alpha$"), ylabel="\n".join(_lines(study.quantity, 48)))
+    axes.xaxis.label.set_fontsize(8.0)
+    axes.yaxis.label.set_fontsize(7.5)
+    axes.set_title("\n".join([*_lines(study.statement, MOST_TITLE), study.verdict_text]), fontsize=7.0, loc="left")
+    figure.legend(fontsize=6.5, ncols=3, loc="outside lower center", columnspacing=1.0, handletextpad=0.4)
+    return figure
+
+
+def _draw_cases(axes: Axes, cases: list[Case], side: Side) -> None:
+    drawn = [case for case in cases if math.isfinite(case.value) and math.isfinite(case.error)]
+    if not drawn:
+        return
+    variable, value, error = np.array([(case.variable, case.value, case.error) for case in drawn]).T
+    axes.errorbar(
+        variable, value, error, linestyle="none", markersize=3.0, elinewidth=0.7, label=f"{side} ({len(cases)})",
+        **SIDE_STYLES[side],
+    )  # fmt: skip
+
+
+def _ring(axes: Axes, case: Case, label: str, colour: str) -> None:
+    """A ring about a case that has a value."""
+    if math.isfinite(case.value):
+        axes.plot(
+            [case.variable], [case.value], "o", markersize=9.0, markerfacecolor="none", color=colour, linestyle="none",
+            label=label,
+        )  # fmt: skip
+
+
+def _set_scales(axes: Axes, study: Study) -> None:
+    variable = np.array([case.variable for case in study.cases])
+    value = np.array([case.value for case in study.cases if math.isfinite(case.value)])
+    if _spans_decades(variable):
+        axes.set_xscale("log")
+    if _spans_decades(value):
+        axes.set_yscale("log")
+
+
+def _spans_decades(values: np.ndarray) -> bool:
+    return bool(values.size and values.min() > 0.0 and values.max() > LOG_SPAN * values.min())
+
+
+def _lines(text: str, width: int) -> list[str]:
+    import textwrap
+
+    return textwrap.wrap(text, width)

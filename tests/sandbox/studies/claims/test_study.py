@@ -1,0 +1,101 @@
+"""Verdicts follow from cases and their error bars, and can come out each way."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.claims.claim_outputs import as_json
+from softcradle.sandbox.studies.claims.solver import MEASURING, NotSolvedError
+from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
+from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
+from softcradle.sandbox.studies.plot_style import styled
+
+
+def case(x, value, error=0.0, allowed=1.0):
+    return Case({"x": x}, x, value, error, allowed)
+
+
+def study(*cases, own=2.0):
+    return Study("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": own}, cases)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "side"),
+    [
+        (0.5, 0.4, Side.HOLDS),
+        (0.5, 0.6, Side.UNDETERMINED),
+        (1.5, 0.6, Side.UNDETERMINED),
+        (1.5, 0.4, Side.FAILS),
+        (1.0, 0.0, Side.HOLDS),
+        (math.nan, 0.0, Side.UNDETERMINED),
+        (0.5, math.nan, Side.UNDETERMINED),
+    ],
+)
+def test_a_case_is_decided_only_where_its_error_bar_does_not_cross(value, error, side):
+    assert case(1.0, value, error).side is side
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict", "text"),
+    [
+        ((0.1, 0.2, 0.3, 0.4), Verdict.HOLDS, "holds"),
+        ((0.1, 0.2, 0.3, 1.4), Verdict.WITHIN, "holds within x <= 3"),
+        ((1.1, 0.2, 0.3, 0.4), Verdict.WITHIN, "holds within 3 of 4 cases"),
+        ((0.1, 1.2, 1.3, 1.4), Verdict.BEYOND, "fails beyond x = 1"),
+        ((1.1, 1.2, 0.3, 1.4), Verdict.BEYOND, "fails beyond x = 1, the least tried; holds in 1 of 4"),
+        ((1.1, 1.2, 1.3, 1.4), Verdict.BEYOND, "fails beyond x = 1, the least tried"),
+        ((0.1, math.nan, 0.3, 0.4), Verdict.UNDETERMINED, "not determined"),
+        ((0.1, 0.2, math.nan, 0.4), Verdict.HOLDS, "holds; 1 of 4 not determined"),
+        ((0.1, 0.2, math.nan, 1.4), Verdict.WITHIN, "holds within x <= 2; 1 of 4 not determined"),
+    ],
+)
+def test_a_verdict_and_its_limit_follow_from_the_cases(values, verdict, text):
+    found = study(*(case(x, value) for x, value in enumerate(values, 1)))
+    assert found.verdict is verdict
+    assert found.verdict_text == text
+
+
+def test_the_counter_example_is_the_failing_case_nearest_to_the_papers_own():
+    found = study(case(1.0, 2.0), case(2.0, 0.5), case(3.0, 2.0), case(9.0, 2.0))
+    assert found.counter_example == case(3.0, 2.0)
+    assert study(case(2.0, 0.5)).counter_example is None
+
+
+def claim(measure, **options):
+    return Claim(
+        "name", "statement", "Sec. I", "quantity", measure, grid(x=(1, 2, 3)), {"x": 2.0}, "x",
+        lambda case: case["x"], 2.5, "how", **options,
+    )  # fmt: skip
+
+
+def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens_it():
+    errors = {MEASURING.method: 0.0, "conserving": 0.1, "scipy": 0.3}
+    found = claim(lambda case, solver: case["x"] + errors[solver.method]).study()
+    assert [one.error for one in found.cases] == pytest.approx([0.1, 0.3, 0.1])
+    assert found.reference == pytest.approx(2.3)
+    assert [one.side for one in found.cases] == [Side.HOLDS, Side.HOLDS, Side.FAILS]
+
+
+def test_a_run_that_gave_up_is_not_determined():
+    def measure(parameters, solver):
+        if parameters["x"] == 2.0:
+            raise NotSolvedError("too many steps")
+        return parameters["x"]
+
+    found = claim(measure, refer=False).study()
+    assert found.verdict is Verdict.UNDETERMINED
+    assert found.own_case.reason == "too many steps"
+    json = as_json(found)
+    assert json["own case"]["value"] is None
+    assert json["counter-example"]["parameters"] == {"x": 3.0}
+
+
+def test_the_picture_shows_every_case_that_has_a_value():
+    found = study(case(1.0, 0.5), case(2.0, 0.5), case(30.0, 200.0), case(40.0, math.nan))
+    with styled():
+        axes = draw_study(found).axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert study_table(found)["holds"].tolist() == [1.0, 1.0, -1.0, 0.0]
+    assert "holds within x <= 2" in axes.get_title(loc="left")
