@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import add_method, picture_size, positive_number
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.cli.exit_codes import GAVE_UP
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.output_files import make_folder
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.compare.comparison_outputs import ComparisonReport
@@ -32,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "-o", "--output", action="append", default=[], metavar="OUT",
-        help="report .html (with the film inside), film .mp4 .gif .webp .avif, or numbers .json; may be given several "
+        help="report .html (which plays the motion), film .mp4 .gif .webp .avif, or numbers .json; may be given several "
         f"times (default: {DEFAULT_OUTPUT}, nothing with --json)",
     )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead of tables")
@@ -43,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--slow", type=positive_number, help="seconds of film for a second of motion (default: the scenes')"
     )
     add_method(parser)
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -61,6 +64,7 @@ def main(args: argparse.Namespace) -> int:
     if args.match:
         side_to_match(comparison)
     paths, found = _paths(args), None
+    written = WrittenFiles(paths)
     settings = FilmSettings(args.size, args.slow, args.method, args.step)
     check_outputs(paths, comparison, settings)
     with ExitStack() as stack:
@@ -70,22 +74,21 @@ def main(args: argparse.Namespace) -> int:
         report = ComparisonReport(comparison, solve_sides(comparison, args.method, args.step), settings, found)
         for path in places:
             report.write(path)
-    _print(report, paths, args.json)
-    return 0
+    _print(report, args.json)
+    if not args.json:
+        written.report(paths, show=args.open)
+    return GAVE_UP if any(result.trajectory.status.gave_up for result in report.results) else 0
 
 
 def _paths(args: argparse.Namespace) -> list[Path]:
     if args.output or args.json:
         return [Path(path) for path in args.output]
     path = Path(DEFAULT_OUTPUT)
-    try:
-        path.parent.mkdir(exist_ok=True)
-    except OSError as error:
-        raise UserError(f"cannot write {path}: {(error.strerror or str(error)).lower()}") from None
+    make_folder(path.parent)
     return [path]
 
 
-def _print(report: ComparisonReport, paths: list[Path], as_json: bool) -> None:
+def _print(report: ComparisonReport, as_json: bool) -> None:
     from softcradle.sandbox.console import console
     from softcradle.sandbox.studies.compare.comparison_tables import print_tables
 
@@ -96,5 +99,3 @@ def _print(report: ComparisonReport, paths: list[Path], as_json: bool) -> None:
     print_tables(output, report.comparison.title, report.results)
     for note in report.notes():
         output.print(note)
-    for path in paths:
-        output.print(f"written: {path}", soft_wrap=True)

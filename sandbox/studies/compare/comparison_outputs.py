@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.studies.compare.comparison_results import SideResult, end_time, results_as_json
-from softcradle.sandbox.studies.compare.html_report import FilmFiles, html_page
+from softcradle.sandbox.studies.compare.html_report import html_page
 from softcradle.sandbox.studies.compare.matched_side import match_as_json, match_sentence
 from softcradle.sandbox.studies.compare.sides import Comparison
 from softcradle.sandbox.user_error import UserError
@@ -91,14 +90,10 @@ class ComparisonReport:
         return content if self.match is None else content | {"match": match_as_json(self.match)}
 
     def html(self) -> str:
-        """The page as text, with the film inside."""
-        with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
-            film, still = Path(folder) / "film.mp4", Path(folder) / "still.png"
-            rendered = self.write_film(film)
-            self.write_film(still)
-            size = self.settings.pixels(self.comparison)
-            files = FilmFiles(film, still, size, rendered.clock, self._slow_motion(self._scene()))
-            return html_page(self.comparison, self.results, files, self.notes())
+        """The page as text."""
+        scene = self._scene()
+        view = scene.view.model_copy(update={"slow": self._slow_motion(scene)})
+        return html_page(self.comparison.title, scene.model_copy(update={"view": view}), self.results, self.notes())
 
     def write_film(self, path: Path) -> RenderReport:
         """Write the film, or for a picture's name the frame of the greatest force."""

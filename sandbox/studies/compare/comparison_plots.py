@@ -1,30 +1,33 @@
-"""The charts of a comparison: velocities, forces and contact states of each side, and overlays of all sides."""
+"""The charts of a comparison: contact states of each side, and overlays of all sides."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.draw.number_format import subscript, time_unit
+from softcradle.sandbox.page.motion_charts import chart_row
+from softcradle.sandbox.page.played_motion import PlayedMotion
+from softcradle.sandbox.page.svg_charts import Axes, Curve, Range, axis_range, bar_chart, line_chart
 from softcradle.sandbox.studies.compare.comparison_results import SideResult
-from softcradle.sandbox.studies.compare.svg_charts import Axes, Curve, Range, axis_range, bar_chart, line_chart
 
 Array = NDArray[np.float64]
-BEAD_CLASSES = 7  # the style sheet has classes c0 ... c6 for beads
 LAW_POINTS = 400  # points on the curve of a contact law
 
 
 class TimeAxis:
-    """The time axis of all charts: from 0 to the end of the longest motion, in a unit that fits it."""
+    """The time axis of all charts of a page, that of its player, in a unit that fits it."""
 
-    def __init__(self, results: Sequence[SideResult]) -> None:
-        self.end = max(float(result.trajectory.time[-1]) for result in results)
-        self.unit, name = time_unit(self.end)
+    def __init__(self, played: PlayedMotion) -> None:
+        self.begin, self.end = played.scales.time
+        self.unit, name = played.time_unit
         self.label = f"time ({name})"
-        self.range: Range = (0.0, self.end / self.unit)
+
+    def axes(self, values: Range, label: str) -> Axes:
+        """Axes of `values` over time."""
+        return Axes((self.begin / self.unit, self.end / self.unit), values, self.label, label, self.unit)
 
     def times(self, result: SideResult) -> Array:
         """(T+2,) sample times, then the end of the motion and of the axis, in the unit; see :func:`_extended`."""
@@ -33,45 +36,10 @@ class TimeAxis:
         return extended
 
 
-def velocity_charts(results: Sequence[SideResult], axis: TimeAxis) -> str:
-    """A chart a side: velocities of its beads, all on the same axes."""
-    return _chart_per_side(results, axis, "velocity (m/s)", "v", _velocities, 0)
-
-
-def force_charts(results: Sequence[SideResult], axis: TimeAxis) -> str:
-    """A chart a side: forces of its contacts, all on the same axes."""
-    return _chart_per_side(results, axis, "contact force (N)", "f", _forces, 1)
-
-
-def _chart_per_side(
-    results: Sequence[SideResult],
-    axis: TimeAxis,
-    label: str,
-    letter: str,
-    values: Callable[[SideResult], Array],
-    first: int,
-) -> str:
-    found = [values(result) for result in results]
-    axes = Axes(axis.range, axis_range(found), axis.label, label)
-    charts = []
-    for result, columns in zip(results, found, strict=True):
-        names = [letter + (subscript(k, k + 1) if first else subscript(k)) for k in range(columns.shape[1])]
-        curves = [
-            Curve(name, axis.times(result), columns[:, k], f"c{(k + first) % BEAD_CLASSES}")
-            for k, name in enumerate(names)
-        ]
-        charts.append(line_chart(f"{result.side.name}: {label}", curves, axes))
-    return _chart_row(charts)
-
-
 def _extended(values: Array, last: Array | float) -> Array:
     """(T+2, ...) `values` (T, ...) and then twice the `last` ones, which hold from the end of the motion on."""
     extended: Array = np.concatenate((values, np.broadcast_to(last, (2, *values.shape[1:]))))
     return extended
-
-
-def _velocities(result: SideResult) -> Array:
-    return _extended(result.trajectory.velocity, result.trajectory.final_velocity)
 
 
 def _forces(result: SideResult) -> Array:
@@ -85,7 +53,7 @@ def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
     """Force of the struck contact, energy inside the target cluster, and contact laws: a curve a side in each."""
     forces = [_forces(result)[:, result.measures.struck] for result in results]
     inside = [_energy_inside(result) for result in results]
-    return _chart_row(
+    return chart_row(
         [
             _overlay("Force of the struck contact", results, forces, axis, "force (N)"),
             _overlay("Energy inside the target cluster", results, inside, axis, "share of all energy"),
@@ -99,7 +67,7 @@ def _overlay(title: str, results: Sequence[SideResult], values: Sequence[Array],
         Curve(result.side.name, axis.times(result), column, f"s{k}")
         for k, (result, column) in enumerate(zip(results, values, strict=True))
     ]
-    return line_chart(title, curves, Axes(axis.range, axis_range(values), axis.label, label))
+    return line_chart(title, curves, axis.axes(axis_range(values), label))
 
 
 def _energy_inside(result: SideResult) -> Array:
@@ -118,7 +86,7 @@ def _law_chart(results: Sequence[SideResult]) -> str:
         curves.append(Curve(result.side.name, overlap, force, f"s{k}"))
         if law.loss:
             curves.append(Curve(f"{result.side.name}, unloading", overlap, (1.0 - law.loss) * force, f"s{k}"))
-    axes = Axes((0.0, deepest), axis_range([curve.y for curve in curves]), "overlap (m)", "force (N)", cursor=False)
+    axes = Axes((0.0, deepest), axis_range([curve.y for curve in curves]), "overlap (m)", "force (N)")
     return line_chart("Law of the struck contact", curves, axes)
 
 
@@ -127,14 +95,14 @@ def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
     charts = []
     for result in results:
         rows = [(f"{k}-{k + 1}", _states(result, k, axis)) for k in range(result.trajectory.chain.contacts)]
-        charts.append(bar_chart(f"{result.side.name}: contacts", rows, axis.range, axis.label))
-    return _chart_row(charts)
+        charts.append(bar_chart(f"{result.side.name}: contacts", rows, axis.axes((0.0, 1.0), "")))
+    return chart_row(charts)
 
 
 def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str, float, float]]:
     """(state, begin, end) in the unit of the axis: open all along, and drawn over it when it is touching and loaded."""
     trajectory, unit = result.trajectory, axis.unit
-    found = [("open", 0.0, axis.end / unit)]
+    found = [("open", axis.begin / unit, axis.end / unit)]
     loaded = trajectory.overlap[:, contact] > LEAST_OVERLAP * float(trajectory.overlap.max())
     for begin, opened in trajectory.contact_intervals[contact]:
         end = opened if math.isfinite(opened) else axis.end
@@ -158,7 +126,3 @@ def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float)
         (max(begin, float(time[max(a - 1, 0)])), min(end, float(time[min(b, last)])))
         for a, b in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
     ]
-
-
-def _chart_row(charts: Sequence[str]) -> str:
-    return f'<div class="charts">{"".join(charts)}</div>'

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics import Trajectory
-from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured
+from softcradle.physics.analysis.collision import collide, measured
+from softcradle.physics.analysis.collision_measures import CollisionMeasures
 from softcradle.physics.trajectory_file import versions
 from softcradle.sandbox.studies.compare.sides import Comparison, Side
 from softcradle.sandbox.trajectory_summary import summarise
@@ -80,6 +81,8 @@ def _side_as_json(result: SideResult) -> dict[str, Any]:
         "start_velocity": list(result.side.lane.velocity),
         "measures": asdict(result.measures),
         "method": trajectory.method,
+        "status": summary.status,
+        "velocity_error": [bead.velocity_error for bead in summary.beads],
         "energy_error": summary.energy_error,
         "momentum_error": summary.momentum_error,
         "warnings": [str(warning) for warning in trajectory.warnings],

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 from rich.console import Console
-from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
-from softcradle.sandbox.console import table
-from softcradle.sandbox.draw.number_format import MINUS, scientific, subscript
+from rich.table import Table
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.sandbox.console import print_table, table
+from softcradle.sandbox.draw.number_format import number_text, subscript
 from softcradle.sandbox.studies.compare.comparison_results import SideResult
 
-ROUND_OFF = 1e-12  # smaller numbers are shown as 0
 SHORTEST_TIME = 1e-6  # of the whole time: shorter times in a state are errors of the switch times, and shown as 0
 
 
@@ -23,17 +24,6 @@ class MeasureRow:
     title: str
     meaning: str
     values: tuple[str, ...]
-
-
-def number_text(value: float | None) -> str:
-    """Up to five digits; a dash for what is not defined."""
-    if value is None:
-        return "-"
-    if abs(value) < ROUND_OFF:
-        return "0"
-    if not 1e-3 <= abs(value) < 1e5:
-        return scientific(value, 2)
-    return f"{value:.4g}".replace("-", MINUS) if abs(value) >= 1000 else f"{value:.4f}".replace("-", MINUS)
 
 
 def collision_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
@@ -50,13 +40,17 @@ def collision_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
 
 
 def velocity_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
-    """A row a bead: its final velocity."""
+    """A row a bead: its final velocity; a last one for how well these are known, where a method tells."""
     most = max(len(result.measures.final_velocity) for result in results)
     rows = []
     for bead in range(most):
         final = [result.measures.final_velocity for result in results]
         values = tuple(number_text(velocity[bead]) if bead < len(velocity) else "" for velocity in final)
         rows.append(MeasureRow(f"v{subscript(bead)} at the end (m/s)", "", values))
+    errors = [float(result.trajectory.velocity_error.max()) for result in results]
+    if not all(map(math.isnan, errors)):
+        meaning = "largest error of these velocities, as the method estimates it along the run"
+        rows.append(MeasureRow("known to (m/s)", meaning, tuple("" if math.isnan(e) else f"{e:.1e}" for e in errors)))
     return rows
 
 
@@ -85,15 +79,26 @@ def _title(metadata: Mapping[str, Any]) -> str:
 def print_tables(output: Console, title: str, results: Sequence[SideResult]) -> None:
     """The comparison on the terminal."""
     output.print(title, style="bold")
-    made = table("", *(result.side.name for result in results), numbers=True)
+    made = table("", *(result.side.name.replace("(", "\n(") for result in results), numbers=True)
     for row in velocity_rows(results) + collision_rows(results):
         made.add_row(row.title, *row.values)
-    output.print(made)
+    print_table(output, made)
     for result in results:
         output.print(result.side.name, style="bold cyan")
-        made = table("contact", *(title.replace(" (", "\n(") for title, _ in contact_titles()), numbers=True)
-        for row in contact_rows(result):
-            made.add_row(row.title, *row.values)
-        output.print(made)
+        print_table(output, _contact_table(result))
         for warning in result.trajectory.warnings:
             output.print(f"warning: {warning}", style="yellow")
+
+
+def _contact_table(result: SideResult) -> Table:
+    """A column a contact, or a row where there are many: the narrower of the two."""
+    rows, titles = contact_rows(result), [title for title, _ in contact_titles()]
+    if len(rows) < len(titles):
+        made = table("contact", *(row.title.replace(" ", "\n") for row in rows), numbers=True)
+        for k, title in enumerate(titles):
+            made.add_row(title, *(row.values[k] for row in rows))
+        return made
+    made = table("contact", *(title.replace(" (", "\n(") for title in titles), numbers=True)
+    for row in rows:
+        made.add_row(row.title, *row.values)
+    return made

@@ -1,24 +1,18 @@
-"""The report: one HTML page with film, charts and tables inside it, nothing loaded from anywhere."""
+"""The report: one HTML page with player, charts and tables inside it, nothing loaded from anywhere."""
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from html import escape
-from pathlib import Path
 
-from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
-from softcradle.physics.version import version
-from softcradle.sandbox.draw.number_format import factor
-from softcradle.sandbox.resources import resource
-from softcradle.sandbox.studies.compare.comparison_plots import (
-    TimeAxis,
-    contact_bars,
-    force_charts,
-    overlays,
-    velocity_charts,
-)
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.sandbox.page.motion_charts import chart_row, force_chart, velocity_chart
+from softcradle.sandbox.page.page_document import document, footer, heading, note, table
+from softcradle.sandbox.page.played_motion import Member, PlayedMotion
+from softcradle.sandbox.page.player_section import player_section
+from softcradle.sandbox.page.value_tables import member_notes
+from softcradle.sandbox.studies.compare.comparison_plots import TimeAxis, contact_bars, overlays
 from softcradle.sandbox.studies.compare.comparison_results import SideResult
 from softcradle.sandbox.studies.compare.comparison_tables import (
     MeasureRow,
@@ -27,93 +21,36 @@ from softcradle.sandbox.studies.compare.comparison_tables import (
     contact_titles,
     velocity_rows,
 )
-from softcradle.sandbox.studies.compare.sides import Comparison
+from softcradle.scenes import Scene
 
 
-@dataclass(frozen=True)
-class FilmFiles:
-    """The film and a picture of the moment of the greatest force as files, and their times.
-
-    Attributes:
-        film, still: paths of the .mp4 and the .png.
-        size: [pixels].
-        clock: time of the motion [s] when the film begins.
-        slow: seconds of film for one of motion.
-    """
-
-    film: Path
-    still: Path
-    size: tuple[int, int]
-    clock: float
-    slow: float
-
-
-def html_page(
-    comparison: Comparison, results: Sequence[SideResult], files: FilmFiles, notes: Sequence[str] = ()
-) -> str:
-    """The whole page as text; `notes` are sentences that stand below the numbers."""
-    axis = TimeAxis(results)
-    sources = dict.fromkeys(side.scene.source for side in comparison.sides if side.scene.source)
+def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Sequence[str] = ()) -> str:
+    """The whole page as text; `scene` has a lane for each of `results`, `notes` are sentences that stand below the numbers."""
+    names = [result.side.name for result in results]
+    member = Member("", tuple(result.trajectory for result in results), tuple(names))
+    played = PlayedMotion(scene, (member,))
+    lanes, axis = range(len(results)), TimeAxis(played)
     parts = [
-        f"<h1>{escape(comparison.title)}</h1>",
-        f'<p class="source">{escape(" · ".join(sources))}</p>',
-        _film(files, axis),
+        heading(title, scene.source),
+        player_section(played),
+        member_notes(member),
         "<h2>In numbers</h2>",
-        _table([""] + [r.side.name for r in results], collision_rows(results) + velocity_rows(results)),
-        "".join(f'<p class="note">{escape(note)}</p>' for note in notes),
-        _warnings(results),
+        _measures(["", *names], collision_rows(results) + velocity_rows(results), "The collision"),
+        *(note(text) for text in notes),
         "<h2>On top of each other</h2>", overlays(results, axis),
-        "<h2>Velocities</h2>", velocity_charts(results, axis),
-        "<h2>Forces</h2>", force_charts(results, axis),
+        "<h2>Velocities</h2>", chart_row([velocity_chart(played, lane) for lane in lanes]),
+        "<h2>Forces</h2>", chart_row([force_chart(played, lane) for lane in lanes]),
         "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
         "<h2>Contact by contact</h2>",
-        *(_table(["contact"] + [t for t, _ in contact_titles()], contact_rows(r), r.side.name) for r in results),
+        *(_measures(["contact", *(t for t, _ in contact_titles())], contact_rows(r), r.side.name) for r in results),
         "<h2>What the numbers mean</h2>", _meanings(),
-        _footer(results),
+        footer([]),
     ]  # fmt: skip
-    return _document(comparison.title, "\n".join(part for part in parts if part))
+    return document(title, parts)
 
 
-def _document(title: str, body: str) -> str:
-    style, script = (resource(f"report/compare.{kind}").read_text(encoding="utf-8") for kind in ("css", "js"))
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n<style>\n{style}</style>\n</head>\n<body>\n'
-        f"{body}\n<script>\n{script}</script>\n</body>\n</html>\n"
-    )
-
-
-def _film(files: FilmFiles, axis: TimeAxis) -> str:
-    film, still = (base64.b64encode(path.read_bytes()).decode() for path in (files.film, files.still))
-    width, height = files.size
-    data = f'data-clock="{files.clock:.9g}" data-slow="{files.slow:.9g}" data-unit="{axis.unit:.9g}"'
-    slow = files.slow
-    speed = f"1/{slow:.4g} of the real speed" if slow > 1.0 else f"{factor(1.0 / slow)} the real speed"
-    return (
-        f'<video controls loop muted playsinline width="{width}" height="{height}" {data} '
-        f'poster="data:image/png;base64,{still}" src="data:video/mp4;base64,{film}"></video>'
-        f'<img class="still" alt="the moment of the greatest force" src="data:image/png;base64,{still}">'
-        f'<p class="hint">All on one clock, at {speed}. While the film plays a line moves through the charts; a click in a '
-        "chart moves the film to that time.</p>"
-    )
-
-
-def _table(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str = "") -> str:
-    head = "".join(f'<th scope="col">{escape(title)}</th>' for title in titles)
-    lines = []
-    for row in rows:
-        hint = f' title="{escape(row.meaning)}"' if row.meaning else ""
-        cells = "".join(f"<td>{escape(value)}</td>" for value in row.values)
-        lines.append(f'<tr><th scope="row"{hint}>{escape(row.title)}</th>{cells}</tr>')
-    named = f"<caption>{escape(caption)}</caption>" if caption else ""
-    body = "".join(lines)
-    return f'<div class="scroll"><table>{named}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
-def _warnings(results: Sequence[SideResult]) -> str:
-    texts = [f"{result.side.name}: {warning}" for result in results for warning in result.trajectory.warnings]
-    return "".join(f'<p class="note warning">{escape(text)}</p>' for text in texts)
+def _measures(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str) -> str:
+    return table(titles, [(row.title, *row.values) for row in rows], caption, [row.meaning for row in rows])
 
 
 def _meanings() -> str:
@@ -124,13 +61,3 @@ def _meanings() -> str:
                 meanings.setdefault(field.metadata["title"], field.metadata["meaning"])
     items = "".join(f"<dt>{escape(title)}</dt><dd>{escape(meaning)}</dd>" for title, meaning in meanings.items())
     return f"<dl>{items}</dl>"
-
-
-def _footer(results: Sequence[SideResult]) -> str:
-    methods = dict.fromkeys(_method(result) for result in results)
-    return f"<footer>softcradle {escape(version())}; computed by {escape(', '.join(methods))}</footer>"
-
-
-def _method(result: SideResult) -> str:
-    found = result.trajectory
-    return f"{found.method}, " + (f"step {found.step:.3g} s" if found.step else f"tolerance {found.tolerance:g}")

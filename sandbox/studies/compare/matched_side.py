@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -37,9 +38,18 @@ def add_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, M
     law: Law = law_of(found.contact)
     given = replace(side, name=contact_text(found.given))
     nearest = with_contact(side, law)
-    nearest = replace(nearest, name=f"nearest: {nearest.name}")
+    nearest = replace(nearest, name=f"nearest: {short_text(contact_text(found.contact))}")
     sides = (given, *comparison.sides[1:], nearest)
     return Comparison(f"{side.scene.title}, and its nearest {_family(found)}", sides), found
+
+
+def short_text(text: str) -> str:
+    """The text of a contact with three digits a number, as labels have it; JSON has them all.
+
+    >>> short_text("draft_gear(0.668973, 0.985412)")
+    'draft_gear(0.669, 0.985)'
+    """
+    return re.sub(r"\d+\.\d+(?:e[-+]?\d+)?", lambda number: f"{float(number[0]):.3g}", text)
 
 
 def match_sentence(found: Match) -> str:
@@ -50,10 +60,20 @@ def match_sentence(found: Match) -> str:
         text = f"The {kind} nearest to {given} in this collision is {contact}: {difference}."
     else:
         text = f"No {kind} comes near {given} in this collision: with the nearest, {contact}, {difference} (near: {NEAR:.0%})."
+    if found.distance == "force":
+        text += f" There {DIFFERENCES['outcome'].format(f'{100.0 * found.outcome:.2g} %')}."
+    if found.speed_ratio is not None:
+        text += f" {_speed_sentence(found.speed_ratio)}"
     if found.ends:
         ends = " and ".join(found.ends)
         text += f" Its {ends} lies at the end of the range searched{_range(found)}: a nearer one may lie beyond."
     return text
+
+
+def _speed_sentence(ratio: float) -> str:
+    """On which side of its critical speed the draft gear is struck, and by which margin."""
+    side = "below: the clusters stay exactly rigid" if ratio <= 1.0 else "above"
+    return f"The draft gear is struck at {ratio:.3g} times its critical speed, {abs(ratio - 1.0):.0%} {side}."
 
 
 def match_as_json(found: Match) -> dict[str, Any]:

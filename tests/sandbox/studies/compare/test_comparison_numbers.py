@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from softcradle.sandbox.draw.number_format import MINUS
-from softcradle.sandbox.studies.compare.comparison_tables import number_text
+from softcradle.sandbox.draw.number_format import MINUS, number_text
+from softcradle.sandbox.studies.compare.matched_side import short_text
 from softcradle.sandbox.studies.compare.sides import MOST_SIDES
 
 from tests.helpers.truth import CRITICAL_SPEEDS, GEARS
@@ -66,7 +66,7 @@ def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     )
     names = [side["name"] for side in content["sides"]]
     assert names[:2] == ["draft_gear(770, 0.0177)", "hertz(1e+06)"]
-    assert names[2] == f"nearest: {content['match']['contact']}"
+    assert names[2] == f"nearest: {short_text(content['match']['contact'])}"  # no raw digits in the film
     assert content["match"]["near"]
     assert content["match"]["residual"] < 0.05
     given, _, nearest = (side["measures"] for side in content["sides"])

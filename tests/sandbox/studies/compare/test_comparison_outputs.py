@@ -18,7 +18,7 @@ def test_no_file_is_half_written_when_the_film_fails(refused, tmp_path, monkeypa
 
     monkeypatch.setattr("softcradle.sandbox.studies.compare.comparison_outputs.render_scene", fail)
     (tmp_path / "old.html").write_text("old")
-    outputs = ["-o", str(tmp_path / "old.html"), "-o", str(tmp_path / "new.json")]
+    outputs = ["-o", str(tmp_path / "old.html"), "-o", str(tmp_path / "new.json"), "-o", str(tmp_path / "new.mp4")]
     assert "the film has failed" in refused(*PAIR, *outputs)
     assert [path.name for path in tmp_path.iterdir()] == ["old.html"]
     assert (tmp_path / "old.html").read_text() == "old"
@@ -31,11 +31,13 @@ def test_film_report_and_numbers_in_one_run(capsys, tmp_path):
     printed = capsys.readouterr().out
     assert all(f"written: {tmp_path / name}" in printed for name in names)
     assert "rigidity at detachment" in printed
+    assert "known to (m/s)" in printed
     content = json.loads((tmp_path / "numbers.json").read_text())
     assert content["sides"][0]["measures"]["final_velocity"][0] == pytest.approx(-0.56758562, abs=1e-7)
+    assert 0.0 < max(content["sides"][0]["velocity_error"]) < 1e-6
     with av.open(str(tmp_path / "film.mp4")) as film:
         assert film.streams.video[0].frames > 30
-    assert (tmp_path / "report.html").read_text().count("<video") == 1
+    assert (tmp_path / "report.html").read_text().count('class="stage"') == 2
 
 
 def test_film_is_simulated_with_the_given_method(tmp_path, monkeypatch):

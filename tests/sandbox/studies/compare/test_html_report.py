@@ -7,9 +7,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from PIL import Image
+from softcradle.sandbox.draw.number_format import number_text
 from softcradle.sandbox.studies.compare.comparison_outputs import ComparisonReport, FilmSettings
 from softcradle.sandbox.studies.compare.comparison_results import solve_sides
-from softcradle.sandbox.studies.compare.comparison_tables import number_text
 from softcradle.sandbox.studies.compare.sides import comparison_of
 
 from tests.helpers.browser import Browser, found
@@ -21,14 +21,14 @@ def page(tmp_path_factory):
     comparison = comparison_of(["draft-gear-one-on-three"], ["power_law(16, 1/10)", "hertz(1e6)"])
     results = solve_sides(comparison)
     path = tmp_path_factory.mktemp("report") / "report.html"
-    path.write_text(ComparisonReport(comparison, results, FilmSettings((640, 420), 20.0)).html(), encoding="utf-8")
+    path.write_text(ComparisonReport(comparison, results, FilmSettings(slow=20.0)).html(), encoding="utf-8")
     return path, path.read_text(encoding="utf-8"), results
 
 
 class TagChecker(HTMLParser):
     """Checks that every tag is closed, and collects what the page would load."""
 
-    VOID = frozenset({"meta", "link", "img", "br", "path", "rect"})
+    VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 
     def __init__(self) -> None:
         super().__init__()
@@ -65,7 +65,7 @@ def test_labels_of_users_are_text_not_markup(tmp_path):
         + '[[lanes]]\nlabel="b"\nbeads=[1,1]\nvelocity=1.0\ncontact={law="hertz",stiffness=2.0}\n'
     )
     comparison = comparison_of([str(tmp_path / "x.toml")], [])
-    text = ComparisonReport(comparison, solve_sides(comparison), FilmSettings((480, 270), 1.0)).html()
+    text = ComparisonReport(comparison, solve_sides(comparison)).html()
     assert "<script>alert" not in text
     assert "<b>" not in text
 
@@ -74,34 +74,23 @@ def test_labels_of_users_are_text_not_markup(tmp_path):
 def test_page_in_a_browser(page, tmp_path):
     path, _, results = page
     with Browser(tmp_path / "profile") as browser:
-        browser.open(path)
-        film = browser.run(
-            "new Promise((done) => { const film = document.querySelector('video');"
-            "const report = () => done([film.videoWidth, film.videoHeight, film.duration]);"
-            "film.readyState >= 1 ? report() : film.onloadedmetadata = report;"
-            "film.onerror = () => done(film.error.message); })"
-        )
-        assert film[:2] == [640, 420]
-        assert film[2] > 2.0
+        moment = 0.05
+        browser.visit(path, f"#t={moment}")
+        assert browser.run("player.slow") == 20.0
+        lanes = browser.run("player.motions.map((motion) => valuesAt(motion, player.time).velocity)")
+        for shown, result in zip(lanes, results, strict=True):
+            rows = [np.interp(moment, result.trajectory.time, column) for column in result.trajectory.velocity.T]
+            np.testing.assert_allclose(shown, rows, atol=2e-3)
         places = browser.run(
-            "new Promise((done) => { const film = document.querySelector('video'); film.onseeked = () =>"
-            "done([...document.querySelectorAll('.cursor')].map((line) => [line.getAttribute('visibility'),"
-            "Number(line.getAttribute('transform').match(/[\\d.]+/)[0]), line.dataset.low, line.dataset.high,"
-            "line.dataset.left, line.dataset.right].map(String))); film.currentTime = 1.0; })"
+            "player.charts.map((chart) => [chart.cursor.getAttribute('visibility'),"
+            "Number(chart.cursor.getAttribute('transform').match(/[\\d.]+/)[0]), chart.across(player.time)])"
         )
-        clock, slow, unit = (
-            float(browser.run(f"document.querySelector('video').dataset.{k}")) for k in ("clock", "slow", "unit")
-        )
-        assert slow == 20.0
-        assert len(places) == 3 * len(results) + 2
-        for visible, *numbers in places:  # a line in every chart, at the time that the film shows
-            place, low, high, left, right = map(float, numbers)
+        assert len(places) == 3 * len(results) + 2  # a line in every chart over time, at the time of the player
+        for visible, place, expected in places:
             assert visible == "visible"
-            assert place == pytest.approx(
-                left + (right - left) * ((clock + 1.0 / slow) / unit - low) / (high - low), abs=0.1
-            )
+            assert place == pytest.approx(expected, abs=0.1)
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        assert tables == [1 + 10 + 4, 4, 4, 4]
+        assert tables == [1 + 13 + 5, 4, 4, 4]  # four velocities, and how well they are known
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)
         backgrounds = []
@@ -114,12 +103,8 @@ def test_page_in_a_browser(page, tmp_path):
             assert picture.std() > 5.0  # not an empty page
         assert backgrounds[0] > 200.0
         assert backgrounds[1] < 60.0
-        browser.media("print")
-        assert browser.run("getComputedStyle(document.querySelector('video')).display") == "none"
-        assert browser.run("document.querySelector('img.still').naturalWidth") == 640
-        browser.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=True)
-        browser.media("screen")
-        assert browser.run(fits)  # on a telephone
+        browser.device(390, 844)
+        assert browser.run(fits)
         assert browser.complaints == []
 
 
