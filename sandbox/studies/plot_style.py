@@ -56,6 +56,11 @@ SETTINGS: dict[str, Any] = {
 }
 
 
+def require_matplotlib() -> None:
+    """Raise ModuleNotFoundError where the figures' library is missing, before anything is computed for a figure."""
+    import matplotlib  # noqa: F401
+
+
 @contextmanager
 def styled() -> Iterator[None]:
     """Everything drawn inside has these settings."""

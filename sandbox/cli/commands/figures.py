@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from softcradle.sandbox.console import console, table
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
+from softcradle.sandbox.console import console, print_table, table
 from softcradle.sandbox.output_files import make_folder
 from softcradle.sandbox.user_error import UserError
 
@@ -16,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="FOLDER", default="out/figures", help="where to write (default: out/figures)"
     )
     parser.add_argument("--list", action="store_true", help="list the figures instead")
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -31,9 +33,15 @@ def main(args: argparse.Namespace) -> int:
         listed = table("name", "place in the paper", "what it shows")
         for figure in figures:
             listed.add_row(figure.name, figure.place, figure.caption)
-        console().print(listed)
+        print_table(console(), listed)
         return 0
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
+
+    require_matplotlib()
     folder = make_folder(args.output)
+    written = WrittenFiles(folder.iterdir())
     for figure in figures:
-        print("written:", ", ".join(str(path) for path in write_figure(figure, folder)), flush=True)
+        written.report(list(write_figure(figure, folder)))
+    if args.open:
+        open_with_desktop(folder)
     return 0

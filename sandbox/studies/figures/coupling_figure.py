@@ -121,7 +121,7 @@ def draw_discrepancies(table: Table) -> Figure:
     axes.legend(loc="lower center", ncols=2)
     end.axhspan(1e-9, 1e-3, **ACCURACY_BAND)
     end.set(xlabel="time to separation", ylabel="|relative discrepancy|", xscale="log", yscale="log")
-    end.set(xlim=(table["t"][-1], 1e-6), ylim=(1e-6, 1.0))
+    end.set(xlim=(1e-6, table["t"][-1]), ylim=(1e-6, 1.0))
     return figure
 
 

@@ -1,19 +1,16 @@
 """Not shown in the paper: a steady force on a cluster at rest, and the evanescent mode that it excites.
 
-The force acts on the first bead. The mode-coupling model of it is one overlap, for unit strength
-``psi'' = F/m1 - (1/m1 + 1/M) psi**alpha``, whose energy gives amplitude and period in closed form: for n unit beads
-
-    psi_max = ((1 + alpha) F (n-1)/n)**(1/alpha),   T = sqrt(2 psi_max / F) B(1/(2 alpha), 1/2) / alpha
+The force acts on the first bead; the model's period and amplitude are closed forms.
 """
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from softcradle.physics import Chain, power_law
-from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
+from softcradle.physics.analysis.ringing import returns
+from softcradle.sandbox.studies.data_table import Table, long_table, rows_where
+from softcradle.sandbox.studies.driven_cluster import amplitude, driven_chain, period
 from softcradle.sandbox.studies.figures.solved_cases import ALPHA, full_motion, model_motion
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
@@ -34,30 +31,12 @@ from softcradle.sandbox.studies.plot_style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORCE = 1.0
 SHOWN_BEADS = 4  # cluster size of the figure over time
 SIZES = (2, 3, 4)  # cluster sizes of the scan
 ALPHAS = tuple(1.0 / k for k in (5, 7, 10, 14, 20))  # exponents of the scan
 PERIODS = 5  # length of every run, in periods of the model
 SAMPLES_PER_PERIOD = 200
 STEPS_PER_SAMPLE = 20
-
-
-def driven_chain(n: int, alpha: float) -> Chain:
-    """`n` unit beads that just touch, the steady force on the first."""
-    return Chain([1.0] * n, power_law(1.0, alpha), drive=[FORCE] + [0.0] * (n - 1))
-
-
-def amplitude(n: int, alpha: float) -> float:
-    """Largest psi of the model."""
-    return float(((1.0 + alpha) * FORCE * (n - 1) / n) ** (1.0 / alpha))
-
-
-def period(n: int, alpha: float) -> float:
-    """Period of the model."""
-    x = 0.5 / alpha
-    beta = math.sqrt(math.pi) * math.exp(math.lgamma(x) - math.lgamma(x + 0.5))  # B(x, 1/2)
-    return math.sqrt(2.0 * amplitude(n, alpha) / FORCE) * beta / alpha
 
 
 def history() -> Table:
@@ -73,32 +52,22 @@ def history() -> Table:
 
 
 def measured(n: int, alpha: float) -> tuple[float, float, float]:
-    """Period and amplitude of psi in the full equations, and how far it is from zero again after five periods.
+    """Period and amplitude of psi in the full equations, and how far it is from zero at its fifth return.
 
-    The period is that between the first and the last of the maxima; the last number is a part of the amplitude.
+    The period is a fifth of the time of that return, an event of the full motion; the last number is a part of the amplitude.
     """
     chain = driven_chain(n, alpha)
-    end, count = PERIODS * period(n, alpha), PERIODS * SAMPLES_PER_PERIOD
+    end, count = (PERIODS + 0.5) * period(n, alpha), (PERIODS + 1) * SAMPLES_PER_PERIOD
     full = full_motion(chain, (0.0,) * n, end, count + 1, step=end / (count * STEPS_PER_SAMPLE))
-    psi = full.overlap[:, 0]
-    maxima = np.array([_maximum(full.time, psi, k) for k in range(PERIODS)])
-    remainder = psi[-SAMPLES_PER_PERIOD // 4 :].min() / maxima[0, 1]
-    return (maxima[-1, 0] - maxima[0, 0]) / (PERIODS - 1), maxima[0, 1], remainder
-
-
-def _maximum(time: Array, psi: Array, k: int) -> tuple[float, float]:
-    """Time and height of the k-th maximum, by a parabola through the three samples about it."""
-    first = k * SAMPLES_PER_PERIOD
-    i = first + 1 + int(np.argmax(psi[first + 1 : first + SAMPLES_PER_PERIOD]))
-    left, middle, right = psi[i - 1 : i + 2]
-    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
-    return time[i] + shift * (time[1] - time[0]), middle - 0.25 * (left - right) * shift
+    times, least = returns(full, 0)
+    largest = float(full.overlap[:, 0].max())
+    return times[PERIODS - 1] / PERIODS, largest, abs(least[PERIODS - 1]) / largest
 
 
 def scan() -> Table:
     """Period and amplitude against n and alpha, full and model."""
     rows = [(n, alpha, *measured(n, alpha), period(n, alpha), amplitude(n, alpha)) for n in SIZES for alpha in ALPHAS]
-    measures = ("period full", "amplitude full", "least psi after 5 periods", "period model", "amplitude model")
+    measures = ("period full", "amplitude full", "psi at the fifth return", "period model", "amplitude model")
     return long_table(("n", "alpha", *measures), rows)
 
 

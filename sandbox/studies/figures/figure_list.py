@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING
 
 from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.figures import (
+    collapse_figure,
     collision_figure,
     coupling_figure,
     disorder_figure,
     driven_figure,
+    equivalence_figure,
     hypothesis_figure,
     rigidity_figure,
+    ringing_figure,
     scaling_figure,
     train_figure,
     variant_figure,
@@ -88,6 +91,18 @@ FIGURES: tuple[FigureEntry, ...] = (
         scaling_figure.scalings, scaling_figure.draw_scalings,
     ),
     FigureEntry(
+        "collapse", "Sec. IV", "the end of rigid-like behaviour, and its scaling variable",
+        collapse_figure.spreads, collapse_figure.draw_spreads,
+    ),
+    FigureEntry(
+        "ringing", "Sec. IV", "the inner contact oscillates about its branch",
+        ringing_figure.history, ringing_figure.draw_history,
+    ),
+    FigureEntry(
+        "equivalence", "App. C", "which gear speed equals which alpha",
+        equivalence_figure.nearest, equivalence_figure.draw_nearest,
+    ),
+    FigureEntry(
         "driven", "Sec. V, not shown", "a steady force on a cluster at rest",
         driven_figure.history, driven_figure.draw_history,
     ),
@@ -115,6 +130,10 @@ FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "train", "App. C, draft gears", "in-train forces of a shunting blow",
         train_figure.history, train_figure.draw_history,
+    ),
+    FigureEntry(
+        "envelopes", "App. C, draft gears", "largest in-train forces over the speed of the blow",
+        train_figure.envelopes, train_figure.draw_envelopes,
     ),
     FigureEntry(
         "pulse", "Sec. V", "the solitary pulse of the usual cradle", wave_figure.pulse, wave_figure.draw_pulse

@@ -18,6 +18,8 @@ SIZES = (5, 4, 3)  # a row of panels each
 CURVE_COLOURS = {2: BLUE, 3: ORANGE, 4: GREEN}  # by depth i
 CURVE_WIDTHS = {2: 2.6, 3: 1.7, 4: 0.8}  # by depth i: deeper ones are thinner, so that all are seen where they coincide
 
+INSET_LIFT = 0.08  # distance of two curves in the inset
+
 # Sample times as fractions of the time for which the striker is in contact, dense at both ends.
 FRACTIONS = np.concatenate(
     (np.linspace(0.001, 0.01, 40), np.linspace(0.01, 0.99, 400)[1:-1], np.linspace(0.99, 0.999, 40))
@@ -81,5 +83,10 @@ def _draw_inset(axes: Axes, table: Table) -> None:
     inset = axes.inset_axes((0.5, 0.1, 0.46, 0.36))
     for i, colour in CURVE_COLOURS.items():
         curve = rows_where(table, i=i)
-        inset.plot(curve["fraction of contact"], curve["discrepancy"] + 0.08 * (i - 2), color=colour, linewidth=0.9)
-    inset.set(xlim=(0.0, 1.0), ylim=(-0.2, 0.4), xticks=[], yticks=[])
+        inset.plot(
+            curve["fraction of contact"], curve["discrepancy"] + INSET_LIFT * (i - 2), color=colour, linewidth=0.9
+        )
+    inset.set(xlim=(0.0, 1.0), ylim=(-0.42, 0.4), xticks=[], yticks=[])
+    inset.text(
+        0.97, 0.04, f"each lifted\nby {INSET_LIFT:g}", transform=inset.transAxes, ha="right", va="bottom", fontsize=6.0
+    )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.physics.analysis.measures import rigidity
+from softcradle.physics.simulation import solve
+from softcradle.physics.status import WarningCode
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import full_one_on
+from softcradle.sandbox.studies.figures.solved_cases import soft_chain, start_velocity
 from softcradle.sandbox.studies.plot_style import (
     BLUE,
     COLOUR_CYCLE,
@@ -25,17 +28,28 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SPREAD_ALPHAS = tuple(np.geomspace(1.0 / 24.0, 1.0 / 3.0, 91).tolist())  # exponents of the figure of the spread
+SPREAD_ALPHAS = tuple((1.0 / np.arange(24.0, 2.95, -0.1)).tolist())  # of the figure of the spread, which jags
 SPREAD_SIZES = (2, 3, 4)  # its cluster sizes
-LOSS_ALPHAS = tuple(np.geomspace(1.0 / 30.0, 2.0, 81).tolist())  # of one on four, from rigid-like to the usual cradle
+# Exponents of one on four, from rigid-like to the usual cradle: where curves jag, in steps of 0.1 of 1/alpha.
+LOSS_ALPHAS = (*(1.0 / np.arange(30.0, 4.0, -0.1).round(1)).tolist(), *np.geomspace(0.25, 2.0, 41).tolist())
 LONG_SIZES = (4, 10, 30)  # clusters for which LONG_ALPHA is below, at and above 1/n
 LONG_ALPHA = 1.0 / 10.0
 FINE_TOLERANCE = 1e-11  # the smallest spreads shown are below the error of a run at the usual tolerance
 
 
 def outcome(n: int, alpha: float) -> Array:
-    """(n+1,) velocities after the collision."""
-    return full_one_on(n, alpha, samples=2, tolerance=FINE_TOLERANCE).final_velocity
+    """(n+1,) velocities after the collision; nan where the run gave up."""
+    return _solved(n, alpha)[0]
+
+
+@lru_cache(maxsize=2048)
+def _solved(n: int, alpha: float) -> tuple[Array, float]:
+    """Velocities after the collision, and by how much finer runs disagree where the motion is sensitive, else 0."""
+    chain = soft_chain(n, alpha)
+    found = solve(chain, start_velocity(chain), samples=2, tolerance=FINE_TOLERANCE)
+    apart = [warning.numbers.get("apart", 0.0) for warning in found.warnings if warning.code is WarningCode.SENSITIVE]
+    velocity = np.full(n + 1, np.nan) if found.status.gave_up else found.final_velocity
+    return velocity, max(apart, default=0.0)
 
 
 def rigid_outcome(n: int) -> tuple[float, float]:
@@ -54,8 +68,10 @@ def spreads() -> Table:
     for n in SPREAD_SIZES:
         for alpha in SPREAD_ALPHAS:
             velocity = outcome(n, alpha)
-            rows.append((n, alpha, velocity[0], velocity[1], velocity[-1], float(rigidity(velocity[1:]))))
-    return long_table(("n", "alpha", "v striker", "v first", "v last", "spread"), rows)
+            rows.append(
+                (n, alpha, velocity[0], velocity[1], velocity[-1], float(rigidity(velocity[1:])), _solved(n, alpha)[1])
+            )
+    return long_table(("n", "alpha", "v striker", "v first", "v last", "spread", "finer runs apart"), rows)
 
 
 def draw_spreads(table: Table) -> Figure:
@@ -80,7 +96,7 @@ def draw_spreads(table: Table) -> Figure:
 
 def losses() -> Table:
     """The end of rigid-like behaviour: a row a bead, its velocity as a part of that of a rigid cluster."""
-    cases = [(4, alpha) for alpha in LOSS_ALPHAS] + [(n, LONG_ALPHA) for n in LONG_SIZES]
+    cases = dict.fromkeys([(4, alpha) for alpha in LOSS_ALPHAS] + [(n, LONG_ALPHA) for n in LONG_SIZES])
     rows = [
         (n, alpha, np.arange(n + 1), outcome(n, alpha), outcome(n, alpha) / rigid_outcome(n)[1]) for n, alpha in cases
     ]

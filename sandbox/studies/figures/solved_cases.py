@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, one_on, power_law
 from softcradle.physics.analysis.mode_coupling import ModeCoupling, mode_coupling
 from softcradle.physics.simulation import solve
-from softcradle.physics.status import WarningCode
 
 Array = NDArray[np.float64]
 Samples = int | tuple[float, ...]  # number of samples, or their times [s]
@@ -46,14 +45,10 @@ def full_motion(
     tolerance: float = TOLERANCE,
     step: float | None = None,
 ) -> Trajectory:
-    """The motion by the full equations, Eq. (3); with a `step` by the conserving method.
-
-    Where the last beads chatter, final velocities are known to four or five digits at any tolerance: as many as are shown.
-    """
+    """The motion by the full equations, Eq. (3); with a `step` by the conserving method. What may be wrong is a warning."""
     found = solve(chain, velocity, duration, _method(step), step, _sample_argument(samples), tolerance)
     for warning in found.warnings:
-        if warning.code is not WarningCode.SENSITIVE:
-            warnings.warn(str(warning), RuntimeWarning, stacklevel=2)
+        warnings.warn(str(warning), RuntimeWarning, stacklevel=2)
     return found
 
 

@@ -1,11 +1,12 @@
-"""The force in every coupling of a train that is struck, over time, from the two train scenes: draft gears with loss."""
+"""In-train forces: of every coupling over time in the train scenes, and their envelope over the speed of the blow."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from softcradle.physics import simulate
-from softcradle.sandbox.studies.data_table import Array, Table
+import numpy as np
+from softcradle.physics import ensemble, simulate
+from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.plot_style import BLUE, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:
@@ -15,7 +16,12 @@ if TYPE_CHECKING:
 SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}  # title of a panel: its scene
 DURATION = 2.8  # [s]
 SAMPLES = 1401
+STEP = 2e-4  # [s] of the scan: a thousandth of a blow
 KILO = 1e3
+SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # [m/s] of the blow; shunting is done at up to 2 or 3
+FULL_TRAVEL = (
+    0.166  # [m] of a coupling of two gears; beyond it they are solid, which the law of the scenes does not know
+)
 
 
 def history() -> Table:
@@ -43,12 +49,53 @@ def draw_history(table: Table) -> Figure:
     return figure
 
 
+def envelopes() -> Table:
+    """A row for each scene (0, 1), speed [m/s] and coupling: its largest force [kN] and travel [mm]."""
+    from softcradle import scenes
+
+    rows = []
+    for number, name in enumerate(SCENES.values()):
+        lane = scenes.load(name).lanes[0]
+        chain, start = lane.chain(), np.array(lane.velocity)
+        starts = [(speed * start / start.max()).tolist() for speed in SPEEDS]
+        found = ensemble([chain] * len(SPEEDS), starts, DURATION, "conserving", STEP, SAMPLES)
+        for speed, motion in zip(SPEEDS, found, strict=True):
+            forces, travels = motion.force.max(axis=0) / KILO, motion.overlap.max(axis=0) * KILO
+            rows += [(number, speed, i + 1, *both) for i, both in enumerate(zip(forces, travels, strict=True))]
+    return long_table(("train", "speed", "coupling", "force", "travel"), rows)
+
+
+def draw_envelopes(table: Table) -> Figure:
+    """A panel for each scene: the largest force along the train, a curve for each speed, open where the gears are solid."""
+    from matplotlib import colormaps
+    from matplotlib.ticker import MaxNLocator
+
+    figure, panels = new_figure(PAGE_WIDTH, 2.9, columns=2)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.85, len(SPEEDS)))
+    for number, (axes, title) in enumerate(zip(panels, SCENES, strict=True)):
+        for speed, shade in zip(SPEEDS, shades, strict=True):
+            rows = rows_where(table, train=number, speed=speed)
+            axes.plot(rows["coupling"], rows["force"] / KILO, color=shade, linewidth=0.8, label=f"{speed:g}")
+            solid = rows["travel"] > FULL_TRAVEL * KILO
+            for kind, fill in ((~solid, shade), (solid, "white")):
+                axes.plot(rows["coupling"][kind], rows["force"][kind] / KILO, "o", color=shade, mfc=fill, ms=3)
+        axes.set(title=title, xlabel="coupling, from the left", xlim=(0.5, rows["coupling"].max() + 0.5))
+        axes.set_ylim(0.0, 1.05 * table["force"].max() / KILO)
+        axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+    panels[0].set_ylabel("largest force [MN]")
+    panels[0].legend(title="speed of the blow [m/s]", loc="upper right", ncols=2, handlelength=1.2)
+    panels[1].set_yticklabels([])
+    return figure
+
+
 def _draw_couplings(axes: Axes, time: Array, forces: list[Array]) -> None:
     """Forces [kN], a meganewton high as the distance of two curves."""
     for i, force in enumerate(forces, 1):
         axes.fill_between(time, i, i + force / KILO, color=BLUE, alpha=0.25, linewidth=0.0)
         axes.plot(time, i + force / KILO, color=BLUE, linewidth=0.8)
-        axes.text(time[-1] * 0.99, i + 0.1, f"{force.max():.0f} kN", ha="right", va="bottom", fontsize=6.5)
+        axes.annotate(
+            f"{force.max():.0f} kN", (1.01, i), xycoords=("axes fraction", "data"), va="bottom", fontsize=6.5
+        )  # beside the axes, where no curve passes
     axes.set_xlabel("time [s]")
     axes.set_xlim(time[0], time[-1])
     axes.set_ylim(0.6, len(forces) + 2.0)

@@ -16,8 +16,11 @@ from softcradle.sandbox.studies.figures.solved_cases import (
     start_velocity,
 )
 from softcradle.sandbox.studies.plot_style import (
+    BLACK,
+    BLUE,
     COLOUR_CYCLE,
     MODEL_LINE,
+    ORANGE,
     PAGE_WIDTH,
     bead_colour,
     new_figure,
@@ -98,6 +101,12 @@ def draw_exchange(table: Table) -> Figure:
         left.plot(table["t"], table[f"v{N - i} exchanged"], color=bead_colour(i))
         right.plot(table["t"], table[f"v{i} seen"], color=bead_colour(i), **MODEL_LINE)
         right.plot(table["t"], table[f"v{i}"], color=bead_colour(i), linewidth=0.8)
+    for colour, text in ((BLUE, "the single bead"), (ORANGE, "its neighbour"), (BLACK, "the other three")):
+        left.plot([], [], color=colour, label=text)
+    left.legend(loc="upper left", fontsize=7.5)
+    right.plot([], [], color=BLACK, label="four on one, mirrored", **MODEL_LINE)
+    right.plot([], [], color=BLACK, linewidth=0.8, label="one on four")
+    right.legend(loc="upper right", fontsize=7.5)
     left.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, 3.0))
     right.set(xlabel="$t$", xlim=(0.0, 3.0))
     panel_title(left, "(a)  four on one")
@@ -116,5 +125,14 @@ def _draw_forces(axes: Axes, table: Table, contacts: int, struck: int) -> None:
 def _draw_velocities(axes: Axes, table: Table, beads: int, strikers: int) -> None:
     zero_line(axes)
     for i in range(beads):
-        axes.plot(table["t"], table[f"v{i}"], color=bead_colour(i, strikers), linewidth=0.9)
+        colour = bead_colour(i, strikers)
+        axes.plot(table["t"], table[f"v{i}"], color=colour, linewidth=0.9)
+    labels = (
+        (BLUE, "strikers" if strikers > 1 else "striker"),
+        (ORANGE, f"$v_{{{strikers}}}$"),
+        (BLACK, "other targets"),
+    )
+    for colour, text in labels:
+        axes.plot([], [], color=colour, label=text)
+    axes.legend(loc="best")
     axes.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, table["t"][-1]))

@@ -61,10 +61,10 @@ class StruckCluster:
 
 
 STRUCK_CLUSTERS = {
-    "soft": StruckCluster("(a) evanescent, $\\alpha=1/10$", SOFT, 0.0, 3.0, 1.0),
+    "soft": StruckCluster("(a) inner $\\alpha=1/10$, evanescent", SOFT, 0.0, 3.0, 1.0),
     "springs": StruckCluster("(b) stiff springs", SPRING, SPRING_PRESTRESS, 3.0, 1.0),
     # struck so slowly that no contact opens
-    "prestressed": StruckCluster("(c) $\\alpha=1/10$, prestressed", SOFT, SOFT_PRESTRESS, 24.0, 0.1),
+    "prestressed": StruckCluster("(c) inner $\\alpha=1/10$, prestressed", SOFT, SOFT_PRESTRESS, 24.0, 0.1),
 }
 
 
@@ -119,6 +119,7 @@ def draw_roads(table: Table) -> Figure:
         panel_title(upper, STRUCK_CLUSTERS[name].title)
     for axes in grid[0, :2]:
         axes.set_ylim(-0.02, 0.66)
+    inner_label(grid[0, 0], "striker's $\\alpha=1/30$ in all", 0.04, 0.96, fontsize=7.5)
     grid[0, 0].set_ylabel("velocity / striker's")
     grid[1, 0].set_ylabel("force less prestress")
     grid[0, 1].legend(loc="lower right", ncols=2, columnspacing=1.0)
