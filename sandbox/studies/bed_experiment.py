@@ -52,13 +52,13 @@ class Fit:
 
 
 @cache
-def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0) -> Deficits:
+def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, method: str = "conserving") -> Deficits:
     """Deficits when `strikers` at `speed` [m/s] collide with the rest, which just touch, on a bed with friction."""
     chain = Chain(MASS, draft_gear(STIFFNESS, PRECOMPRESSION, loss), friction=friction)
     velocity = [speed] * strikers + [0.0] * (len(MASS) - strikers)
-    whole = simulate(chain, velocity, method="conserving", samples=2)
+    whole = simulate(chain, velocity, method=method, samples=2)
     end = max(opened for intervals in whole.contact_intervals for _, opened in intervals if np.isfinite(opened))
-    found = simulate(chain, velocity, end, method="conserving", samples=2)
+    found = simulate(chain, velocity, end, method=method, samples=2)
     momentum, energy = (values[-1] / values[0] for values in (found.momentum, found.kinetic_energy))
     return Deficits(1.0 - float(momentum), 1.0 - float(energy), end)
 

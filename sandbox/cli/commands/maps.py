@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--points", metavar="WxH", default=f"{COLUMNS}x{ROWS}",
         help=f"abscissae and cluster sizes (default: {COLUMNS}x{ROWS})",
     )  # fmt: skip
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -40,12 +42,16 @@ def main(args: argparse.Namespace) -> int:
     columns, rows = _points(args.points)
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
 
+    require_matplotlib()
     folder = make_folder(args.output)
+    written = WrittenFiles(folder.iterdir())
     for wanted in rigidity_maps(columns, rows):
         if not args.names or wanted.name in args.names:
-            paths = _write(wanted, _computed(wanted), folder)
-            print("written:", ", ".join(str(path) for path in paths), flush=True)
+            kept = folder / f"map-{wanted.name}.partial"
+            written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
+            kept.unlink()
     return 0
 
 
@@ -57,14 +63,14 @@ def _points(text: str) -> tuple[int, int]:
     return int(columns), int(rows)
 
 
-def _computed(wanted: RigidityMap) -> Table:
-    from rich.console import Console
-    from rich.progress import Progress
-    from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
+def _computed(wanted: RigidityMap, kept: Path) -> Table:
+    """The table of a map; its points are kept in a file on the way, from which a command that was stopped goes on."""
+    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.studies.maps.map_progress import compute_map
 
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(f"{wanted.title}: collisions", total=2 * len(wanted.values) * len(wanted.sizes))
-        return compute_map(wanted, lambda done: progress.advance(task, done))
+    with progress_bar() as progress:
+        task = progress.add_task(f"{wanted.title}: points", total=len(wanted.values) * len(wanted.sizes))
+        return compute_map(wanted, kept, lambda done: progress.advance(task, done))
 
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:

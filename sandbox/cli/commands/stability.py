@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.console import console, table
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.console import console, print_table, progress_bar, table
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
@@ -25,27 +27,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="PICTURE", default="out/stability.png",
         help="picture to write, with a .csv of every run beside it (default: out/stability.png)",
     )  # fmt: skip
+    parser.add_argument(
+        "--details", action="store_true", help="draw energy, velocities and switches of every run too: PICTURE-details"
+    )
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the scans, draw the maps and print the summary."""
     from softcradle.sandbox.output_files import output_file
-    from softcradle.sandbox.studies.plot_style import styled
-    from softcradle.sandbox.studies.stability.failure_scans import write_csv
-    from softcradle.sandbox.studies.stability.stability_figure import draw_scans
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
 
     path = Path(args.output)
     if path.suffix not in SUFFIXES:
         raise UserError(f"cannot write {args.output}: stability writes {', '.join(SUFFIXES)}")
-    scans = _scans(args.scans)
-    with output_file(path) as picture, output_file(path.with_suffix(".csv")) as numbers:
+    require_matplotlib()
+    details = [path.with_stem(f"{path.stem}-details")] if args.details else []
+    scans, paths = _scans(args.scans), [path, path.with_suffix(".csv"), *details]
+    written = WrittenFiles(paths)
+    with ExitStack() as stack:
+        files = [stack.enter_context(output_file(each)) for each in paths]  # refused at once, not after the runs
         runs = _runs(scans)
-        with styled():
-            draw_scans(runs, scans).savefig(picture, dpi=140)
-        write_csv(runs, numbers)
+        _write(runs, scans, *files)
     _print(runs)
-    print(f"written: {path}, {path.with_suffix('.csv')}")
+    written.report(paths, show=args.open)
     return 0
+
+
+def _write(
+    runs: Sequence[ScanRun], scans: Sequence[Scan], picture: Path, numbers: Path, details: Path | None = None
+) -> None:
+    from softcradle.sandbox.studies.picture_files import save_figure
+    from softcradle.sandbox.studies.plot_style import styled
+    from softcradle.sandbox.studies.stability.failure_scans import write_csv
+    from softcradle.sandbox.studies.stability.stability_figure import draw_scans
+    from softcradle.sandbox.studies.stability.stability_overview import draw_overview
+
+    with styled():
+        save_figure(draw_overview(runs, scans), picture, 140.0)
+        if details is not None:
+            save_figure(draw_scans(runs, scans), details, 140.0)
+    write_csv(runs, numbers)
 
 
 def _scans(wanted: Sequence[str]) -> list[Scan]:
@@ -60,12 +82,10 @@ def _scans(wanted: Sequence[str]) -> list[Scan]:
 
 
 def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
-    from rich.console import Console
-    from rich.progress import Progress
     from softcradle.sandbox.studies.stability.failure_scans import finenesses, scan_runs, scanned_methods
 
     found = []
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    with progress_bar() as progress:
         total = sum(len(scan.values) * len(finenesses(method)) for scan in scans for method in scanned_methods())
         task = progress.add_task("runs", total=total)
         for scan in scans:
@@ -93,11 +113,11 @@ def _print(runs: Sequence[ScanRun]) -> None:
         unsafe = "-" if find_method(found.method).adaptive else str(found.below_limit)
         grid.add_row(found.scan, found.method, failed, how, finest, unsafe, str(found.silent))
     output = console()
-    output.print(grid)
+    print_table(output, grid)
     output.print(
         f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or "
         f"{ADAPTIVE_ERROR_FACTOR:g} times the tolerance; chatter: contacts switch more often than they should; error: "
-        "they do not; blow-up: the energy has at least doubled. Letters in the maps: c, e, b; red where there was no warning."
+        "they do not; blow-up: the energy has at least doubled. Letters in the maps of --details: c, e, b; red without a warning."
     )
     output.print(_caution())
 

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.status import Status
 from softcradle.sandbox.studies.data_table import Array, Table
 from softcradle.sandbox.studies.maps.rigidity_scan import TOLERANCE, RigidityMap
 from softcradle.sandbox.studies.plot_style import PAGE_WIDTH, inner_label, new_figure, panel_title
@@ -17,6 +19,14 @@ if TYPE_CHECKING:
 COLUMNS = ("rigidity at detachment", "rigidity at the end")
 TITLES = ("(a) when the striker leaves", "(b) at the end")
 SMALLEST_SHOWN = 100.0 * TOLERANCE  # smaller spreads cannot be told from 0 at the tolerance of the runs
+LARGEST_SHOWN = 10.0  # larger spreads have the same colour
+HATCH: dict[str, Any] = {
+    "hatch": "/////",
+    "facecolor": "0.85",
+    "edgecolor": "black",
+    "linewidth": 0.0,
+}  # cells whose run gave up
+REASONS = {Status.OUT_OF_STEPS: "took too many steps", Status.FAILED: "could not go on"}  # of runs that gave up
 CONTOURS = {"alpha": (1e-1, 1.0), "speed / critical speed": (1.0,)}  # rigidities whose contours are smooth, by abscissa
 AXIS_LABELS = {"alpha": r"$\alpha$", "speed / critical speed": "speed / critical speed"}  # by abscissa
 
@@ -27,9 +37,11 @@ def draw_map(scanned: RigidityMap, table: Table) -> Figure:
     shape = len(scanned.sizes), len(scanned.values)
     mesh: Any = None
     for axes, column, title in zip(row, COLUMNS, TITLES, strict=True):
-        mesh = _draw_panel(axes, scanned, table[column].reshape(shape))
+        values = table[column].reshape(shape)
+        mesh = _draw_panel(axes, scanned, values)
         panel_title(axes, f"{title}: {scanned.title}")
-        axes.set_xlabel(AXIS_LABELS[scanned.abscissa])
+        reasons = _reasons(table["status"].reshape(shape), np.isnan(values))
+        axes.set_xlabel(AXIS_LABELS[scanned.abscissa] + (f"    (hatched: {reasons})" if reasons else ""))
     row[0].set_ylabel("targets $n$")
     bar = figure.colorbar(mesh, ax=row, extend="min", pad=0.01, aspect=30)
     bar.set_label("velocity spread of the targets / their mean")
@@ -42,11 +54,13 @@ def _draw_panel(axes: Axes, scanned: RigidityMap, values: Array) -> Any:
     from matplotlib.ticker import MaxNLocator
 
     colours = colormaps["viridis"].with_extremes(under="white")
-    shown = np.where(np.isfinite(values) & (values > 0.0), values, SMALLEST_SHOWN / 10.0)
+    unknown = np.isnan(values)
+    shown = np.ma.masked_array(np.clip(values, SMALLEST_SHOWN / 10.0, LARGEST_SHOWN), mask=unknown)
     mesh = axes.pcolormesh(
         _edges(np.log(scanned.values)), np.arange(len(scanned.sizes) + 1) + scanned.sizes[0] - 0.5, shown,
-        norm=LogNorm(SMALLEST_SHOWN, 10.0), cmap=colours, rasterized=True,
+        norm=LogNorm(SMALLEST_SHOWN, LARGEST_SHOWN), cmap=colours, rasterized=True,
     )  # fmt: skip
+    _hatch(axes, scanned, unknown)
     axes.set_xscale("log")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     _draw_contours(axes, scanned, shown)
@@ -58,6 +72,22 @@ def _draw_panel(axes: Axes, scanned: RigidityMap, values: Array) -> Any:
         inner_label(axes, "exactly\nrigid", 0.03, 0.55, fontsize=8.0)
     axes.set_xlim(scanned.values[0], scanned.values[-1])
     return mesh
+
+
+def _hatch(axes: Axes, scanned: RigidityMap, unknown: NDArray[np.bool_]) -> None:
+    """Hatch the cells of runs that gave up, so that they are neither rigid nor not."""
+    from matplotlib.patches import Rectangle
+
+    edges = _edges(np.log(scanned.values))
+    for row, column in np.argwhere(unknown):
+        left, bottom = edges[column], scanned.sizes[row] - 0.5
+        axes.add_patch(Rectangle((left, bottom), edges[column + 1] - left, 1.0, **HATCH))
+
+
+def _reasons(status: Array, unknown: NDArray[np.bool_]) -> str:
+    """Why the runs of the hatched cells gave up, and how many for each reason."""
+    counts = {reason: int((unknown & (status == code)).sum()) for code, reason in REASONS.items()}
+    return ", ".join(f"{count} {reason}" for reason, count in counts.items() if count)
 
 
 def _edges(logarithms: Array) -> Array:

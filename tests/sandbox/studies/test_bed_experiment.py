@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from softcradle.physics import simulate
@@ -10,10 +12,23 @@ from softcradle.sandbox.studies.bed_experiment import (
     ENERGY_DEFICIT,
     MASS,
     MOMENTUM_DEFICIT,
+    PRECOMPRESSION,
+    STIFFNESS,
+    STRIKERS,
     fit_friction,
     fit_friction_and_loss,
 )
 from softcradle.sandbox.studies.figures import train_figure
+from softcradle.sandbox.studies.piston_experiment import (
+    PISTON,
+    PRECOMPRESSION_ERROR,
+    STIFFNESS_ERROR,
+    Setup,
+    critical_speed_with_error,
+    deficits,
+    fitted_deficits,
+    friction_with_error,
+)
 from softcradle.sandbox.studies.plot_style import styled
 
 from softcradle import scenes
@@ -82,6 +97,48 @@ def test_figure_of_the_train():
         assert len(train_figure.draw_history(table).axes) == 2
 
 
-def test_command_prints_json(capsys):
+def test_caught_pistons_take_energy_and_no_momentum():
+    """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
+    momentum, energy = deficits(1, 0.5, Setup(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
+    assert abs(momentum) < 1e-12
+    share = PISTON / (MASS[0] + PISTON)
+    assert energy == pytest.approx(2.0 * share, rel=0.06)
+    assert deficits(1, 0.5, Setup(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx((0.0, 0.0), abs=1e-8)
+
+
+@pytest.mark.parametrize("speed", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize(("name", "strikers"), STRIKERS.items())
+def test_bed_and_pistons_give_both_deficits(name, strikers, speed):
+    found = fitted_deficits(name, strikers, speed, friction_with_error(speed))
+    assert MOMENTUM_DEFICIT[0] <= found.momentum.value <= MOMENTUM_DEFICIT[1]
+    assert ENERGY_DEFICIT[0] <= found.energy.value <= ENERGY_DEFICIT[1]
+    assert 0.005 < found.momentum.error < 0.02
+    longer = fitted_deficits(name, strikers, speed, friction_with_error(speed), window=0.04)
+    assert longer.momentum.value > found.momentum.value  # beads slide on
+
+
+def test_lines_at_the_cameras_frames_find_the_velocities_where_nothing_slows():
+    setup = Setup(STIFFNESS, PRECOMPRESSION, 0.0)
+    moments, lines = (deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
+    assert lines == pytest.approx(moments, abs=1e-7)
+
+
+def test_critical_speeds_of_the_measured_masses_have_errors():
+    """v_c goes as sqrt(k) Delta0."""
+    found = critical_speed_with_error(1)
+    assert found.value == pytest.approx(1.013, abs=1e-3)
+    expected = (
+        found.value * ((0.5 * STIFFNESS_ERROR / STIFFNESS) ** 2 + (PRECOMPRESSION_ERROR / PRECOMPRESSION) ** 2) ** 0.5
+    )
+    assert found.error == pytest.approx(expected, rel=0.01)
+
+
+def test_command_prints_json_and_tables(capsys):
     assert main(["experiment", "--json"]) == 0
-    assert '"friction"' in capsys.readouterr().out
+    printed = json.loads(capsys.readouterr().out)
+    assert set(printed) == {"fits", "pistons", "critical speeds", "open", "versions"}
+    assert printed["critical speeds"]["one on three"]["error"] > 0.0
+    assert main(["experiment"]) == 0
+    shown = capsys.readouterr().out
+    assert "1.013 ± 0.004 m/s" in shown
+    assert "pistons of 20 g" in shown

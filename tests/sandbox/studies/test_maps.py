@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import one_on, power_law, simulate
+from softcradle.physics import ensemble, one_on, power_law, simulate
+from softcradle.physics.status import Status
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.maps.rigidity_scan import compute_map, rigidity_maps
+from softcradle.sandbox.studies.maps import map_progress
+from softcradle.sandbox.studies.maps.map_figure import draw_map
+from softcradle.sandbox.studies.maps.map_progress import compute_map
+from softcradle.sandbox.studies.maps.rigidity_scan import Point, RigidityMap, point_rows, rigidity_maps
+from softcradle.sandbox.studies.plot_style import styled
+
+real_ensemble = ensemble  # as it is, for the one that gives up
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +73,76 @@ def test_command_writes_picture_and_numbers(tmp_path, capsys):
     assert len(rows) == 10
     assert {row["n"] for row in rows} == {"2", "3"}
     assert str(tmp_path) in capsys.readouterr().out
+
+
+def giving_up(chains, *arguments, **options):
+    """An ensemble in which the longest chains give up before anything has opened."""
+    found = real_ensemble(chains, *arguments, **options)
+    return [
+        replace(one, status=Status.OUT_OF_STEPS, contact_intervals=((),) * one.chain.contacts)
+        if one.chain.contacts == 3
+        else one
+        for one in found
+    ]
+
+
+def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
+    monkeypatch.setattr("softcradle.sandbox.studies.maps.rigidity_scan.ensemble", giving_up)
+    scanned, _ = rigidity_maps(4, 3)
+    table = compute_map(scanned)
+    failed = table["n"] == 3
+    for column in ("rigidity at detachment", "rigidity at the end"):
+        np.testing.assert_array_equal(np.isnan(table[column]), failed)
+    assert (table["status"][failed] == Status.OUT_OF_STEPS).all()
+    with styled():
+        axes = draw_map(scanned, table).axes[0]
+    assert len(axes.patches) == 4
+    assert all(patch.get_hatch() for patch in axes.patches)
+    assert "hatched: 4 took too many steps" in axes.get_xlabel()
+
+
+def test_a_map_that_was_stopped_goes_on(tmp_path, monkeypatch):
+    scanned, _ = rigidity_maps(6, 3)
+    asked: list[Point] = []
+
+    def counted(scanned: RigidityMap, points: Sequence[Point]):
+        if len(asked) >= 10:
+            raise KeyboardInterrupt
+        asked.extend(points)
+        return point_rows(scanned, points)
+
+    monkeypatch.setattr(map_progress, "PART", 5)
+    monkeypatch.setattr(map_progress, "point_rows", counted)
+    kept = tmp_path / "kept"
+    with pytest.raises(KeyboardInterrupt):
+        compute_map(scanned, kept)
+    first = list(asked)
+    kept.write_text(kept.read_text() + "0.5,2.0,0.1")  # a line that was cut off
+    asked.clear()
+    monkeypatch.setattr(
+        map_progress, "point_rows", lambda *arguments: asked.extend(arguments[1]) or point_rows(*arguments)
+    )
+    done: list[int] = []
+    table = compute_map(scanned, kept, done.append)
+    assert len(first) == 10
+    assert not set(first) & set(asked)
+    assert sum(done) == 18 == len(first) + len(asked)
+    fresh = compute_map(scanned)
+    for name, column in fresh.items():
+        np.testing.assert_array_equal(table[name], column)
+
+
+def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
+    power, _ = rigidity_maps(3, 2)
+    kept = tmp_path / "kept"
+    compute_map(power, kept)
+    monkeypatch.setattr(map_progress, "TOLERANCE", 1e-3)
+    asked: list[Point] = []
+    monkeypatch.setattr(
+        map_progress, "point_rows", lambda *arguments: asked.extend(arguments[1]) or point_rows(*arguments)
+    )
+    compute_map(power, kept)
+    assert len(asked) == 6
 
 
 @pytest.mark.parametrize(

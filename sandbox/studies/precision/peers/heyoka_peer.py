@@ -28,7 +28,9 @@ START_TOLERANCE = 1e-11  # finest tolerance of the beginning
 def solvers(case: Case) -> list[Solver]:
     """One curve; none for preloads, walls, or contacts that are not all alike."""
     chain = case.chain
-    soft = all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.contact) and len(set(chain.contact)) == 1
+    soft = (
+        all(law.preload == 0.0 and law.exponent < 1.0 for law in chain.power_laws) and len(set(chain.power_laws)) == 1
+    )
     if chain.contacts > MOST_CONTACTS or not soft or set(chain.mass) != {1.0} or chain.drive or any(chain.gap):
         return []
     scanned = [(start, least) for start in SWITCH_TIMES for least in SMALLEST_OVERLAPS]
@@ -70,7 +72,7 @@ def _taylor(n: int, exponent: float, stiffness: float, tolerance: float, least: 
 def _solve(case: Case, start: float, least: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     import heyoka as hy
 
-    n, law = case.chain.contacts, case.chain.contact[0]
+    n, law = case.chain.contacts, case.chain.power_laws[0]
     solver = _taylor(n, law.exponent, law.stiffness, tolerance, least)
     early = sample_times[sample_times < start]
     first = solve(

@@ -36,14 +36,14 @@ def leapfrog(overlap: Any, rate: Any, stiffness: float, exponent: float, h: floa
 def solvers(case: Case) -> list[Solver]:
     """None for a chain that is not of unit masses and one power law: a preload is added to no force."""
     chain = case.chain
-    simple = set(chain.mass) == {1.0} and len(set(chain.contact)) == 1 and chain.contact[0].preload == 0.0
+    simple = set(chain.mass) == {1.0} and len(set(chain.power_laws)) == 1 and chain.power_laws[0].preload == 0.0
     if not simple or chain.drive:
         return []
     return [Solver("Verlet by hand", "", step_counts(), partial(_solve, case), steps=True)]
 
 
 def _solve(case: Case, steps: float, start: Start, sample_times: Array) -> Solution:
-    law = case.chain.contact[0]
+    law = case.chain.power_laws[0]
     overlap, rate = 0.0 - np.array(start.chain.gap), -np.diff(start.velocity)
     step, count, times = case.run_duration / steps, 0, np.append(sample_times, case.run_duration) + start.early
     states, seconds = [], 0.0

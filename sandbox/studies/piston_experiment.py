@@ -1,0 +1,140 @@
+"""The experiment with pistons of their own mass: a struck piston is caught plastically, which costs energy and no momentum.
+
+A particle's piston, which the spring presses against the cylinder's head, is hit by the neighbour and goes with it at once; when
+the spring has pushed the two apart, the head stops it. For one on three each catch costs about the part m_p/(m + m_p) of the
+energy. The mass of the piston, 20 g, is ours; the paper gives that of the whole particle.
+
+Deficits are fitted as the paper does, "by analysing the trajectory": a straight line through each bead's positions, at the
+camera's frames, over a window that ends at the first touch, and over one that begins at the detachment. Its length is ours, and
+stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from softcradle.physics import Chain, draft_gear, simulate
+from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.chain import GRAVITY
+from softcradle.sandbox.studies.bed_experiment import MASS, PRECOMPRESSION, SPEEDS, STIFFNESS, STRIKERS, friction_range
+
+PISTON = 0.020  # [kg], ours
+FRAMES = 2052.0  # [1/s] of the camera, as stated
+WINDOWS = (0.01, 0.02, 0.04, 0.08)  # [s] over which a line is fitted
+STIFFNESS_ERROR = 5.0  # [N/m]: half a unit of the last digit of 7.7e2
+PRECOMPRESSION_ERROR = 5e-5  # [m]: half a unit of the last digit of 1.77e-2
+MASS_ERROR = 5e-5  # [kg]: half a unit of the last digit
+
+
+class Setup(NamedTuple):
+    """What is known with an error: stiffness [N/m], precompression [m], friction of the bed."""
+
+    stiffness: float
+    precompression: float
+    friction: float
+
+
+class Measured(NamedTuple):
+    """A number and its error."""
+
+    value: float
+    error: float
+
+
+@dataclass(frozen=True)
+class FittedDeficits:
+    """Parts of momentum and energy that are missing in lines fitted over a window [s]; 0 takes the moments themselves."""
+
+    experiment: str
+    speed: float
+    window: float
+    momentum: Measured
+    energy: Measured
+
+
+@cache
+def deficits(strikers: int, speed: float, setup: Setup, piston: float, window: float) -> tuple[float, float]:
+    """Deficits of momentum and energy when `strikers` at `speed` [m/s] meet the rest, on a bed, with pistons."""
+    mass, struck = np.array(MASS), strikers - 1
+    gear = draft_gear(setup.stiffness, setup.precompression)
+    velocity = np.where(np.arange(mass.size) < strikers, speed, 0.0)
+    velocity[struck] *= mass[struck] / (mass[struck] + piston)  # the piston is caught
+    moved = mass.copy()
+    moved[[struck, struck + 1]] += [piston, -piston]
+    chain = Chain(moved, gear, friction=setup.friction)
+    opened = simulate(chain, velocity, method="conserving", samples=2).contact_intervals[struck][0][1]
+    end = simulate(chain, velocity, opened, method="conserving", samples=2)
+    after = end.velocity[-1].copy()
+    after[struck + 1] = (moved[struck + 1] * after[struck + 1] + piston * after[struck]) / mass[struck + 1]
+    before = np.where(np.arange(mass.size) < strikers, speed + 0.5 * setup.friction * GRAVITY * window, 0.0)
+    if window:
+        after = _fitted(Chain(mass, gear, -end.overlap[-1], friction=setup.friction), after, window)
+    return 1.0 - float(mass @ after / (mass @ before)), 1.0 - float(mass @ after**2 / (mass @ before**2))
+
+
+def _fitted(chain: Chain, velocity: np.ndarray, window: float) -> np.ndarray:
+    """(n+1,) slopes of the lines through the positions at the camera's frames, from now on for `window` [s]."""
+    times = np.arange(0.0, window, 1.0 / FRAMES)
+    position = simulate(chain, velocity, window, "conserving", samples=times).position
+    return np.asarray(np.polyfit(times, position, 1)[0])
+
+
+def with_error(quantity: Callable[[Setup], float], friction: Measured) -> Measured:
+    """A quantity at the stated numbers, its error from those of stiffness, precompression and friction, independent."""
+    middle = Setup(STIFFNESS, PRECOMPRESSION, friction.value)
+    errors = Setup(STIFFNESS_ERROR, PRECOMPRESSION_ERROR, friction.error)
+    value, squares = quantity(middle), 0.0
+    for name, error in errors._asdict().items():
+        if error:
+            up, down = (
+                quantity(middle._replace(**{name: getattr(middle, name) + sign * error})) for sign in (1.0, -1.0)
+            )
+            squares += (0.5 * (up - down)) ** 2
+    return Measured(value, squares**0.5)
+
+
+def fitted_deficits(
+    experiment: str, strikers: int, speed: float, friction: Measured, piston: float = PISTON, window: float = 0.0
+) -> FittedDeficits:
+    """Both deficits with their errors."""
+    momentum, energy = (
+        with_error(lambda setup, k=k: deficits(strikers, speed, setup, piston, window)[k], friction)  # type: ignore[misc]
+        for k in (0, 1)
+    )
+    return FittedDeficits(experiment, speed, window, momentum, energy)
+
+
+def critical_speed_with_error(strikers: int) -> Measured:
+    """Critical speed [m/s] of the measured masses; the error has those of the masses as well."""
+
+    def at(setup: Setup, mass: tuple[float, ...] = MASS) -> float:
+        return critical_speed(draft_gear(setup.stiffness, setup.precompression), mass, strikers)
+
+    found = with_error(at, Measured(0.0, 0.0))
+    middle, squares = Setup(STIFFNESS, PRECOMPRESSION, 0.0), found.error**2
+    for k in range(len(MASS)):
+        changed = tuple(m + MASS_ERROR * (i == k) for i, m in enumerate(MASS))
+        squares += (at(middle, changed) - found.value) ** 2
+    return Measured(found.value, squares**0.5)
+
+
+def friction_with_error(speed: float) -> Measured:
+    """Friction of the bed that gives both experiments their momentum deficits at that speed: middle and half of the range."""
+    ranges = [friction_range(strikers, speed) for strikers in STRIKERS.values()]
+    low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
+    return Measured(0.5 * (low + high), 0.5 * (high - low))
+
+
+def all_deficits() -> list[FittedDeficits]:
+    """Both experiments at every speed, at the moments themselves and fitted over every window."""
+    return [
+        fitted_deficits(name, strikers, speed, friction, window=window)
+        for speed in SPEEDS
+        for friction in (friction_with_error(speed),)
+        for name, strikers in STRIKERS.items()
+        for window in (0.0, *WINDOWS)
+    ]
