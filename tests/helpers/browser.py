@@ -125,3 +125,45 @@ class Browser:
         """Show the page as on the medium `kind` ("screen", "print") and in a light or dark `scheme`."""
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.call("Emulation.setEmulatedMedia", media=kind, features=features)
+
+    def device(self, width: int, height: int, density: float = 1.0) -> None:
+        """Show the page as on a device of that size [CSS pixels]; a narrow one is a telephone with a touch screen."""
+        narrow = width < 600
+        size = {"width": width, "height": height, "deviceScaleFactor": density}
+        self.call("Emulation.setDeviceMetricsOverride", **size, mobile=narrow)
+        self.call("Emulation.setTouchEmulationEnabled", enabled=narrow)
+
+    def key(self, key: str, shift: bool = False) -> None:
+        """Press and release the key that the DOM calls `key`."""
+        code = {
+            " ": 32,
+            "Tab": 9,
+            "PageUp": 33,
+            "PageDown": 34,
+            "End": 35,
+            "Home": 36,
+            "ArrowLeft": 37,
+            "ArrowRight": 39,
+        }[key]
+        event: dict[str, Any] = {"key": key, "windowsVirtualKeyCode": code, "modifiers": 8 if shift else 0}
+        self.call("Input.dispatchKeyEvent", type="keyDown", **event)
+        self.call("Input.dispatchKeyEvent", type="keyUp", **event)
+
+    def swipe(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Move a finger over the screen, in CSS pixels."""
+        points = [(start[0] + k * (end[0] - start[0]) / 8, start[1] + k * (end[1] - start[1]) / 8) for k in range(9)]
+        for k, (x, y) in enumerate(points):
+            self.call(
+                "Input.dispatchTouchEvent", type="touchMove" if k else "touchStart", touchPoints=[{"x": x, "y": y}]
+            )
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def visit(self, path: Path, fragment: str) -> None:
+        """Open a file at `fragment`, which begins with #."""
+        self.open(path)
+        self.run(f"history.replaceState(null, '', '{fragment}')")
+        self.call("Page.reload")
+        until = time.monotonic() + PATIENCE
+        while self.run("document.readyState") != "complete" or not self.run("typeof player === 'object'"):
+            assert time.monotonic() < until, "the page was not loaded in time"
+            time.sleep(0.02)

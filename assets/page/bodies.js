@@ -1,0 +1,101 @@
+// Bodies on a canvas: beads, draft gears, walls, arrows. Lengths are CSS pixels.
+
+const CYLINDER_LENGTH = 0.8, CYLINDER_HEIGHT = 0.66, PLATE_LENGTH = 0.055; // of a draft gear's length
+
+// `colour` (#rrggbb) with `share` (0 to 1) of `other` in it.
+function mixed(colour, other, share) {
+  const parts = [1, 3, 5].map((k) => [parseInt(colour.slice(k, k + 2), 16), parseInt(other.slice(k, k + 2), 16)]);
+  return `#${parts.map(([a, b]) => Math.round(a + share * (b - a)).toString(16).padStart(2, "0")).join("")}`;
+}
+
+const outlineOf = (colour, theme) => mixed(colour, theme.dark ? "#ffffff" : "#000000", theme.dark ? 0.25 : 0.35);
+const translucent = (colour) => `${colour}d4`; // where two beads overlap, both outlines show
+
+function disc(pen, x, y, radius, colour, rim, theme) {
+  pen.beginPath();
+  pen.arc(x, y, radius - rim / 2, 0, 2 * Math.PI);
+  pen.fillStyle = translucent(colour);
+  pen.fill();
+  pen.lineWidth = rim;
+  pen.strokeStyle = outlineOf(colour, theme);
+  pen.stroke();
+}
+
+// A bead with a core whose area is its share of the greatest mass; `core` is the core's radius from 0 to 1.
+function bead(pen, left, ground, size, colour, core, theme) {
+  const rim = Math.max(1, 0.03 * size), radius = size / 2;
+  disc(pen, left + radius, ground - radius, radius, colour, rim, theme);
+  if (core > 0) {
+    pen.beginPath();
+    pen.arc(left + radius, ground - radius, core * (radius - rim), 0, 2 * Math.PI);
+    pen.fillStyle = translucent(mixed(colour, "#000000", 0.22));
+    pen.fill();
+  }
+}
+
+function cylinder(pen, left, ground, size, colour, theme) {
+  const wide = CYLINDER_LENGTH * size, tall = CYLINDER_HEIGHT * size, rim = Math.max(1, 0.03 * size), head = 0.07 * wide;
+  pen.fillStyle = outlineOf(colour, theme);
+  rounded(pen, left, ground - tall, wide, tall, 0.1 * tall);
+  pen.fillStyle = colour;
+  rounded(pen, left + rim, ground - tall + rim, wide - 2 * rim, tall - 2 * rim, 0.1 * tall);
+  pen.fillStyle = outlineOf(colour, theme);
+  pen.fillRect(left + wide - head, ground - tall, head, tall);
+}
+
+// Rod and plate of a draft gear; `end` is the face of the plate.
+function piston(pen, end, ground, size, theme) {
+  const tall = 0.44 * size, top = ground - size * 0.5 * CYLINDER_HEIGHT - tall / 2, plate = Math.max(2, PLATE_LENGTH * size);
+  pen.fillStyle = theme.steel;
+  pen.fillRect(end - 0.5 * size, top + 0.34 * tall, 0.5 * size - plate, 0.32 * tall);
+  pen.fillStyle = theme.muted;
+  pen.fillRect(end - plate, top, plate, tall);
+}
+
+function wall(pen, left, ground, size, theme) {
+  const tall = 1.2 * size;
+  pen.save();
+  pen.beginPath();
+  pen.rect(left, ground - tall, size, tall);
+  pen.fillStyle = theme.line;
+  pen.fill();
+  pen.clip();
+  pen.beginPath();
+  for (let x = left - tall; x < left + size; x += Math.max(3, 0.16 * size)) {
+    pen.moveTo(x, ground);
+    pen.lineTo(x + tall, ground - tall);
+  }
+  pen.strokeStyle = theme.muted;
+  pen.lineWidth = 1;
+  pen.stroke();
+  pen.lineWidth = 3;
+  pen.strokeRect(left, ground - tall, size, tall);
+  pen.restore();
+}
+
+function arrow(pen, x, y, length, colour) {
+  if (Math.abs(length) < 2.5) return;
+  const head = Math.sign(length) * Math.min(7, 0.6 * Math.abs(length)), back = x + length - head, half = 0.6 * Math.abs(head);
+  pen.fillStyle = colour;
+  pen.fillRect(Math.min(x, back), y - 1, Math.abs(back - x), 2);
+  pen.beginPath();
+  pen.moveTo(x + length, y);
+  pen.lineTo(back, y - half);
+  pen.lineTo(back, y + half);
+  pen.fill();
+}
+
+function rounded(pen, x, y, wide, tall, radius) {
+  pen.beginPath();
+  pen.roundRect(x, y, wide, tall, radius);
+  pen.fill();
+}
+
+// One line of text; `align` is "left", "center" or "right".
+function write(pen, text, x, y, size, colour, align = "left", bold = false) {
+  pen.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
+  pen.textAlign = align;
+  pen.fillStyle = colour;
+  pen.fillText(text, x, y);
+}
+const FONT = 'Inter, system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';

@@ -1,0 +1,78 @@
+// Loupes: each contact at a magnification of its own, because overlaps of neighbours differ by decades.
+
+// Least distance of loupes with their text beside them, and below them where not all would have room otherwise.
+const LOUPE_PITCH = 168, NARROW_PITCH = 86;
+const GREATEST_DEPTH = 1.05; // radii of a loupe that the greatest overlap fills at most
+
+// Where the loupes of a lane lie: those that have room, neighbours from the one with the greatest overlap on.
+function loupeRow(motion, width) {
+  const narrow = width < LOUPE_PITCH * Math.max(motion.contacts, 3), pitch = narrow ? NARROW_PITCH : LOUPE_PITCH;
+  const room = Math.max(1, Math.floor(width / pitch)), deepest = motion.deepest;
+  const count = Math.min(room, deepest.length);
+  const first = Math.max(0, Math.min(deepest.indexOf(Math.max(...deepest)), deepest.length - room));
+  return { narrow, count, first, radius: narrow ? 27 : 38, height: narrow ? 122 : 96, pitch: Math.min(width / count, 1.5 * pitch) };
+}
+
+function loupes(pen, row, view, now, top) {
+  const { motion, theme } = view, largest = Math.max(...motion.deepest);
+  for (let slot = 0; slot < row.count; slot++) {
+    const k = row.first + slot, aside = row.narrow ? 0 : -52;
+    const x = view.width / 2 + (slot - (row.count - 1) / 2) * row.pitch + aside, y = top + row.radius + 8;
+    const magnify = roundDown(GREATEST_DEPTH * row.radius / (view.scale * (motion.deepest[k] || largest || 1)));
+    leader(pen, view, now.contacts[k], x, y - row.radius);
+    loupe(pen, view, k, now.overlap[k] * view.scale * magnify, x, y, row.radius);
+    const depth = now.overlap[k];
+    const text = overlapText(depth, now.state[k]) + (depth > 0 ? " m" : "");
+    const lines = [[`overlap δ${contactName(k)}`, theme.muted, false], [text, depth > 0 ? theme.ink : theme.muted, depth > 0],
+      [`seen at ${factorText(magnify)}`, theme.muted, false]];
+    lines.forEach(([line, colour, bold], n) => {
+      if (row.narrow) write(pen, line.replace("overlap ", "").replace("seen at ", ""), x, y + row.radius + 16 + 15 * n, 12, colour, "center", bold);
+      else write(pen, line, x + row.radius + 11, y - 15 + 20 * n, bold ? 15 : 13, colour, "left", bold);
+    });
+  }
+}
+
+function leader(pen, view, contact, x, y) {
+  pen.beginPath();
+  pen.moveTo(Math.min(Math.max(contact, 0), view.width), view.ground + 2);
+  pen.lineTo(x, y);
+  pen.strokeStyle = view.theme.strong;
+  pen.lineWidth = 1;
+  pen.stroke();
+}
+
+function loupe(pen, view, k, depth, x, y, radius) {
+  const { theme, colours } = view, shown = Math.max(depth, -1.1 * radius);
+  pen.save();
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  pen.fillStyle = theme.paper;
+  pen.fill();
+  pen.clip();
+  if (view.motion.gears[k]) gearLoupe(pen, theme, colours[k], colours[k + 1], shown, x, y, radius);
+  else {
+    const cap = 1.5 * radius;
+    disc(pen, x + shown / 2 - cap, y, cap, colours[k], 1.5, theme);
+    disc(pen, x - shown / 2 + cap, y, cap, colours[k + 1], 1.5, theme);
+  }
+  pen.restore();
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  pen.lineWidth = 1.5;
+  pen.strokeStyle = theme.strong;
+  pen.stroke();
+}
+
+// Cylinder head, piston and the face that it meets; dashes mark the piston's face at overlap 0.
+function gearLoupe(pen, theme, left, right, depth, x, y, r) {
+  const box = (colour, from, to, half) => { pen.fillStyle = colour; pen.fillRect(from, y - half, to - from, 2 * half); };
+  const head = x - 0.75 * r, face = x + 0.45 * r, pushed = face - Math.max(depth, 0), other = face - depth;
+  box(theme.steel, head, pushed, 0.22 * r);
+  box(theme.muted, pushed - 0.16 * r, pushed, 0.5 * r);
+  box(left, x - r, head, 0.8 * r);
+  box(outlineOf(left, theme), head - 0.2 * r, head, 0.8 * r);
+  box(outlineOf(right, theme), other, other + 2, 0.8 * r);
+  box(right, other + 2, Math.max(x + r, other + 2), 0.8 * r);
+  pen.fillStyle = theme.ink;
+  for (let k = -4; k < 5; k += 2) pen.fillRect(face - 0.5, y + (k - 0.5) * 0.1 * r, 1, 0.1 * r);
+}

@@ -1,0 +1,44 @@
+// Numbers as text, as in the window and in films: a true minus sign, powers of ten with superscripts.
+
+const raised = (text) => text.replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
+const lowered = (text) => text.replace(/[-0-9]/g, (sign) => "₋₀₁₂₃₄₅₆₇₈₉"["-0123456789".indexOf(sign)]);
+
+function fixed(value, decimals) {
+  const text = value.toFixed(decimals);
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+}
+
+// `value` with `digits` decimals times a power of ten; without the power between 0.01 and 1000.
+function scientific(value, digits = 1) {
+  if (value === 0 || !Number.isFinite(value)) return value === 0 ? "0" : "?";
+  const size = Math.abs(value);
+  if (size >= 0.01 && size < 1000) return fixed(value, Math.max(0, digits - Math.floor(Math.log10(size))));
+  const [mantissa, power] = value.toExponential(digits).split("e");
+  return `${mantissa.replace("-", "−")}·10${raised(String(Number(power)))}`;
+}
+
+function factorText(value) {
+  if (value >= 0.01 && value < 1) return `×${Number(value.toPrecision(2))}`;
+  if (value >= 1 && value < 1e5) return `×${Math.round(value)}`;
+  const [mantissa, power] = value.toExponential(0).split("e");
+  return `×${mantissa === "1" ? "" : `${mantissa}·`}10${raised(String(Number(power)))}`;
+}
+
+// An overlap; where the contact has closed but presses by less than the samples tell, it touches.
+const overlapText = (depth, state) => (depth > 0 ? scientific(depth) : state === "open" ? "apart" : "touching");
+
+const contactName = (k) => lowered(k + 1 > 9 ? `${k}-${k + 1}` : `${k}${k + 1}`);
+
+// The greatest of 1, 2, 5 times a power of ten that is at most `value`.
+function roundDown(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [10, 5, 2, 1, 0.5].map((k) => k * power).find((round) => round <= value * (1 + 1e-9));
+}
+
+// A few round values from 0 to `high`.
+function roundValues(high, most) {
+  const power = 10 ** Math.floor(Math.log10(high / most));
+  const step = [1, 2, 5, 10, 20].map((k) => k * power).find((k) => high <= k * most * (1 + 1e-9));
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  return Array.from({ length: Math.floor(high / step + 1e-9) + 1 }, (_, k) => ({ value: k * step, text: fixed(k * step, decimals) }));
+}

@@ -1,0 +1,183 @@
+// The stage: the beads of one lane on the ground, a force bar over each contact, loupes below, bars of energy and momentum.
+
+const TALLEST_BEAD = 0.4; // of the height of the drawing
+const GROUND = 30; // from the ground line to the lower edge of the drawing
+const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
+const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
+const BARS_HEIGHT = 46; // of one row of energy and momentum
+const LEAST_WIDTH = 200; // also while the page has none, as when it is hidden
+
+class Stage {
+  constructor(canvas, data) {
+    this.canvas = canvas;
+    this.data = data;
+    this.pen = canvas.getContext("2d");
+  }
+
+  // Take another motion, size or theme.
+  fit(motion, theme) {
+    const { data, canvas } = this, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH), density = window.devicePixelRatio || 1;
+    const narrow = width < 640, tall = narrow ? 214 : Math.min(290, Math.max(230, 0.24 * width));
+    const [low, high] = data.scales.window;
+    const scale = Math.min(width / (high - low), TALLEST_BEAD * tall / (data.height * data.length));
+    const loupeFit = loupeRow(motion, width), size = data.length * scale;
+    const height = tall + loupeFit.height + (narrow ? 2 : 1) * BARS_HEIGHT;
+    canvas.width = Math.round(width * density);
+    canvas.height = Math.round(height * density);
+    canvas.style.height = `${height}px`;
+    const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
+    const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8;
+    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density,
+      contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
+      barRoom: base - (narrow ? 60 : 24), origin: width / 2 - scale * (low + high) / 2 };
+  }
+
+  draw(now) {
+    const { pen, view, data } = this;
+    pen.setTransform(view.density, 0, 0, view.density, 0, 0);
+    pen.clearRect(0, 0, view.width, this.canvas.height);
+    backdrop(pen, view, data);
+    const edges = leftEdges(now, view, data), faces = edges.slice(0, -1).map((x) => x + view.size);
+    now.contacts = faces.map((face, k) => (face + edges[k + 1]) / 2);
+    bodies(pen, view, data, edges, faces);
+    forceBars(pen, view, data, now);
+    arrows(pen, view, data, edges, now);
+    loupes(pen, view.loupeFit, view, now, view.tall);
+    balances(pen, view, data, now, view.tall + view.loupeFit.height);
+  }
+}
+
+// Where the left edge of each bead is drawn, overlaps as many times too large as the scene says; their mean is not moved.
+function leftEdges(now, view, data) {
+  const shift = [0];
+  now.overlap.forEach((depth, k) => shift.push(shift[k] + (1 - data.scales.magnify) * Math.max(depth, 0)));
+  const mean = shift.reduce((sum, x) => sum + x, 0) / shift.length;
+  return now.position.map((x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
+}
+
+function backdrop(pen, view, data) {
+  const { theme, width, ground, motion } = view;
+  pen.fillStyle = theme.card;
+  rounded(pen, 0, 0, width, view.tall, 8);
+  const unit = data.forceUnit, most = Math.max(1, Math.min(4, Math.floor(view.barRoom / 26)));
+  for (const { value, text } of roundValues(data.scales.force / FORCE_MARGIN / unit.size, most)) {
+    const y = barTop(view, data, value * unit.size);
+    pen.fillStyle = theme.line;
+    pen.fillRect(0, Math.round(y), width, 1);
+    if (y > 58) write(pen, text, 8, y - 3, 12, theme.muted);
+  }
+  pen.font = `600 15px ${FONT}`;
+  const label = motion.label ? Math.min(pen.measureText(motion.label).width + 14, width) : 0;
+  write(pen, motion.label, 8, 20, 15, theme.ink, "left", true);
+  if (label < width - 230) write(pen, `contact force (${unit.name})`, 8 + label, 20, 12.5, theme.muted);
+  if (motion.rigid.some((share) => share !== 0)) {
+    pen.fillStyle = theme.ink;
+    pen.fillRect(8, 34, 14, 1.5);
+    write(pen, "if clusters were rigid", 28, 39, 12.5, theme.muted);
+  }
+  pen.fillStyle = theme.strong;
+  pen.fillRect(0, Math.round(ground), width, 1.5);
+  ruler(pen, view, data);
+}
+
+function ruler(pen, view, data) {
+  const { theme, width } = view, length = roundDown(Math.min(1.6 * data.length, 0.3 * width / view.scale));
+  const right = width - 12, left = right - length * view.scale;
+  pen.fillStyle = theme.muted;
+  pen.fillRect(left, 20, right - left, 1.5);
+  for (const x of [left, right]) pen.fillRect(x - 0.75, 16, 1.5, 9);
+  write(pen, `${scientific(length, 0)} m`, (left + right) / 2, 13, 12, theme.muted, "center");
+  const magnify = data.scales.magnify;
+  write(pen, magnify === 1 ? "drawn to scale" : `overlaps drawn ${factorText(magnify)}`, right, 39, 12.5, theme.muted, "right");
+}
+
+function bodies(pen, view, data, edges, faces) {
+  const { motion, size, ground, colours, theme } = view, last = motion.contacts - 1;
+  const isGear = (k) => motion.gears[Math.min(k, last)];
+  const masses = motion.mass.filter((mass) => mass !== null), greatest = Math.max(...masses);
+  const differ = greatest > 1.02 * Math.min(...masses);
+  edges.forEach((x, k) => {
+    if (!isGear(k) || motion.mass[k] === null) return;
+    const end = k < faces.length ? Math.min(faces[k], edges[k + 1]) : x + size;
+    piston(pen, end, ground, size, theme);
+  });
+  edges.forEach((x, k) => {
+    if (motion.mass[k] === null) wall(pen, x, ground, size, theme);
+    else if (isGear(k)) cylinder(pen, x, ground, size, colours[k], theme);
+    else bead(pen, x, ground, size, colours[k], differ ? 0.92 * Math.sqrt(motion.mass[k] / greatest) : 0, theme);
+  });
+  const digits = (data.height < 1 ? 0.31 : 0.36) * data.height * size;
+  if (!data.numbered || digits < 8) return;
+  edges.forEach((x, k) => {
+    if (motion.mass[k] === null) return;
+    const [across, up] = isGear(k) ? [0.5 * CYLINDER_LENGTH, 0.5 * CYLINDER_HEIGHT] : [0.5, 0.5];
+    write(pen, String(k), x + across * size, ground - up * size + 0.36 * digits, digits, theme.onBead, "center", true);
+  });
+}
+
+const barTop = (view, data, force) => view.base - view.barRoom * force / (data.scales.force / FORCE_MARGIN);
+
+// A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (4).
+function forceBars(pen, view, data, now) {
+  const { motion, size, theme } = view, visible = VISIBLE_FORCE * data.scales.force;
+  const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
+  const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.scales.force / unit)));
+  now.contacts.forEach((x, k) => {
+    const force = now.force[k], top = barTop(view, data, force), expected = now.force[motion.interface] * motion.rigid[k];
+    pen.fillStyle = view.contactColours[k];
+    pen.fillRect(x - wide / 2, top, wide, view.base - top);
+    pen.fillStyle = theme.ink;
+    if (k !== motion.interface && expected > visible) {
+      const reach = wide / 2 + (view.narrow ? 3 : 5);
+      pen.fillRect(x - reach, barTop(view, data, expected) - 0.75, 2 * reach, 1.5);
+    }
+    if (force > visible && size >= 28) write(pen, fixed(force / unit, decimals), x, top - 5, size < 40 ? 11 : 13, theme.ink, "center", true);
+  });
+}
+
+// A velocity arrow under each bead, and below it the mass where masses differ.
+function arrows(pen, view, data, edges, now) {
+  const fastest = Math.max(...data.scales.velocity.map(Math.abs)), { motion, size, ground, theme } = view;
+  edges.forEach((x, k) => {
+    const middle = x + size / 2;
+    arrow(pen, middle, ground + 11, 0.85 * size * now.velocity[k] / fastest, outlineOf(view.colours[k], theme));
+    if (motion.massLabels.length && size >= 40) write(pen, motion.massLabels[k], middle, ground + 26, 12, theme.muted, "center");
+  });
+}
+
+// Bars of energy and of momentum: each bead's part, and a total that must not change.
+function balances(pen, view, data, now, top) {
+  const { motion, width, theme, narrow } = view, wide = narrow ? width : (width - 24) / 2;
+  const second = narrow ? { x: 0, y: top + BARS_HEIGHT } : { x: wide + 24, y: top };
+  const mass = motion.mass.map((m) => m ?? 0);
+  const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
+  const taken = motion.dissipative ? ", taken by friction" : "";
+  write(pen, `energy: motion of each bead, stored in contacts (grey)${taken}`, 0, top + 16, 12, theme.muted);
+  let x = frame(pen, theme, 0, top + 23, wide);
+  [...kinetic, now.stored, now.absorbed].forEach((value, k) => {
+    const part = Math.max(0, value / data.scales.energy * wide);
+    pen.fillStyle = [...view.colours, theme.steel, theme.muted][k];
+    pen.fillRect(x, top + 23, part, 11);
+    x += part;
+  });
+  write(pen, "momentum of each bead; marks: zero and total", second.x, second.y + 16, 12, theme.muted);
+  frame(pen, theme, second.x, second.y + 23, wide);
+  const [low, high] = data.scales.momentum, unit = wide / (high - low), zero = second.x - low * unit, ends = [zero, zero];
+  momentum.forEach((value, k) => {
+    const side = value > 0 ? 1 : 0, part = value * unit;
+    pen.fillStyle = view.colours[k];
+    pen.fillRect(Math.min(ends[side], ends[side] + part), second.y + 23, Math.abs(part), 11);
+    ends[side] += part;
+  });
+  const total = zero + unit * momentum.reduce((sum, value) => sum + value, 0);
+  for (const [at, colour] of [[zero, theme.muted], [total, theme.ink]]) {
+    pen.fillStyle = colour;
+    pen.fillRect(Math.min(Math.max(at - 0.75, second.x), second.x + wide - 1.5), second.y + 20, 1.5, 17);
+  }
+}
+
+function frame(pen, theme, x, y, wide) {
+  pen.fillStyle = theme.line;
+  pen.fillRect(x, y, wide, 11);
+  return x;
+}

@@ -1,0 +1,10 @@
+"""Pages to share: the recorded motion of a scene, its plots and numbers in one HTML file that loads nothing.
+
+write_page(trajectories, scene, "page.html")  # one Trajectory for each lane of the scene
+"""
+
+from __future__ import annotations
+
+from softcradle.sandbox.page.shared_page import PageReport, write_page
+
+__all__ = ["PageReport", "write_page"]

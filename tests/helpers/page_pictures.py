@@ -1,0 +1,37 @@
+"""Pictures of a page on a desk and on a telephone, for the README: python -m tests.helpers.page_pictures FOLDER."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+from softcradle.sandbox.page.motion_family import render_page
+from softcradle.sandbox.scene_runs import load_scene
+
+from tests.helpers.browser import Browser
+
+PICTURES = (("desk", 1280, 800, "light"), ("telephone", 390, 844, "dark"))
+MOMENT = 1.883  # s, of the greatest force of one on four
+
+
+def main(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as made:
+        page = Path(made) / "page.html"
+        render_page(load_scene("one-on-four"), page, live="alpha")
+        for name, width, height, scheme in PICTURES:
+            with Browser(Path(made) / name) as browser:
+                browser.device(width, height)
+                browser.media("screen", scheme)
+                browser.visit(page, f"#t={MOMENT}")
+                browser.picture(folder / f"{name}.png")
+            with Image.open(folder / f"{name}.png") as picture:
+                picture.convert("RGB").save(folder / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+    main(Path(sys.argv[1]))

@@ -1,0 +1,49 @@
+"""What the tests of pages share: recorded scenes, the packed motion read back, and pages written once."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+
+import numpy as np
+import pytest
+from softcradle.sandbox.page.motion_family import render_page
+from softcradle.sandbox.scene_runs import load_scene
+
+
+def page_data(text):
+    """The data of a page."""
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def unpacked(packed, beads, scales):
+    """What the page's script makes of `packed`, by name: (T,) or (T, k) values."""
+    data, rows = base64.b64decode(packed["data"]), packed["rows"]
+    split = 4 * rows * (beads + 3)
+    floats = np.frombuffer(data[:split], "<f4").astype(float).reshape(-1, rows)
+    codes = np.frombuffer(data[split:], "<i2").astype(float).reshape(-1, rows) / 32767
+    return {
+        "time": floats[0],
+        "anchor": floats[1],
+        "stored": floats[2],
+        "absorbed": floats[3],
+        "overlap": floats[4:].T * np.array(packed["depth"]),
+        "velocity": codes[:beads].T * max(map(abs, scales.velocity)),
+        "force": codes[beads:].T * scales.force,
+    }
+
+
+@pytest.fixture(scope="session")
+def pages(tmp_path_factory):
+    """A function: the page of a scene, written once, and what `render_page` reports of it."""
+    written = {}
+    folder = tmp_path_factory.mktemp("pages")
+
+    def page(name, live=None):
+        if (name, live) not in written:
+            path = folder / f"{name}-{live}.html"
+            written[name, live] = render_page(load_scene(name), path, live=live)
+        return written[name, live]
+
+    return page
