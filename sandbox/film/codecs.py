@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import av
 import numpy as np
 import pygame
+from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 from PIL import Image
 from softcradle.sandbox.user_error import UserError
@@ -25,6 +27,7 @@ COMMON_COLOURS = 96  # of a GIF's 256: the colours that fill most of the picture
 BT709 = 1
 BT601 = 6
 LIMITED = 1
+GLOBAL_HEADER = 1 << 22  # FFmpeg's flag: what all frames need stands once in the file
 
 os.environ.setdefault("SVT_LOG", "1")  # errors only: the AVIF encoder would write its settings to standard error
 Pixels = NDArray[np.uint8]
@@ -43,6 +46,7 @@ class Codec:
         even: whether width and height must be even.
         matrix: ITU709, or ITU601 where the kind supports no other.
         options, container_options: settings of the encoder and of the file format.
+        segmented: whether segments of a film can be encoded side by side and joined.
     """
 
     suffix: str
@@ -55,6 +59,7 @@ class Codec:
     matrix: str = "ITU709"
     options: tuple[tuple[str, str], ...] = ()
     container_options: tuple[tuple[str, str], ...] = ()
+    segmented: bool = False
 
     @property
     def indexed(self) -> bool:
@@ -68,6 +73,16 @@ class Codec:
             context.color_range, context.colorspace = LIMITED, number
             context.color_primaries, context.color_trc = BT709, BT709
 
+    def context(self, size: tuple[int, int], rate: Fraction) -> Any:
+        """An encoder of one thread; what it writes can be joined with what another such encoder does."""
+        context: Any = av.CodecContext.create(self.name, "w")
+        context.width, context.height, context.pix_fmt = *size, self.pixel_format
+        context.framerate, context.time_base, context.options = rate, 1 / rate, dict(self.options)
+        context.thread_count = 1
+        context.flags |= GLOBAL_HEADER
+        self.tag(context)
+        return context
+
 
 REPEAT = (("loop", "0"),)  # of the file format: the film repeats without end
 CODECS: tuple[Codec, ...] = (
@@ -80,6 +95,7 @@ CODECS: tuple[Codec, ...] = (
         even=True,
         options=(("preset", "veryfast"), ("crf", "18")),
         container_options=(("movflags", "+faststart"),),
+        segmented=True,
     ),
     # A GIF counts in hundredths of a second, and viewers slow frames down that last less than two of them.
     Codec(".gif", "gif", "gif", "pal8", frame_rate=25.0, highest_rate=50.0, container_options=REPEAT),
@@ -198,12 +214,17 @@ def _nearest(colours: Pixels) -> Pixels:
     return np.array(Image.fromarray(cells).quantize(palette=palette, dither=Image.Dither.NONE)).reshape(-1)
 
 
-def frame_of(surface: pygame.Surface, codec: Codec, palette: Palette | None) -> av.VideoFrame:
-    """The surface as a frame for `codec`; a copy, so that the surface can be drawn on again."""
-    if palette is not None:
-        return palette.frame(surface)
-    frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
-    return frame.reformat(format=codec.pixel_format, dst_colorspace=codec.matrix, dst_color_range="MPEG")
+class FrameMaker:
+    """Turns surfaces into frames for a codec; a copy, so that a surface can be drawn on again. One for each thread."""
+
+    def __init__(self, codec: Codec) -> None:
+        self._codec, self._reformatter = codec, VideoReformatter()
+
+    def __call__(self, surface: pygame.Surface) -> av.VideoFrame:
+        """The surface as a frame."""
+        frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
+        settings: Any = {"dst_colorspace": self._codec.matrix, "dst_color_range": "MPEG", "threads": 1}
+        return self._reformatter.reformat(frame, format=self._codec.pixel_format, **settings)
 
 
 def pixels_of(surface: pygame.Surface) -> Pixels:

@@ -11,9 +11,9 @@ import numpy as np
 import pygame
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.number_format import round_down, scientific
-from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, MUTED
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.supersampling import fill_rectangle
-from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.film.codecs import check
 from softcradle.sandbox.film.kymograph_camera import Camera, Pixels, stacked
 from softcradle.sandbox.film.scene_film import RenderReport
@@ -36,6 +36,7 @@ LANE_GAP = 14.0  # below each lane
 TIME_BAR = 0.1  # s, as in the paper
 SHORTEST_TIME = 0.35  # s that a kymograph in SI units shows, so that the paper's bar has room
 DOT = 5  # pixels of a dotted line
+MARK = 13.0  # design pixels of the name beside it
 WHITE = (255, 255, 255)
 
 
@@ -106,15 +107,20 @@ def render_kymograph(
 
 def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate: float, unit: float) -> None:
     """Draw everything on `surface`; the `motions` have `rate` rows a second, one for each camera frame."""
-    surface.fill(BACKGROUND)
+    surface.fill(tones.background)
     wide, high = surface.get_size()
     left, scales = round(MARGIN * unit), scales_of(scene, motions)
     room = wide - 2 * MARGIN * unit
     write(
-        surface, shortened(scene.title, 25 * unit, room, bold=True), (left, 16 * unit), 25 * unit, FOREGROUND, bold=True
+        surface,
+        shortened(scene.title, 25 * unit, room, bold=True),
+        (left, 16 * unit),
+        25 * unit,
+        tones.foreground,
+        bold=True,
     )
     text = f"a line of pixels of each frame, {rate:.5g} frames a second · white: the trajectory · {motions[0].method}"
-    write(surface, shortened(text, 14 * unit, room), (left, 51 * unit), 14 * unit, MUTED)
+    write(surface, shortened(text, 14 * unit, room), (left, 51 * unit), 14 * unit, tones.muted)
     each = (high - (HEADER + FOOTER) * unit) / len(motions)
     width = _width(wide, unit)
     for number, motion in enumerate(motions):
@@ -124,7 +130,7 @@ def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate
         place = pygame.Rect(left, round(top), width, camera.frame.get_width())
         if label:
             write(surface, scene.lanes[number].label, (left, top - 4 * unit), 15 * unit, bold=True, align=(0, 1))
-        _lane(surface, place, camera, motion)
+        _lane(surface, place, camera, motion, unit)
         _length_bar(surface, place, scene, camera, unit)
     _time_bar(surface, scene, motions[0], (left, width / len(motions[0].time) * rate), high, unit)
 
@@ -134,17 +140,37 @@ def _width(wide: int, unit: float) -> int:
     return round(wide - (2 * MARGIN + SIDE) * unit)
 
 
-def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, motion: Motion) -> None:
-    """The stacked lines, stretched over `place`, positions upwards; a dotted line where the first contact closes."""
+def instants(motion: Motion) -> list[tuple[str, int]]:
+    """Name and row of what is marked: the release of strikers that begin apart, as the paper marks it, and the first touch."""
+    found = []
+    if (
+        motion.time[0] == 0.0 and not (motion.force[0] > 0.0).any()
+    ):  # motions that begin in touch have a lead before t = 0
+        found.append(("release", 0))
+    pushing = np.flatnonzero((motion.force > 0.0).any(axis=1))
+    if pushing.size:
+        found.append(("first touch", int(pushing[0])))
+    return found
+
+
+def _mark(surface: pygame.Surface, place: pygame.Rect, x: int, words: str, down: float, unit: float) -> None:
+    """A dotted line across `place` with its name beside it, `down` pixels below the upper end."""
+    for y in range(place.top, place.bottom, 2 * DOT):
+        surface.fill(tones.foreground, (x, y, 1, min(DOT, place.bottom - y)))
+    size = MARK * unit
+    surface.fill(tones.background, (x + 3 * unit, place.top + down, width(words, size) + 6 * unit, 1.5 * size))
+    write(surface, words, (x + 6 * unit, place.top + down), size, tones.foreground)
+
+
+def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, motion: Motion, unit: float) -> None:
+    """The stacked lines, stretched over `place`, positions upwards; dotted lines at release and first touch."""
     lines: Pixels = stacked(camera, motion)
     frame_of = np.arange(place.width) * len(lines) // place.width
     surface.blit(pygame.surfarray.make_surface(lines[frame_of][:, ::-1]), place.topleft)
-    pushing = np.flatnonzero((motion.force > 0.0).any(axis=1))
     column = place.width / len(lines)
-    if pushing.size:
-        x = round(place.left + column * int(pushing[0]))
-        for y in range(place.top, place.bottom, 2 * DOT):
-            surface.fill(FOREGROUND, (x, y, 1, min(DOT, place.bottom - y)))
+    for k, (words, row) in enumerate(instants(motion)):  # one below the other: they may be near
+        x = round(place.left + column * row)
+        _mark(surface, place, x, words, (6.0 + 1.8 * MARK * k) * unit, unit)
     xs = place.left + column * (np.arange(len(lines)) + 0.5)
     for path in place.bottom - camera.markers(motion).T:
         pygame.draw.aalines(surface, WHITE, False, np.column_stack((xs, path - 0.5)).tolist())
@@ -154,8 +180,10 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
     """A bar on the right, as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.drawing.scale
-    fill_rectangle(surface, FOREGROUND, (x, place.bottom - tall, 4 * unit, tall))
-    write(surface, _length(length), (x + 12 * unit, place.bottom - tall / 2), 15 * unit, FOREGROUND, align=(0, 0.5))
+    fill_rectangle(surface, tones.foreground, (x, place.bottom - tall, 4 * unit, tall))
+    write(
+        surface, _length(length), (x + 12 * unit, place.bottom - tall / 2), 15 * unit, tones.foreground, align=(0, 0.5)
+    )
 
 
 def _time_bar(
@@ -166,8 +194,8 @@ def _time_bar(
     span = float(motion.time[-1] - motion.time[0])
     time = TIME_BAR if in_si(scene) and 0.02 * span < TIME_BAR < 0.9 * span else round_down(0.25 * span)
     y = high - (FOOTER - 12) * unit
-    fill_rectangle(surface, FOREGROUND, (left, y, time * pixels, 4 * unit))
-    write(surface, _time(time), (left + time * pixels / 2, y + 8 * unit), 15 * unit, FOREGROUND, align=(0.5, 0))
+    fill_rectangle(surface, tones.foreground, (left, y, time * pixels, 4 * unit))
+    write(surface, _time(time), (left + time * pixels / 2, y + 8 * unit), 15 * unit, tones.foreground, align=(0.5, 0))
 
 
 def _length(length: float) -> str:

@@ -20,6 +20,7 @@ from softcradle.scenes import Scene
 
 READING_TIME = 0.22  # seconds of film for a word of the scene's text
 LONGEST_READING_TIME = 5.0  # seconds of film for the scene's text
+LEAST_ROWS = 50.0  # rows of the motion for a second of film: curves are drawn of rows, also where frames are fewer
 FADE_TIME = 0.5  # seconds of film in which the text disappears
 LAST_FRAME_TIME = 1.2  # seconds of film for which the last frame stays
 FOLDER_RATE = 60.0  # frames a second of a folder of pictures, where none are given
@@ -86,20 +87,22 @@ def render_scene(
         raise UserError(f"slow motion must be a number > 0, not {slow:g}")
     single = codec is None and output.lower().endswith(".png")
     with open_film(output, size, rate, pixel_format) as film, _ProgressBar(progress and not single) as bar:
-        motions = scene_motions(scene, rate * slow, method=method, step=step)
+        rows_a_frame = math.ceil(LEAST_ROWS / rate)
+        motions = scene_motions(scene, rate * slow * rows_a_frame, method=method, step=step)
         simulated = perf_counter() - start
         picture, strongest = Picture(scene, motions, size, slow=slow), strongest_row(motions)
         sample = pygame.Surface(size, 0, 32)
         picture.paint(sample, strongest)
         film.take_colours(sample)
         first_frame = perf_counter() - start
-        shots = [Shot(strongest)] if single else shot_list(scene, len(motions[0].time), rate)
-        bar.begin(len(shots))
-        for shot in shots:
-            surface = film.free_surface()
+        shots = [Shot(strongest)] if single else shot_list(scene, len(motions[0].time), rate, rows_a_frame)
+        bar.begin(sum(shot != before for shot, before in zip(shots, [None, *shots], strict=False)))
+
+        def paint(surface: pygame.Surface, shot: Shot) -> None:
             picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
-            film.add(surface)
             bar.advance()
+
+        film.paint_frames(shots, paint)
     duration, clock = 0.0 if single else len(shots) / rate, float(motions[0].time[0])
     return RenderReport(Path(output), len(shots), duration, perf_counter() - start, simulated, first_frame, clock)
 
@@ -112,23 +115,25 @@ class Shot:
     text_opacity: float = 0.0
 
 
-def shot_list(scene: Scene, rows: int, rate: float) -> list[Shot]:
-    """The frames: the first row while the scene's text can be read, then all rows, then the last row for a moment."""
+def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1) -> list[Shot]:
+    """The frames: the first row while the scene's text can be read, then the motion, then the last row for a moment."""
     reading = round(min(READING_TIME * len(scene.text.split()), LONGEST_READING_TIME) * rate)
     fade = max(1, round(FADE_TIME * rate))
     opening = [Shot(0, min(1.0, (reading - k) / fade)) for k in range(reading)]
-    return opening + [Shot(row) for row in range(rows)] + [Shot(rows - 1)] * round(LAST_FRAME_TIME * rate)
+    return (
+        opening + [Shot(row) for row in range(0, rows, rows_a_frame)] + [Shot(rows - 1)] * round(LAST_FRAME_TIME * rate)
+    )
 
 
 class _ProgressBar:
-    """The step of the work, frames so far and time left, on standard error."""
+    """The step of the work, pictures so far and time left, on standard error."""
 
     def __init__(self, shown: bool) -> None:
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
             MofNCompleteColumn(),
-            TextColumn("frames, time left"),
+            TextColumn("pictures, time left"),
             TimeRemainingColumn(),
         )
         self._progress = Progress(*columns, console=Console(stderr=True), transient=True, disable=not shown)
@@ -141,10 +146,10 @@ class _ProgressBar:
     def __exit__(self, *error: object) -> None:
         self._progress.stop()
 
-    def begin(self, frames: int) -> None:
-        """The motion is computed; `frames` are to be drawn."""
-        self._progress.reset(self._task, description="rendering", total=frames)
+    def begin(self, pictures: int) -> None:
+        """The motion is computed; about so many `pictures` are to be drawn."""
+        self._progress.reset(self._task, description="rendering", total=pictures)
 
     def advance(self) -> None:
-        """One more frame is drawn."""
+        """One more picture is drawn."""
         self._progress.advance(self._task)

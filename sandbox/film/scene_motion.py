@@ -8,11 +8,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from softcradle.physics import Chain
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.draw import longest_lead, motion_of
+from softcradle.sandbox.film.quiet_end import quiet_end
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 
 FILM_METHOD = "conserving"  # keeps energy to round-off, and its kernel is compiled in a few seconds
@@ -34,6 +36,7 @@ def scene_motions(
 
     Raises:
         UserError: the method or the step does not suit the scene, or there would be too many rows.
+        GaveUpError: the method gave up before the end of the motion.
     """
     motions, sentences = scene_motions_quietly(scene, rows_per_second, method, step, end)
     for sentence in sentences:
@@ -45,47 +48,74 @@ def scene_motions_quietly(
     scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None, end: float | None = None
 ) -> tuple[list[Motion], tuple[str, ...]]:
     """As :func:`scene_motions`, with the warnings as sentences: Python's warnings must not be used in threads."""
+    said = ""
     if end is None:
-        end = motion_end(scene, method, step)
+        end, said = _end_and_sentence(scene, method, step)
     times = _row_times(scene, end, rows_per_second)
     moving = times[times >= 0.0]
     trajectories = _solved(scene, method, step, duration=float(moving[-1]), samples=moving)
     motions = [motion_of(trajectory, times[times < 0.0]) for trajectory in trajectories]
-    _require_finite(motions)
-    return motions, tuple(str(warning) for trajectory in trajectories for warning in trajectory.warnings)
+    require_finite(motions)
+    sentences = [said] if said else []
+    return motions, (*sentences, *(str(warning) for trajectory in trajectories for warning in trajectory.warnings))
 
 
 def motion_end(scene: Scene, method: str | None = None, step: float | None = None) -> float:
-    """When the last lane of `scene` is over [s], or its duration. Raises UserError as :func:`scene_motions`."""
+    """When the last lane of `scene` is over [s], or its duration; a RuntimeWarning where a pause too long to show follows.
+
+    Raises UserError as :func:`scene_motions`.
+    """
+    end, said = _end_and_sentence(scene, method, step)
+    if said:
+        warnings.warn(said, RuntimeWarning, stacklevel=2)
+    return end
+
+
+def _end_and_sentence(scene: Scene, method: str | None, step: float | None) -> tuple[float, str]:
+    """When the last lane is over [s], or its duration, and a sentence where more would follow after a long pause."""
     if scene.duration is not None:
-        return scene.duration
-    return max(float(trajectory.time[-1]) for trajectory in _solved(scene, method, step, samples=2))
+        return scene.duration, ""
+    return quiet_end(_solved(scene, method, step, samples=2))
 
 
 def _solved(scene: Scene, method: str | None, step: float | None, **settings: Any) -> list[Trajectory]:
     try:
         settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step, **settings)
-        return [solve(lane.chain(), lane.velocity, **settings) for lane in scene.lanes]
+        found = [solve(lane.chain(), lane.velocity, **settings) for lane in scene.lanes]
     except ValueError as error:
         raise UserError(str(error)) from error
+    for trajectory in found:
+        if trajectory.status.gave_up:
+            raise GaveUpError(f"a film needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")
+    return found
 
 
 def _row_times(scene: Scene, end: float, rows_per_second: float) -> Array:
     """Times of all rows [s]; 0, the start, is one of them."""
-    chains = [lane.chain() for lane in scene.lanes]
-    lead = 0.0 if any(any(chain.gap) for chain in chains) else LEAD * end
-    for lane, chain in zip(scene.lanes, chains, strict=True):
-        lead = min(lead, longest_lead(chain, np.array(lane.velocity)))
-    after = AFTER * end if scene.view.after is None else scene.view.after
-    if scene.duration is not None:
-        after = 0.0
+    lead = lead_time([(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes], end)
+    after = after_time(scene, end)
     first, last = -math.floor(lead * rows_per_second), math.ceil((end + after) * rows_per_second)
     if last - first > LONGEST_FILM:
         raise UserError(f"the film would have {last - first} frames, more than {LONGEST_FILM}: choose less slow motion")
     return np.arange(first, max(last, first + 1) + 1) / rows_per_second
 
 
-def _require_finite(motions: Sequence[Motion]) -> None:
+def lead_time(starts: Sequence[tuple[Chain, Array]], end: float) -> float:
+    """Free flight [s] that is shown before motions with these `starts`, chains and velocities, which end at `end` [s]."""
+    if any(any(chain.gap) for chain, _ in starts):
+        return 0.0
+    return min(LEAD * end, *(longest_lead(chain, velocity) for chain, velocity in starts))
+
+
+def after_time(scene: Scene, end: float) -> float:
+    """Free flight [s] that is shown after the last contact has opened at `end` [s]."""
+    if scene.duration is not None:
+        return 0.0
+    return AFTER * end if scene.view.after is None else scene.view.after
+
+
+def require_finite(motions: Sequence[Motion]) -> None:
+    """Raise a UserError where a motion is not finite: no picture could show it."""
     if not all(np.isfinite(motion.position).all() and np.isfinite(motion.force).all() for motion in motions):
         raise UserError(f"the motion by {motions[0].method} did not stay finite: choose a smaller step")
 

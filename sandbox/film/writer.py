@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -12,7 +12,9 @@ from typing import Any, Protocol
 
 import av
 import pygame
-from softcradle.sandbox.film.codecs import Codec, Palette, check, frame_of
+from softcradle.sandbox.draw.png_file import write_png
+from softcradle.sandbox.film.codecs import Codec, FrameMaker, Palette, check
+from softcradle.sandbox.film.segments import Paint, encoded_segments, segment_lengths
 from softcradle.sandbox.output_files import output_file, output_folder
 
 BUFFERS = 3  # frames that are drawn but not yet encoded; more would hide no further delay
@@ -29,6 +31,12 @@ class Film(Protocol):
 
     def add(self, surface: pygame.Surface) -> None:
         """Add a finished frame. Its surface must not be drawn on any more."""
+
+    def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
+        """Add a frame for each of `pictures`, drawn by `paint`, in the order in which they are written soonest.
+
+        A picture that equals the one before it need not be drawn.
+        """
 
 
 @contextmanager
@@ -58,7 +66,23 @@ def open_film(
         yield film
 
 
-class _Pictures:
+class _InOrder:
+    """A film whose frames are drawn one after the other."""
+
+    def free_surface(self) -> pygame.Surface:
+        raise NotImplementedError
+
+    def add(self, surface: pygame.Surface) -> None:
+        raise NotImplementedError
+
+    def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
+        for picture in pictures:
+            surface = self.free_surface()
+            paint(surface, picture)
+            self.add(surface)
+
+
+class _Pictures(_InOrder):
     """One PNG file, or a folder of numbered ones."""
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
@@ -72,11 +96,11 @@ class _Pictures:
 
     def add(self, surface: pygame.Surface) -> None:
         path = self._path / f"{self._count:05d}.png" if self._path.is_dir() else self._path
-        pygame.image.save(surface, str(path))
+        write_png(surface, path)
         self._count += 1
 
 
-class _Encoder:
+class _Encoder(_InOrder):
     """A film by PyAV. Its thread owns the container; surfaces circulate between this thread and the drawing one."""
 
     def __init__(self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float) -> None:
@@ -84,7 +108,9 @@ class _Encoder:
         self._error: BaseException | None = None
         self._palette: Palette | None = None
         self._container = av.open(str(path), "w", format=codec.container, options=dict(codec.container_options))
-        stream: Any = self._container.add_stream(codec.name, rate=Fraction(frame_rate).limit_denominator(1001))
+        self._rate = Fraction(frame_rate).limit_denominator(1001)
+        self._size, self._frame_of = size, FrameMaker(codec)
+        stream: Any = self._container.add_stream(codec.name, rate=self._rate)
         stream.width, stream.height, stream.pix_fmt = *size, codec.pixel_format
         stream.options = dict(codec.options)
         codec.tag(stream.codec_context)
@@ -118,6 +144,14 @@ class _Encoder:
     def add(self, surface: pygame.Surface) -> None:
         self._full.put(surface)
 
+    def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
+        if not self._codec.segmented or len(segment_lengths(len(pictures))) == 1:
+            super().paint_frames(pictures, paint)
+            return
+        for packet in encoded_segments(self._codec, self._size, self._rate, pictures, paint):
+            packet.stream = self._stream
+            self._container.mux(packet)
+
     def _run(self) -> None:
         """Encode until None comes. After an error, the drawing thread gets surfaces, so as not to block, and then the error."""
         try:
@@ -134,7 +168,7 @@ class _Encoder:
     def _encode(self, surface: pygame.Surface) -> None:
         if self._codec.indexed and self._palette is None:
             self._palette = Palette(surface)
-        self._mux(frame_of(surface, self._codec, self._palette))
+        self._mux(self._palette.frame(surface) if self._palette else self._frame_of(surface))
 
     def _mux(self, frame: av.VideoFrame | None) -> None:
         self._container.mux(self._stream.encode(frame))

@@ -1,11 +1,13 @@
-"""`softcradle render`: a film, pictures or a kymograph of a scene."""
+"""`softcradle render`: a film, pictures, a kymograph or a page of a scene."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import add_method, add_scene, picture_size, positive_number
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
@@ -18,8 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT",
-        help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, or .kymograph.png for "
-        "the beads over time: a line of pixels of each frame of a camera",
+        help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, .kymograph.png for "
+        "the beads over time: a line of pixels of each frame of a camera, or .html for a page that plays the motion",
     )  # fmt: skip
     parser.add_argument(
         "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"
@@ -34,14 +36,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--slow", type=positive_number, help="seconds of film for a second of motion (default: the scene's)"
     )
     parser.add_argument("--pixel-format", metavar="FORMAT", help="of an .mp4: yuv420p (plays everywhere) or yuv444p")
+    parser.add_argument(
+        "--live", metavar="PARAMETER", help="of a page .html: a slider over a family of motions, alpha or speed"
+    )
     add_method(parser)
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
-    """Write the film, the pictures or the kymograph."""
-    scene = load_scene(args.scene)
+    """Write the film, the pictures, the kymograph or the page."""
+    scene, written = load_scene(args.scene), WrittenFiles([Path(args.output)])
     if args.output.lower().endswith(".kymograph.png"):
-        return _kymograph(scene, args)
+        return _kymograph(scene, args, written)
+    if args.output.lower().endswith((".html", ".htm")):
+        return _page(scene, args, written)
+    if args.live is not None:
+        raise UserError(f"--live is for a page: the name must end in .html, not {args.output!r}")
     from softcradle.sandbox.film.scene_film import render_scene
 
     report = render_scene(
@@ -55,16 +65,27 @@ def main(args: argparse.Namespace) -> int:
         pixel_format=args.pixel_format,
     )
     frames = f"{report.frames} frames, {report.duration:.1f} s of film" if report.frames > 1 else "one picture"
-    print(f"written: {report.output}, {frames}, in {report.seconds:.1f} s")
+    written.report([report.output], f", {frames}, in {report.seconds:.1f} s", args.open)
     return 0
 
 
-def _kymograph(scene: Scene, args: argparse.Namespace) -> int:
+def _kymograph(scene: Scene, args: argparse.Namespace, written: WrittenFiles) -> int:
     for option in ("slow", "pixel_format"):
         if getattr(args, option) is not None:
             raise UserError(f"a kymograph is one picture: --{option.replace('_', '-')} is for films")
     from softcradle.sandbox.film.kymograph import render_kymograph
 
     report = render_kymograph(scene, args.output, args.size, fps=args.fps, method=args.method, step=args.step)
-    print(f"written: {report.output}, {report.frames} camera frames, in {report.seconds:.1f} s")
+    written.report([report.output], f", {report.frames} camera frames, in {report.seconds:.1f} s", args.open)
+    return 0
+
+
+def _page(scene: Scene, args: argparse.Namespace, written: WrittenFiles) -> int:
+    for option in ("fps", "pixel_format"):
+        if getattr(args, option) is not None:
+            raise UserError(f"a page has no frames: --{option.replace('_', '-')} is for films")
+    from softcradle.sandbox.page.motion_family import render_page
+
+    report = render_page(scene, args.output, slow=args.slow, live=args.live, method=args.method, step=args.step)
+    written.report([report.output], f", a page of {report.size / 1000:.0f} kB that plays in a browser", args.open)
     return 0

@@ -7,8 +7,15 @@ import pytest
 from PIL import Image
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.draw import scales_of
-from softcradle.sandbox.draw.palette import FOREGROUND
-from softcradle.sandbox.film.kymograph import CAMERA_RATE, camera_rate, filmed_scene, in_si, render_kymograph
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.film.kymograph import (
+    CAMERA_RATE,
+    camera_rate,
+    filmed_scene,
+    in_si,
+    instants,
+    render_kymograph,
+)
 from softcradle.sandbox.film.kymograph_camera import Camera, stacked
 from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
@@ -116,7 +123,7 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
 
 def bar_lengths(picture):
     """Longest horizontal and vertical bars outside the kymograph: (pixels below, pixels on the right)."""
-    black = (picture == np.array(FOREGROUND)).all(axis=2)
+    black = (picture == np.array(tones.foreground)).all(axis=2)
     below = max(int(row.sum()) for row in black[-60:-40])
     right = max(int(column.sum()) for column in black[100:-62, -118:-90].T)
     return below, right
@@ -136,6 +143,30 @@ def test_scale_bars_are_100_ms_and_12_cm(tmp_path):
     low, high = scales_of(seen, scene_motions(seen, CAMERA_RATE)).window
     tall = 720 - 80 - 58 - 24 - 14
     assert right == pytest.approx(0.12 / (high - low) * tall, abs=2)
+
+
+def test_release_and_first_touch_are_marked(tmp_path):
+    """Dotted lines of the foreground across the lane: at t = 0, and where 20 mm at 0.5 m/s are flown."""
+    path, scene = tmp_path / "x.kymograph.png", load("draft-gear-two-on-two")
+    motions = scene_motions(filmed_scene(scene, motion_end(scene)), CAMERA_RATE)
+    (first, release), (second, touch) = instants(motions[0])
+    assert (first, second) == ("release", "first touch")
+    assert release == 0
+    assert motions[0].time[touch] == pytest.approx(0.04, abs=1.0 / CAMERA_RATE)
+    report = render_kymograph(scene, str(path))
+    with Image.open(path) as opened:
+        picture = np.asarray(opened.convert("RGB"))
+    dotted = (picture[110:640] == np.array(tones.foreground)).all(axis=2).sum(axis=0) > 0.4 * 530
+    width = 1280 - 2 * 28 - 92
+    assert [28, 28 + round(width * touch / report.frames)] == np.flatnonzero(dotted[: 28 + width]).tolist()
+
+
+def test_a_motion_that_begins_in_touch_has_no_release():
+    contact = '{law = "hertz", stiffness = 5.0}'
+    scene = parse(f'title = "Touch"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact = {contact}')
+    motions = scene_motions(filmed_scene(scene, motion_end(scene)), 30.0)
+    assert motions[0].time[0] < 0.0
+    assert [name for name, _ in instants(motions[0])] == ["first touch"]
 
 
 def test_command(tmp_path, capsys):

@@ -8,12 +8,13 @@ from softcradle.physics.simulation import solve
 from softcradle.sandbox.film import scene_motion
 from softcradle.sandbox.film.kymograph import render_kymograph
 from softcradle.sandbox.film.scene_motion import AFTER, LEAD, motion_end, scene_motions
-from softcradle.scenes import Scene, parse
+from softcradle.sandbox.page.recorded_scene import recorded
+from softcradle.scenes import Scene, load, parse
 
 LANES = """
 [[lanes]]
 beads = [1, 3]
-contact = {law = "power", f0 = 1.0, alpha = 0.25}
+contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
 velocity = 1.0
 [[lanes]]
 beads = [1, 3]
@@ -65,3 +66,25 @@ def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     after = AFTER * end if scene.duration is None else 0.0
     assert first.time[0] == pytest.approx(-LEAD * end, abs=0.05)
     assert first.time[-1] == pytest.approx(end + after, abs=0.05)
+
+
+def test_a_film_ends_before_a_pause_that_no_one_waits_for():
+    """Remnants of a collision by explicit steps approach each other a million times slower than the beads that collided."""
+    scene = load("mixed")
+    with pytest.warns(RuntimeWarning, match=r"shown up to t = .* slow beads would meet again at t = .*e\+0"):
+        end = motion_end(scene, "verlet", 1 / 50)
+    usual = motion_end(scene)
+    assert 0.5 * usual < end < 2.0 * usual
+    with pytest.warns(RuntimeWarning, match="slow beads would meet again"):
+        (page,) = recorded(scene, method="verlet", step=1 / 50)
+    assert page.time[-1] == end
+
+
+def test_beads_that_are_far_apart_have_all_the_time_that_they_need():
+    far = parse(
+        'title = "Far apart"\n[[lanes]]\nmass = [1, 1, 1]\ngap = [0, 50]\nvelocity = [1, 0, 0]\n'
+        'contact = {law = "hertz", stiffness = 1e6}'
+    )
+    end = motion_end(far)
+    assert end > 50.0
+    assert scene_motions(far, 1.0)[0].time[-1] > 50.0

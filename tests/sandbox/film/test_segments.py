@@ -1,0 +1,165 @@
+"""Segments: a film encoded by several threads is the film that one would have encoded, on any machine."""
+
+from __future__ import annotations
+
+import threading
+
+import av
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.film import codecs, segments
+from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.film.segments import segment_lengths
+from softcradle.sandbox.film.writer import open_film
+from softcradle.sandbox.user_error import UserError
+
+from tests.sandbox.film.test_films import fail_at
+
+# x264 with AVX-512 is reproducible only where half the width is a multiple of 64.
+SIZE = (640, 360)
+FRAMES = 130
+
+
+@pytest.fixture(autouse=True)
+def short_segments(monkeypatch):
+    monkeypatch.setattr(segments, "SEGMENT_FRAMES", 22)  # 6 of them
+    monkeypatch.setattr(segments, "SHORTEST_SEGMENT", 10)
+
+
+def paint(surface, number):
+    """A frame that no other is like: a bar that moves, and the number in the brightness of the ground."""
+    surface.fill((number, 40, 200 - number))
+    surface.fill((250, 250, 120), (4 * number, 60, 80, 200))
+
+
+def written(path, cores, monkeypatch):
+    monkeypatch.setattr(segments, "cores", lambda: cores)
+    with open_film(path, SIZE, 30.0) as film:
+        film.paint_frames(range(FRAMES), paint)
+    return path
+
+
+def decoded(path):
+    with av.open(str(path)) as container:
+        frames = list(container.decode(video=0))
+        return frames, np.array([frame.to_ndarray(format="yuv420p") for frame in frames])
+
+
+@pytest.mark.parametrize("frames", [1, 19, 20, 21, 65, 66, 67, 1000])
+def test_lengths(frames):
+    lengths = segment_lengths(frames)
+    assert sum(lengths) == frames
+    assert max(lengths) - min(lengths) <= 1
+    assert len(lengths) == 1 or (len(lengths) % 2 == 0 and min(lengths) >= 10)
+
+
+def test_the_film_is_the_same_on_every_number_of_cores(tmp_path, monkeypatch):
+    films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch).read_bytes() for cores in (1, 2, 3, 8)]
+    assert len(set(films)) == 1
+
+
+def test_joined_frames_are_those_of_films_of_each_segment(tmp_path, monkeypatch):
+    _, joined = decoded(written(tmp_path / "film.mp4", 2, monkeypatch))
+    first = 0
+    for k, count in enumerate(segment_lengths(FRAMES)):
+        assert (joined[first : first + count] == encoded_alone(tmp_path / f"{k}.mp4", first, count)).all()
+        first += count
+
+
+def encoded_alone(path, first, count):
+    """The decoded frames of a film of `count` frames by one encoder with one thread."""
+    codec, surface = codecs.CODECS[0], pygame.Surface(SIZE, 0, 32)
+    make = codecs.FrameMaker(codec)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30)
+        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
+        stream.options, stream.codec_context.thread_count = dict(codec.options), 1
+        codec.tag(stream.codec_context)
+        for number in range(first, first + count):
+            paint(surface, number)
+            container.mux(stream.encode(make(surface)))
+        container.mux(stream.encode(None))
+    return decoded(path)[1]
+
+
+def test_every_frame_has_its_time_and_its_picture(tmp_path, monkeypatch):
+    frames, _ = decoded(written(tmp_path / "film.mp4", 3, monkeypatch))
+    assert [round(frame.time * 30) for frame in frames] == list(range(FRAMES))
+    surface = pygame.Surface(SIZE, 0, 32)
+    for number, frame in enumerate(frames):
+        paint(surface, number)
+        picture = frame.to_ndarray(format="rgb24", src_colorspace="ITU709").astype(int)
+        assert np.abs(picture - pixels_of(surface)[..., 2::-1]).mean() < 3.0, number
+    keys = [k for k, frame in enumerate(frames) if frame.key_frame]
+    assert keys == np.cumsum([0, *segment_lengths(FRAMES)[:-1]]).tolist()
+
+
+def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
+    """The film is the one in which every frame is drawn; what stays is drawn again only where a segment begins."""
+    pictures = [0] * 50 + list(range(1, 31)) + [30] * 49
+    monkeypatch.setattr(segments, "cores", lambda: 2)
+    drawn = []
+
+    def counted(surface, number):
+        drawn.append(number)
+        paint(surface, number)
+
+    for name, repeats in (("quick", segments._repeats), ("plain", lambda pictures: 0)):
+        monkeypatch.setattr(segments, "_repeats", repeats)
+        with open_film(tmp_path / f"{name}.mp4", SIZE, 30.0) as film:
+            film.paint_frames(pictures, counted)
+        if name == "quick":
+            assert len(drawn) <= 31 + len(segment_lengths(len(pictures)))
+            assert set(drawn) == set(pictures)
+    assert (tmp_path / "quick.mp4").read_bytes() == (tmp_path / "plain.mp4").read_bytes()
+
+
+def test_repeats():
+    assert [segments._repeats(found) for found in ([1], [1, 1], [1, 2], [1, 1, 2, 1], [1, 1, 1])] == [0, 1, 0, 1, 2]
+
+
+def test_players_may_begin_at_any_segment(tmp_path, monkeypatch):
+    path = written(tmp_path / "film.mp4", 2, monkeypatch)
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        assert stream.frames == FRAMES
+        assert float(stream.duration * stream.time_base) == pytest.approx(FRAMES / 30.0)
+        container.seek(int(3.0 / stream.time_base), stream=stream)
+        first = next(container.decode(stream))
+    assert 2.0 < first.time <= 3.0
+
+
+@pytest.mark.parametrize("failing", [0, 25, 60, 129])
+@pytest.mark.parametrize("cores", [1, 3])
+def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, failing, cores):
+    fail_at(monkeypatch, failing)
+    with pytest.raises(UserError, match="disk full"):
+        written(tmp_path / "film.mp4", cores, monkeypatch)
+    assert list(tmp_path.iterdir()) == []
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("film")]
+
+
+def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch):
+    def broken(surface, number):
+        if number == 70:
+            raise ZeroDivisionError
+
+    monkeypatch.setattr(segments, "cores", lambda: 2)
+    with pytest.raises(ZeroDivisionError), open_film(tmp_path / "film.mp4", SIZE, 30.0) as film:
+        film.paint_frames(range(FRAMES), broken)
+    assert list(tmp_path.iterdir()) == []
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("film")]
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_other_kinds_are_written_in_order(tmp_path, monkeypatch, suffix):
+    seen = []
+
+    def watched(surface, number):
+        seen.append(number)
+        paint(surface, number)
+
+    with open_film(tmp_path / f"film{suffix}", SIZE, 25.0) as film:
+        film.paint_frames(range(40), watched)
+    assert seen == list(range(40))
