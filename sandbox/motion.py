@@ -23,6 +23,7 @@ class Motion:
         overlap, rate, force: (T, n) [m], [m/s] and [N].
         anchor: (T, 2) position [m] and velocity [m/s] of bead ``chain.anchor``.
         absorbed: (T,) energy [J] that contacts with loss and the bed have absorbed; empty for a chain without either.
+        given: (T, 2) work [J] and impulse [N s] of forces over time; empty for a chain without any.
         method: how it was made, for a label.
     """
 
@@ -33,6 +34,7 @@ class Motion:
     anchor: Array
     force: Array
     absorbed: Array = field(default_factory=lambda: np.zeros(0))
+    given: Array = field(default_factory=lambda: np.zeros((0, 2)))
     method: str = ""
 
     @cached_property
@@ -71,6 +73,8 @@ class Motion:
     def energy_error(self) -> Array:
         """(T,) greatest relative change of the energy so far; what was absorbed and the work of a drive are no change."""
         energy = self.energy - self._given(self.position)
+        if self.given.size:
+            energy = energy - self.given[:, 0]
         if self.absorbed.size:
             energy = energy + self.absorbed
         return _worst_so_far(energy, self.kinetic.sum(axis=1).max())
@@ -79,6 +83,8 @@ class Motion:
     def momentum_error(self) -> Array:
         """(T,) greatest change of the momentum so far, relative to the sum of the beads' momenta without sign."""
         momentum = self.momentum.sum(axis=1) - self._given(np.where(self._mass > 0.0, self.time[:, None], 0.0))
+        if self.given.size:
+            momentum = momentum - self.given[:, 1]
         return _worst_so_far(momentum, np.abs(self.momentum).sum(axis=1).max())
 
     def _given(self, path: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, MUTED, STEEL, Colour, mix
+from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, make_sprites
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import write
@@ -63,11 +63,11 @@ def piston_sprite(length: float, height: float) -> Sprites:
         full = math.ceil(tall) * SUBPIXELS
         plate = max(2 * SUBPIXELS, round(PLATE_LENGTH * length * SUBPIXELS))
         rod = pygame.Rect(round(shift), round(0.34 * full), round(wide * SUBPIXELS) - plate, round(0.32 * full))
-        pygame.draw.rect(fine, STEEL, rod)
+        pygame.draw.rect(fine, tones.steel, rod)
         face = pygame.Rect(rod.right, 0, plate, full)
-        pygame.draw.rect(fine, MUTED, face, border_radius=SUBPIXELS)
+        pygame.draw.rect(fine, tones.muted, face, border_radius=SUBPIXELS)
 
-    return make_sprites((math.ceil(wide), math.ceil(tall)), MUTED, paint)
+    return make_sprites((math.ceil(wide), math.ceil(tall)), tones.muted, paint)
 
 
 @cached_surfaces(4)
@@ -76,19 +76,19 @@ def wall_sprite(length: float, height: float) -> Sprites:
 
     def paint(fine: pygame.Surface, shift: float) -> None:
         block = pygame.Rect(round(shift), 0, round(length * SUBPIXELS), round(height * SUBPIXELS))
-        fine.fill(mix(FAINT, BACKGROUND, 0.5), block)
+        fine.fill(mix(tones.faint, tones.background, 0.5), block)
         fine.set_clip(block)
         step = max(2 * SUBPIXELS, round(0.16 * height * SUBPIXELS))
         for x in range(block.left - block.height, block.right, step):
-            pygame.draw.line(fine, MUTED, (x, block.bottom), (x + block.height, block.top), SUBPIXELS)
-        pygame.draw.rect(fine, MUTED, block, round(1.5 * SUBPIXELS))
+            pygame.draw.line(fine, tones.muted, (x, block.bottom), (x + block.height, block.top), SUBPIXELS)
+        pygame.draw.rect(fine, tones.muted, block, round(1.5 * SUBPIXELS))
         fine.set_clip(None)
 
-    return make_sprites((math.ceil(length), math.ceil(height)), MUTED, paint)
+    return make_sprites((math.ceil(length), math.ceil(height)), tones.muted, paint)
 
 
 @cached_surfaces(4)
-def number_sprite(label: str, size: float) -> Sprites:
+def number_sprite(label: str, size: float, colour: Colour) -> Sprites:
     """The number of a bead on a square of three times `size` [pixels]; a sprite of its own, drawn above all bodies."""
     side = math.ceil(3 * size)
 
@@ -98,9 +98,9 @@ def number_sprite(label: str, size: float) -> Sprites:
             label,
             (side / 2 * SUBPIXELS + shift, side / 2 * SUBPIXELS),
             size * SUBPIXELS,
-            BACKGROUND,
+            colour,
             bold=True,
             align=(0.5, 0.5),
         )
 
-    return make_sprites((side, side), BACKGROUND, paint)
+    return make_sprites((side, side), colour, paint)

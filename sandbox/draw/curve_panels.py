@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import decades, ticks, time_unit
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour, mix
+from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line, draw_marker
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array
@@ -103,7 +103,7 @@ class Panel:
 
     def backdrop(self, surface: pygame.Surface, time: Array, values: Array, peaks: Array, ahead: float) -> None:
         """Draw axes, title, names beside the values `peaks` (k,), and all curves as strong as `ahead` (0 to 1)."""
-        pale = [mix(BACKGROUND, colour, ahead) for colour in self.colours]
+        pale = [mix(tones.background, colour, ahead) for colour in self.colours]
         surface.blit(self._drawn(time, values, pale if ahead > 0.0 else ()), self.area)
         self._annotate(surface)
         self._write_names(surface, self.y(self.axis.on(peaks)))
@@ -115,7 +115,7 @@ class Panel:
             return
         end = round(place)
         surface.blit(self.curves, self.area, (0, 0, end, self.area.height))
-        surface.fill(MUTED, (self.area.left + end, self.area.top, max(1, round(self.unit)), self.area.height))
+        surface.fill(tones.muted, (self.area.left + end, self.area.top, max(1, round(self.unit)), self.area.height))
         if not self.labelled:
             return
         heights = self.y(self.axis.on(values))
@@ -128,7 +128,7 @@ class Panel:
         """Grid and curves; the first curve is drawn last and lies above the others."""
         wide, high = self.area.size
         fine = pygame.Surface((wide * SUBPIXELS, high * SUBPIXELS), 0, 32)
-        fine.fill(BACKGROUND)
+        fine.fill(tones.background)
         self._grid(fine)
         across = (self.x(time) + 0.5) * SUBPIXELS
         for k in range(len(colours) - 1, -1, -1):
@@ -139,10 +139,10 @@ class Panel:
     def _grid(self, fine: pygame.Surface) -> None:
         for place, _ in self.axis.ticks:
             y = round(float(self.y(np.array(place))))
-            tint = FAINT if place == 0.0 and not self.axis.logarithmic else GRID
+            tint = tones.faint if place == 0.0 and not self.axis.logarithmic else tones.grid
             fine.fill(tint, (0, y * SUBPIXELS, fine.get_width(), SUBPIXELS))
         for time, _ in self._time_ticks():
-            fine.fill(GRID, (round(float(self.x(time))) * SUBPIXELS, 0, SUBPIXELS, fine.get_height()))
+            fine.fill(tones.grid, (round(float(self.x(time))) * SUBPIXELS, 0, SUBPIXELS, fine.get_height()))
 
     def _time_ticks(self) -> list[tuple[float, str]]:
         size, _ = time_unit(self.time[1] - self.time[0])
@@ -151,15 +151,15 @@ class Panel:
     def _annotate(self, surface: pygame.Surface) -> None:
         """Write the title and the ticks of both axes."""
         unit, area = self.unit, self.area
-        write(surface, self.axis.title, (area.left, area.top - 5 * unit), 13.5 * unit, FOREGROUND, align=(0, 1))
+        write(surface, self.axis.title, (area.left, area.top - 5 * unit), 13.5 * unit, tones.foreground, align=(0, 1))
         for place, text in self.axis.ticks:
             y = area.top + float(self.y(np.array(place)))
-            write(surface, text, (area.left - 6 * unit, y), 12 * unit, MUTED, align=(1, 0.5))
+            write(surface, text, (area.left - 6 * unit, y), 12 * unit, tones.muted, align=(1, 0.5))
         for time, text in self._time_ticks():
             x, y = area.left + float(self.x(time)), area.bottom + 3 * unit
-            write(surface, text, (x, y), 12 * unit, MUTED, align=(0.5, 0))
+            write(surface, text, (x, y), 12 * unit, tones.muted, align=(0.5, 0))
         name = f"t ({time_unit(self.time[1] - self.time[0])[1]})"
-        write(surface, name, (self.rect.right, area.bottom + 3 * unit), 12 * unit, MUTED, align=(1, 0))
+        write(surface, name, (self.rect.right, area.bottom + 3 * unit), 12 * unit, tones.muted, align=(1, 0))
 
     def _write_names(self, surface: pygame.Surface, heights: Array) -> None:
         """A marker and a name beside the axes for each of `heights`, moved apart so that they do not overlap."""
@@ -169,7 +169,7 @@ class Panel:
         for k, y in enumerate(spread(heights.tolist(), LABEL_GAP * unit, 0.0, area.height - 5.0 * unit)):
             x, middle = area.right + 9 * unit, area.top + y
             draw_marker(surface, k, (x, middle), MARKER_RADIUS * unit, self.colours[k])
-            write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, FOREGROUND, align=(0, 0.5))
+            write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, tones.foreground, align=(0, 0.5))
 
 
 def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:

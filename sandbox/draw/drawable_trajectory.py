@@ -23,6 +23,9 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
         anchor=np.concatenate((anchor, trajectory.anchor)),
         force=np.concatenate((open_contacts, trajectory.force)),
         absorbed=np.concatenate((np.zeros(len(times)), absorbed)) if trajectory.chain.dissipative else np.zeros(0),
+        given=np.concatenate((np.zeros((len(times), 2)), trajectory.given))
+        if trajectory.chain.forces
+        else np.zeros((0, 2)),
         method=f"{trajectory.method}, step {scientific(trajectory.step)} s" if trajectory.step else trajectory.method,
     )
 
@@ -30,9 +33,9 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
 def longest_lead(chain: Chain, velocity: Array) -> float:
     """Longest time [s] before the start for which free flight can be shown: until two beads that now part would touch, or inf.
 
-    0 on a bed with friction, where beads were faster before the start.
+    0 where friction or brakes act, for beads were faster before the start.
     """
-    if chain.friction:
+    if chain.on_bed:
         return 0.0
     parting, gap = np.maximum(np.diff(velocity), 0.0), np.array(chain.gap)
     with np.errstate(divide="ignore", invalid="ignore"):

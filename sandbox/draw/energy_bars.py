@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.draw.palette import FOREGROUND, GOOD, GRID, MUTED, STEEL, WARNING, Colour
+from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import width, write
@@ -43,11 +43,13 @@ class EnergyBars:
         """Draw titles and empty bars."""
         unit = self.unit
         for rect, titles in zip(self.bars, (ENERGY_TITLES, MOMENTUM_TITLES), strict=True):
-            surface.fill(GRID, rect)
+            surface.fill(tones.grid, rect)
             fitting = [title for title in titles if width(title, 12.5 * unit) < rect.width - 14 * unit] or [""]
-            end = write(surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, MUTED, align=(0, 1)).right
+            end = write(
+                surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, tones.muted, align=(0, 1)
+            ).right
             if fitting[0].endswith("contacts"):
-                fill_rectangle(surface, STEEL, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
+                fill_rectangle(surface, tones.steel, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int) -> None:
         """Draw energy, momentum and errors at row `row` of `motion`."""
@@ -57,13 +59,15 @@ class EnergyBars:
         if not self.has_badges:
             return
         self._badge(surface, 0, "energy error", float(motion.energy_error[row]))
-        if not (motion.chain.walls or motion.chain.friction):  # walls and the bed take momentum
+        if not (motion.chain.walls or motion.chain.on_bed):  # walls and the bed take momentum
             self._badge(surface, 1, "momentum error", float(motion.momentum_error[row]))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:
         """From left to right: kinetic energies of the beads, energy stored in contacts, energy absorbed by gears and bed."""
         rect, x = self.bars[0], float(self.bars[0].left)
-        for value, colour in zip((*kinetic.tolist(), stored, absorbed), (*self.colours, STEEL, MUTED), strict=True):
+        for value, colour in zip(
+            (*kinetic.tolist(), stored, absorbed), (*self.colours, tones.steel, tones.muted), strict=True
+        ):
             wide = value / self.scales.energy * rect.width
             fill_rectangle(surface, colour, (x, rect.top, wide, rect.height))
             x += wide
@@ -79,14 +83,14 @@ class EnergyBars:
             ends[side] += wide
         total = self.zero + float(momentum.sum()) / (high - low) * rect.width
         wide, high = 1.5 * self.unit, rect.height + 6 * self.unit
-        for x, colour in ((self.zero, MUTED), (total, FOREGROUND)):
+        for x, colour in ((self.zero, tones.muted), (total, tones.foreground)):
             fill_rectangle(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
         unit, good, size = self.unit, error <= SMALL_ERROR, 12.5 * self.unit
         y = self.badges.top + (6 + 17 * line) * unit
         text = f"{name}  {scientific(error) if error >= 1e-17 else '0'}"
-        colour = FOREGROUND if good else WARNING
+        colour = tones.foreground if good else tones.warning
         place = write(surface, text, (self.badges.right, y), size, colour, bold=not good, align=(1, 0))
-        mark, colour = ("✓", GOOD) if good else ("!", WARNING)
+        mark, colour = ("✓", tones.good) if good else ("!", tones.warning)
         write(surface, mark, (place.left - 6 * unit, y), size, colour, bold=True, align=(1, 0))

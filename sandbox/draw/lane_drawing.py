@@ -8,19 +8,19 @@ from typing import Protocol
 
 import numpy as np
 import pygame
-from softcradle.physics import Chain, Contact
+from softcradle.physics import Chain, Contact, OwnLaw
+from softcradle.sandbox.draw.bead_arrows import ARROWS
 from softcradle.sandbox.draw.bead_sprites import (
     CYLINDER_HEIGHT,
     CYLINDER_LENGTH,
     bead_sprite,
     cylinder_sprite,
     number_sprite,
-    outline_colour,
     piston_sprite,
     wall_sprite,
 )
-from softcradle.sandbox.draw.number_format import factor, fixed, round_down, scientific, ticks
-from softcradle.sandbox.draw.palette import FAINT, FOREGROUND, GRID, LANE_BACKGROUND, MUTED, bead_colours
+from softcradle.sandbox.draw.number_format import LARGEST_PLAIN, factor, fixed, prefixed, round_down, scientific, ticks
+from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
 from softcradle.sandbox.draw.rigid_clusters import rigid_shares
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
@@ -28,11 +28,15 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import View
 
+KEY = 26.0  # design pixels of the line with name and key, above the bars
+FORCE_LABEL = 17.0  # design pixels of a force above its bar
+RULER = 150.0  # design pixels of the ruler with its words, at the right end of that line
 TALLEST_BEAD = 0.40  # of the height of the drawing
 GROUND = 30.0  # design pixels from the ground line to the lower edge of the drawing
 SMALLEST_NUMBER = 8.0  # pixels: lower numbers on beads could not be read and are left out
 SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts beside them
 VISIBLE_FORCE = 0.01  # of the force axis: lower bars have neither a number nor a line for rigid clusters
+ARROW_TONE = 0.35  # share of the foreground in the colour of an arrow: it stands out from the ground in both themes
 EQUAL_MASSES = 1.02  # ratio of masses up to which beads look alike and no masses are written
 
 
@@ -80,9 +84,9 @@ class LaneDrawing:
         self.chain: Chain = lane.chain()
         palette = bead_colours(self.chain.contacts + 1)
         self.contact_colours = palette[1:]  # of the bead on the right, which the contact pushes
-        self.colours = tuple(MUTED if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
+        self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
-        height = _body_height(scene)
+        height = body_height(scene)
         self.scale = min(
             rect.width / (high - low), TALLEST_BEAD * rect.height / (height * self.length)
         )  # pixels a metre
@@ -90,9 +94,14 @@ class LaneDrawing:
         self.number_size = (0.31 if height < 1.0 else 0.36) * height * self.bead
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - 8 * unit
-        self.bar_room = self.bar_base - rect.top - 24 * unit  # pixels of the highest bar
-        self.interface, self.rigid = rigid_shares(self.chain.mass, lane.velocity)
-        self.mass_labels = _mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
+        self.bar_room = self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit  # pixels of the highest bar
+        self.arrows = "velocity"  # what the arrows show, of ARROWS
+        self.take_approach(lane.velocity)
+        self.mass_labels = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
+
+    def take_approach(self, velocity: Sequence[float]) -> None:
+        """Take the velocities (n+1,) [m/s] before a collision, from which marks of rigid clusters follow."""
+        self.interface, self.rigid = rigid_shares(self.chain.mass, velocity)
 
     def left(self, centre: float | None = None) -> float:
         """Pixel of position 0 with the camera at `centre` [m]; None: at the middle of the scene's window."""
@@ -102,17 +111,20 @@ class LaneDrawing:
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw what is the same in every frame: ground, force axis, name, ruler."""
         unit, rect = self.unit, self.rect
-        surface.fill(LANE_BACKGROUND, rect)
+        surface.fill(tones.lane_background, rect)
         for value, text in ticks(
             0.0, self.scales.force / FORCE_MARGIN, max(1, min(4, int(self.bar_room / (24 * unit))))
         ):
             y = self._bar_top(value)
-            surface.fill(GRID, (rect.left, round(y), rect.width, 1))
-            if y > rect.top + 58 * unit:  # the name of the lane and the key are above
-                write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, MUTED, align=(0, 1))
+            surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
+            if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
+                write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, tones.muted, align=(0, 1))
         self._key(surface)
-        surface.fill(FAINT, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
+        surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         self._ruler(surface)
+        if self.arrows != "velocity":
+            place = rect.right - 12 * unit, rect.bottom - 4 * unit
+            write(surface, f"arrows: {self.arrows}", place, 12 * unit, tones.muted, align=(1, 1))
 
     def _key(self, surface: pygame.Surface) -> None:
         """The name of the lane, and what bars and lines mean."""
@@ -120,11 +132,12 @@ class LaneDrawing:
         x, y = rect.left + 8 * unit, rect.top + 8 * unit
         if self.label:
             x = write(surface, self.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
-        write(surface, "contact force (N)", (x, y), 12.5 * unit, MUTED)
-        if any(share != 0.0 for share in self.rigid):
-            x, y = rect.left + 8 * unit, rect.top + 26 * unit
-            fill_rectangle(surface, FOREGROUND, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
-            write(surface, "if clusters were rigid", (x + 20 * unit, y), 12.5 * unit, MUTED)
+        x = write(surface, "contact force (N)", (x, y), 12.5 * unit, tones.muted).right + 14 * unit
+        words = "if clusters were rigid"
+        fits = x + 20 * unit + width(words, 12.5 * unit) < rect.right - RULER * unit
+        if fits and any(share != 0.0 for share in self.rigid):
+            fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
+            write(surface, words, (x + 20 * unit, y), 12.5 * unit, tones.muted)
 
     def _ruler(self, surface: pygame.Surface) -> None:
         unit, rect = self.unit, self.rect
@@ -135,13 +148,13 @@ class LaneDrawing:
         right, y = rect.right - 12 * unit, rect.top + 20 * unit
         left = right - length * self.scale
         wide = width(magnification, 12.5 * unit)
-        surface.fill(LANE_BACKGROUND, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
-        fill_rectangle(surface, MUTED, (left, y, right - left, max(1.0, 1.5 * unit)))
+        surface.fill(tones.lane_background, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
+        fill_rectangle(surface, tones.muted, (left, y, right - left, max(1.0, 1.5 * unit)))
         for x in (left, right):
-            fill_rectangle(surface, MUTED, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
+            fill_rectangle(surface, tones.muted, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
-        write(surface, name, (middle, y - 3 * unit), 12.5 * unit, MUTED, align=(0.5, 1))
-        write(surface, magnification, (right, y + 8 * unit), 12.5 * unit, MUTED, align=(1, 0))
+        write(surface, name, (middle, y - 3 * unit), 12.5 * unit, tones.muted, align=(0.5, 1))
+        write(surface, magnification, (right, y + 8 * unit), 12.5 * unit, tones.muted, align=(1, 0))
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, left: float) -> Array:
         """Draw row `row` of `motion` with position 0 at pixel `left`; returns (n,) where the contacts are [pixels]."""
@@ -152,7 +165,7 @@ class LaneDrawing:
         surface.set_clip(self.rect)
         self._bodies(surface, edges.tolist(), (faces[0] - np.maximum(faces[0] - faces[1], 0.0)).tolist())
         self._bars(surface, contacts.tolist(), motion.force[row].tolist())
-        self._arrows(surface, edges.tolist(), motion.velocity[row].tolist())
+        self._arrows(surface, edges.tolist(), ARROWS[self.arrows](motion, row, self.scales).tolist())
         surface.set_clip(None)
         return np.asarray(contacts)
 
@@ -181,6 +194,14 @@ class LaneDrawing:
             image = bead_sprite(size, self.colours[bead], self._core(bead))
             blit_sprite(surface, image, x, self.ground - math.ceil(size))
 
+    def body_shape(self, bead: int, x: float) -> tuple[pygame.Rect, float]:
+        """The rectangle around a body whose left edge is at pixel `x`, and the radius of its corners."""
+        wall = math.isinf(self.chain.mass[bead])
+        height = self.bead * (1.2 if wall else CYLINDER_HEIGHT if self._is_gear(bead) else 1.0)
+        rect = pygame.Rect(round(x), round(self.ground - height), round(self.bead), round(height))
+        round_body = not wall and not self._is_gear(bead)
+        return rect, 0.5 * self.bead if round_body else 0.08 * self.bead
+
     def _number(self, surface: pygame.Surface, bead: int, x: float) -> None:
         if math.isinf(self.chain.mass[bead]):
             return
@@ -188,7 +209,7 @@ class LaneDrawing:
         middle = x + self.bead * (0.5 * CYLINDER_LENGTH if self._is_gear(bead) else 0.5)
         y = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT if self._is_gear(bead) else 0.5)
         half = math.ceil(3 * size) / 2
-        blit_sprite(surface, number_sprite(str(bead), size), middle - half, y - half)
+        blit_sprite(surface, number_sprite(str(bead), size, text_on(self.colours[bead])), middle - half, y - half)
 
     def _is_gear(self, bead: int) -> bool:
         """Whether the bead pushes to its right with a piston; the last one is drawn like its neighbour."""
@@ -216,34 +237,51 @@ class LaneDrawing:
             if i != self.interface and expected > visible:
                 reach = wide / 2 + 5 * unit
                 line = (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
-                fill_rectangle(surface, FOREGROUND, line)
-            if force > visible and self.bead >= 1.5 * SMALLEST_LABELLED * unit:
-                write(surface, fixed(force, decimals), (x, top - 3 * unit), 13 * unit, bold=True, align=(0.5, 1))
+                fill_rectangle(surface, tones.foreground, line)
+        self._force_labels(surface, contacts, forces, decimals)
 
-    def _arrows(self, surface: pygame.Surface, edges: list[float], speeds: list[float]) -> None:
-        """A velocity arrow under each bead, and below it the mass where masses differ."""
-        fastest = max(abs(speed) for speed in self.scales.velocity)
+    def _force_labels(self, surface: pygame.Surface, contacts: list[float], forces: list[float], decimals: int) -> None:
+        """The forces above their bars, the greatest first; those that would lie on another are left out."""
+        size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list[tuple[float, float]]()
+        for i in sorted(range(len(forces)), key=lambda i: -forces[i]):
+            if forces[i] <= visible:
+                return
+            text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
+            half = 0.5 * width(text, size, bold=True) + 2 * self.unit
+            low, high = contacts[i] - half, contacts[i] + half
+            if all(high <= left or low >= right for left, right in taken):
+                taken.append((low, high))
+                write(surface, text, (contacts[i], self._label_foot(i, forces)), size, bold=True, align=(0.5, 1))
+
+    def _label_foot(self, contact: int, forces: list[float]) -> float:
+        """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""
+        foot, mark = self._bar_top(forces[contact]), self._bar_top(forces[self.interface] * self.rigid[contact])
+        near = contact != self.interface and foot - FORCE_LABEL * self.unit < mark <= foot
+        return (mark if near else foot) - 3 * self.unit
+
+    def _arrows(self, surface: pygame.Surface, edges: list[float], shares: list[float]) -> None:
+        """An arrow under each bead, of that share of the longest, and below it the mass where masses differ."""
         y, size = self.ground + 11 * self.unit, 12 * self.unit
-        for i, (x, speed) in enumerate(zip(edges, speeds, strict=True)):
+        for i, (x, share) in enumerate(zip(edges, shares, strict=True)):
             middle = x + self.bead / 2
-            length = 0.85 * self.bead * speed / fastest
-            draw_arrow(surface, outline_colour(self.colours[i]), (middle, y), length, self.unit)
+            length = 0.85 * self.bead * share
+            draw_arrow(surface, mix(self.colours[i], tones.foreground, ARROW_TONE), (middle, y), length, self.unit)
             if self.mass_labels:
-                write(surface, self.mass_labels[i], (middle, y + 5 * self.unit), size, MUTED, align=(0.5, 0))
+                write(surface, self.mass_labels[i], (middle, y + 5 * self.unit), size, tones.muted, align=(0.5, 0))
 
 
-def is_gear(contact: Contact) -> bool:
+def is_gear(contact: Contact | OwnLaw) -> bool:
     """Whether the contact is drawn as a piston: a preloaded spring."""
-    return contact.preload > 0.0 and contact.stiffness > 0.0
+    return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
 
 
-def _body_height(scene: DrawnScene) -> float:
+def body_height(scene: DrawnScene) -> float:
     """Height of the tallest body in lengths of a bead; that of all lanes, so that they have one scale."""
     all_gears = all(is_gear(contact) for lane in scene.lanes for contact in lane.chain().contact)
     return CYLINDER_HEIGHT if all_gears else 1.0
 
 
-def _mass_labels(chain: Chain) -> tuple[str, ...]:
+def mass_labels(chain: Chain) -> tuple[str, ...]:
     """A label for each bead where masses differ visibly, else none."""
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     if max(finite) <= EQUAL_MASSES * min(finite):

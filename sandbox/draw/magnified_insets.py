@@ -8,7 +8,7 @@ import pygame
 from softcradle.sandbox.draw.bead_sprites import BEAD_OPACITY, outline_colour
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing, is_gear
 from softcradle.sandbox.draw.number_format import factor, round_down, scientific, subscript
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, STEEL, Colour, mix
+from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import write
@@ -52,8 +52,8 @@ class MagnifiedInsets:
             x, y = self.centre(slot)
             left = x + self.radius + 10 * self.unit
             name, magnification = subscript(contact, contact + 1), factor(self.magnify[contact])
-            write(surface, f"overlap δ{name}", (left, y - 30 * self.unit), size, MUTED)
-            write(surface, f"seen at {magnification}", (left, y + 9 * self.unit), size, MUTED)
+            write(surface, f"overlap δ{name}", (left, y - 30 * self.unit), size, tones.muted)
+            write(surface, f"seen at {magnification}", (left, y + 9 * self.unit), size, tones.muted)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
         """Draw the insets for row `row` of `motion`; `contacts` (n,) are the contacts in the drawing of the lane [pixels]."""
@@ -65,17 +65,24 @@ class MagnifiedInsets:
             surface.blit(inset, (round(x) - self.side // 2, round(y) - self.side // 2))
             depth = f"{scientific(overlap)} m" if overlap > 0.0 else "apart" if overlap < 0.0 else "touching"
             place = (x + self.radius + 10 * self.unit, y - 13 * self.unit)
-            write(surface, depth, place, 15 * self.unit, FOREGROUND if overlap > 0.0 else MUTED, bold=overlap > 0.0)
+            write(
+                surface,
+                depth,
+                place,
+                15 * self.unit,
+                tones.foreground if overlap > 0.0 else tones.muted,
+                bold=overlap > 0.0,
+            )
 
     def _leader(self, surface: pygame.Surface, contact: float, centre: tuple[float, float]) -> None:
         """Thin line from the contact on the ground to the top of its inset."""
         start = (min(max(contact, self.rect.left), self.rect.right), self.drawing.ground + 2)
-        pygame.draw.aaline(surface, FAINT, start, (centre[0], centre[1] - self.radius))
+        pygame.draw.aaline(surface, tones.faint, start, (centre[0], centre[1] - self.radius))
 
     def _inset(self, contact: int, depth: float) -> pygame.Surface:
         """The inset for an overlap of `depth` [pixels of the inset]; two separate bodies where it is negative."""
         inset = pygame.Surface((self.side, self.side), 0, 32)
-        inset.fill(BACKGROUND)
+        inset.fill(tones.background)
         depth = max(depth, -1.1 * self.radius)
         colours = self.drawing.colours[contact], self.drawing.colours[contact + 1]
         if is_gear(self.drawing.chain.contact[contact]):
@@ -96,15 +103,15 @@ class MagnifiedInsets:
         middle, r = self.side / 2, self.radius
         head, face = middle - 0.75 * r, middle + 0.45 * r
         pushed = face - max(depth, 0.0)
-        fill_rectangle(inset, STEEL, (head, middle - 0.22 * r, pushed - head, 0.44 * r))
-        fill_rectangle(inset, MUTED, (pushed - 0.16 * r, middle - 0.5 * r, 0.16 * r, r))
+        fill_rectangle(inset, tones.steel, (head, middle - 0.22 * r, pushed - head, 0.44 * r))
+        fill_rectangle(inset, tones.muted, (pushed - 0.16 * r, middle - 0.5 * r, 0.16 * r, r))
         fill_rectangle(inset, colours[0], (0, middle - 0.8 * r, head, 1.6 * r))
         fill_rectangle(inset, outline_colour(colours[0]), (head - 0.2 * r, middle - 0.8 * r, 0.2 * r, 1.6 * r))
         other = face - depth
         fill_rectangle(inset, outline_colour(colours[1]), (other, middle - 0.8 * r, 2.0, 1.6 * r))
         fill_rectangle(inset, colours[1], (other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r))
         for k in range(-4, 5, 2):
-            fill_rectangle(inset, FOREGROUND, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
+            fill_rectangle(inset, tones.foreground, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> range:
@@ -135,10 +142,10 @@ def _cap(radius: float, colour: Colour) -> Sprites:
 def _frame(side: int, radius: float) -> pygame.Surface:
     """Background with a round hole and a ring around it."""
     size = (side * SUBPIXELS, side * SUBPIXELS)
-    centre, colour = (side / 2 * SUBPIXELS, side / 2 * SUBPIXELS), mix(FAINT, MUTED, 0.4)
+    centre, colour = (side / 2 * SUBPIXELS, side / 2 * SUBPIXELS), mix(tones.faint, tones.muted, 0.4)
     frame = pygame.Surface(size, pygame.SRCALPHA, 32)
-    frame.fill((*BACKGROUND, 255))
-    pygame.draw.circle(frame, (*GRID, 0), centre, radius * SUBPIXELS)
+    frame.fill((*tones.background, 255))
+    pygame.draw.circle(frame, (*tones.grid, 0), centre, radius * SUBPIXELS)
     ring = pygame.Surface(size, pygame.SRCALPHA, 32)
     ring.fill((*colour, 0))
     pygame.draw.circle(ring, (*colour, 255), centre, (radius + 0.5) * SUBPIXELS, round(1.5 * SUBPIXELS))

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
+FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN"))
+ROUND_OFF = 1e-12  # smaller results are shown as 0
+LARGEST_PLAIN = 1e4  # greater numbers are written with the prefix of a unit
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SUBSCRIPTS = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
 
@@ -37,6 +40,15 @@ def scientific(value: float, digits: int = 1) -> str:
     return f"{mantissa.replace('-', MINUS)}·{power_of_ten(int(exponent))}"
 
 
+PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}
+
+
+def prefixed(value: float) -> str:
+    """`value` to three digits with the prefix of a unit: 1.25 M for 1250000."""
+    size, prefix = next(((s, p) for s, p in PREFIXES.items() if abs(value) >= 0.9995 * s), (1.0, ""))
+    return f"{value / size:.3g} {prefix}".strip().replace("-", MINUS)
+
+
 def factor(value: float) -> str:
     """A magnification with a times sign before it, as in "x 0.5", "x 20", "x 5·10⁶"."""
     if 0.01 <= value < 1.0:
@@ -64,11 +76,12 @@ def round_down(value: float) -> float:
 
 
 def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
-    """At most `most` + 1 round values inside [low, high] with their labels."""
+    """At most `most` + 1 round values inside [low, high] with their labels; large ones have the prefix of a unit."""
     step = round_step(high - low, most)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [(k * step, fixed(k * step, decimals)) for k in range(first, last + 1)]
+    large = max(abs(low), abs(high)) >= LARGEST_PLAIN
+    return [(k * step, prefixed(k * step) if large else fixed(k * step, decimals)) for k in range(first, last + 1)]
 
 
 def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:
@@ -80,3 +93,19 @@ def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:
 def time_unit(span: float) -> tuple[float, str]:
     """(seconds in the unit, its name) that suits times up to `span` [s]."""
     return next(((size, name) for size, name in ((1.0, "s"), (1e-3, "ms")) if span >= 0.2 * size), (1e-6, "µs"))
+
+
+def force_unit(largest: float) -> tuple[float, str]:
+    """(newtons in the unit, its name) that suits forces up to `largest` [N]."""
+    return next((unit for unit in FORCE_UNITS if largest >= 0.1 * unit[0]), FORCE_UNITS[-1])
+
+
+def number_text(value: float | None) -> str:
+    """A result in a table: up to five digits; 0 for round-off, a dash for what is not defined."""
+    if value is None:
+        return "-"
+    if abs(value) < ROUND_OFF:
+        return "0"
+    if not 1e-3 <= abs(value) < 1e5:
+        return scientific(value, 2)
+    return fixed(value, 4) if abs(value) < 1000 else f"{value:.4g}".replace("-", MINUS)

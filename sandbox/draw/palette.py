@@ -1,18 +1,89 @@
-"""The colours: Okabe and Ito's, which colour-blind people can distinguish too, and a ramp for long chains."""
+"""The colours: those of a light and of a dark theme, and of beads, which colour-blind people can distinguish too."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, fields, replace
+
 Colour = tuple[int, int, int]
 
-BACKGROUND: Colour = (255, 255, 255)
-LANE_BACKGROUND: Colour = (247, 248, 250)
-FOREGROUND: Colour = (33, 38, 45)
-MUTED: Colour = (101, 109, 120)
-FAINT: Colour = (196, 202, 209)
-GRID: Colour = (231, 234, 238)
-STEEL: Colour = (170, 178, 187)
-WARNING: Colour = (190, 60, 0)
-GOOD: Colour = (0, 120, 88)
+
+@dataclass
+class Tones:
+    """The colours of a theme.
+
+    Attributes:
+        background, lane_background: of pages and plots, and of the lanes of beads.
+        foreground, muted, faint: text and lines, from the strongest on.
+        on_accent: text on a button of the accent.
+        grid: lines of a grid, tracks of bars.
+        steel: pistons and what contacts store.
+        accent: what is chosen or under the pointer.
+        good, fair, bad, warning: levels of badges, and warnings.
+        shadow: what dims the page behind a dialog.
+        lift: share of white in the colours of beads.
+        shades: of a force in space-time, from none to the greatest.
+        ramp: of the beads of a long chain, so that neighbours differ in lightness.
+    """
+
+    background: Colour
+    lane_background: Colour
+    foreground: Colour
+    muted: Colour
+    faint: Colour
+    on_accent: Colour
+    grid: Colour
+    steel: Colour
+    accent: Colour
+    good: Colour
+    fair: Colour
+    bad: Colour
+    warning: Colour
+    shadow: Colour
+    lift: float
+    shades: tuple[Colour, ...]
+    ramp: tuple[Colour, ...]
+
+
+LIGHT = Tones(
+    background=(255, 255, 255),
+    lane_background=(247, 248, 250),
+    foreground=(33, 38, 45),
+    muted=(101, 109, 120),
+    faint=(196, 202, 209),
+    on_accent=(255, 255, 255),
+    grid=(231, 234, 238),
+    steel=(170, 178, 187),
+    accent=(0, 114, 178),
+    good=(0, 120, 88),
+    fair=(158, 98, 0),
+    bad=(176, 18, 38),
+    warning=(190, 60, 0),
+    shadow=(33, 38, 45),
+    lift=0.0,
+    shades=((255, 255, 255), (198, 222, 240), (86, 160, 211), (0, 94, 160), (10, 34, 82)),
+    ramp=((72, 26, 108), (62, 74, 137), (38, 130, 142), (53, 183, 121), (190, 200, 50)),
+)
+DARK = Tones(
+    background=(24, 27, 32),
+    lane_background=(31, 35, 41),
+    foreground=(231, 234, 238),
+    muted=(152, 161, 172),
+    faint=(78, 85, 95),
+    on_accent=(255, 255, 255),
+    grid=(47, 52, 60),
+    steel=(126, 135, 146),
+    accent=(31, 128, 193),
+    good=(70, 190, 150),
+    fair=(230, 170, 60),
+    bad=(255, 110, 110),
+    warning=(255, 140, 80),
+    shadow=(0, 0, 0),
+    lift=0.16,
+    shades=((24, 27, 32), (21, 62, 104), (31, 128, 193), (128, 196, 240), (236, 247, 255)),
+    ramp=((120, 86, 190), (92, 110, 200), (60, 150, 170), (60, 190, 130), (205, 214, 80)),
+)
+THEMES: dict[str, Tones] = {"light": LIGHT, "dark": DARK}
+tones = replace(LIGHT)  # those in use; films, pages and figures are light
 
 OKABE_ITO: tuple[Colour, ...] = (
     (0, 114, 178),  # blue: the striker, as in Fig. 1
@@ -23,8 +94,22 @@ OKABE_ITO: tuple[Colour, ...] = (
     (86, 180, 233),  # sky blue
     (96, 96, 96),  # grey in place of yellow, which is hard to see on white
 )
-# From dark to light, so that neighbours in a long chain differ in lightness.
-RAMP: tuple[Colour, ...] = ((72, 26, 108), (62, 74, 137), (38, 130, 142), (53, 183, 121), (190, 200, 50))
+# Those of beads: Okabe and Ito's, and five that lie as far from them and from each other as colour-blind people need.
+BEAD_COLOURS: tuple[Colour, ...] = (
+    *OKABE_ITO,
+    (62, 66, 214),  # indigo
+    (150, 20, 30),  # dark red
+    (120, 40, 150),  # purple
+    (160, 130, 255),  # lavender
+    (136, 196, 92),  # lime
+)
+BRIGHT = 0.30  # relative luminance from which a colour takes dark text: there dark and white are as easy to read
+
+
+def use_theme(name: str) -> None:
+    """Draw in the colours of a theme of THEMES from now on; what was drawn before is not drawn again."""
+    for field in fields(Tones):
+        setattr(tones, field.name, getattr(THEMES[name], field.name))
 
 
 def mix(colour: Colour, other: Colour, share: float) -> Colour:
@@ -33,14 +118,26 @@ def mix(colour: Colour, other: Colour, share: float) -> Colour:
     return round(red * rest + a * share), round(green * rest + b * share), round(blue * rest + c * share)
 
 
+def luminance(colour: Colour) -> float:
+    """Relative luminance (0 to 1) of a colour, as the rules for readable text (WCAG) define it."""
+    linear = ((c / 255.0 + 0.055) / 1.055 if c > 10 else c / 255.0 / 12.92 for c in colour)
+    red, green, blue = (value**2.4 if value > 0.04 else value for value in linear)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def text_on(colour: Colour) -> Colour:
+    """The colour of text on `colour`: dark on bright ones."""
+    return LIGHT.foreground if luminance(colour) > BRIGHT else LIGHT.background
+
+
 def bead_colours(count: int) -> tuple[Colour, ...]:
     """The colours of `count` beads. A contact has the colour of the bead on its right, which it pushes."""
-    if count <= len(OKABE_ITO):
-        return OKABE_ITO[:count]
+    if count <= len(BEAD_COLOURS):
+        return tuple(mix(colour, (255, 255, 255), tones.lift) for colour in BEAD_COLOURS[:count])
     return tuple(_ramp(i / (count - 1)) for i in range(count))
 
 
 def _ramp(share: float) -> Colour:
-    place = share * (len(RAMP) - 1)
-    k = min(int(place), len(RAMP) - 2)
-    return mix(RAMP[k], RAMP[k + 1], place - k)
+    place = share * (len(tones.ramp) - 1)
+    k = min(int(place), len(tones.ramp) - 2)
+    return mix(tones.ramp[k], tones.ramp[k + 1], place - k)

@@ -8,11 +8,11 @@ import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Panel, decade_axis, linear_axis
 from softcradle.sandbox.draw.energy_bars import EnergyBars
-from softcradle.sandbox.draw.lane_drawing import LaneDrawing
+from softcradle.sandbox.draw.lane_drawing import KEY, LaneDrawing
 from softcradle.sandbox.draw.layout import LaneLayout, Layout, picture_layout
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.number_format import factor, fixed, subscript, time_unit
-from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, LANE_BACKGROUND, MUTED, mix
+from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.motion import Array, Motion
@@ -63,28 +63,29 @@ class Picture:
             self._write_text(surface, min(text_opacity, 1.0))
 
     def _backdrop(self, surface: pygame.Surface) -> None:
-        surface.fill(BACKGROUND)
+        surface.fill(tones.background)
         header, unit = self.layout.header, self.layout.unit
         room, line_y = header.width - 200 * unit, header.top + 35 * unit
         title = shortened(self.scene.title, 25 * unit, room, bold=True)
-        write(surface, title, header.topleft, 25 * unit, FOREGROUND, bold=True)
+        write(surface, title, header.topleft, 25 * unit, tones.foreground, bold=True)
         line = "  ·  ".join(part for part in (self.scene.source, self.motions[0].method) if part)
-        write(surface, shortened(line, 14 * unit, room), (header.left, line_y), 14 * unit, MUTED)
-        write(surface, _speed(self.slow), (header.right, line_y), 14 * unit, MUTED, align=(1, 0))
+        write(surface, shortened(line, 14 * unit, room), (header.left, line_y), 14 * unit, tones.muted)
+        write(surface, _speed(self.slow), (header.right, line_y), 14 * unit, tones.muted, align=(1, 0))
         for lane in self.lanes:
             lane.backdrop(surface)
 
     def _write_text(self, surface: pygame.Surface, opacity: float) -> None:
-        """Write the scene's text above the beads of the first lane."""
+        """Write the scene's text above the beads of the first lane, and below its key."""
         drawing, unit = self.lanes[0].drawing, self.layout.unit
         size = min(15.5 * unit, drawing.rect.width / 42)
         lines = wrapped(self.scene.text, size, 0.62 * drawing.rect.width)
-        y = (drawing.rect.top + drawing.bar_base + 10 * unit) / 2 - 0.7 * size * len(lines)
+        centred = (drawing.rect.top + drawing.bar_base + 10 * unit) / 2 - 0.7 * size * len(lines)
+        y = max(centred, drawing.rect.top + (KEY + 2) * unit)
         veil = pygame.Surface((round(0.64 * drawing.rect.width), round(1.4 * size * len(lines))), 0, 32)
-        veil.fill(LANE_BACKGROUND)
+        veil.fill(tones.lane_background)
         veil.set_alpha(round(255 * opacity))
         surface.blit(veil, veil.get_rect(midtop=(drawing.rect.centerx, round(y))))
-        colour = mix(LANE_BACKGROUND, FOREGROUND, opacity)
+        colour = mix(tones.lane_background, tones.foreground, opacity)
         for k, line in enumerate(lines):
             write(surface, line, (drawing.rect.centerx, y + 1.4 * size * k), size, colour, align=(0.5, 0))
 
@@ -94,7 +95,7 @@ class Picture:
         size, name = time_unit(span)
         decimals = max(0, 3 - int(np.floor(np.log10(span / size))))
         text = f"t = {fixed(time / size, decimals)} {name}"
-        write(surface, text, header.topright, 25 * unit, FOREGROUND, bold=True, align=(1, 0))
+        write(surface, text, header.topright, 25 * unit, tones.foreground, bold=True, align=(1, 0))
 
 
 class _LanePicture:

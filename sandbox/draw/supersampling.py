@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, Colour, mix
+from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 
 SUBPIXELS = 4  # factor of supersampling, and the number of positions within a pixel
@@ -83,10 +83,10 @@ def marker_sprite(shape: int, radius: float, colour: Colour) -> Sprites:
 
     def paint(fine: pygame.Surface, shift: float) -> None:
         centre = (side / 2 * SUBPIXELS + shift, side / 2 * SUBPIXELS)
-        for tint, size in ((BACKGROUND, radius + MARKER_RIM), (colour, radius)):
+        for tint, size in ((tones.background, radius + MARKER_RIM), (colour, radius)):
             _marker(fine, tint, shape % MARKERS, centre, size * SUBPIXELS)
 
-    return make_sprites((side, side), BACKGROUND, paint)
+    return make_sprites((side, side), tones.background, paint)
 
 
 def draw_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:

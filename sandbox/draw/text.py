@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import pygame
-from softcradle.sandbox.draw.palette import FOREGROUND, Colour
+from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.resources import resource
 
@@ -21,7 +21,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
 
 
 @cached_surfaces(6)
-def rendered(text: str, size: int, colour: Colour = FOREGROUND, bold: bool = False) -> pygame.Surface:
+def rendered(text: str, size: int, colour: Colour, bold: bool = False) -> pygame.Surface:
     """`text` on a transparent surface. The surface is cached and must not be drawn on."""
     return font(size, bold).render(text, True, colour)
 
@@ -31,13 +31,16 @@ def write(
     text: str,
     place: tuple[float, float],
     size: float,
-    colour: Colour = FOREGROUND,
+    colour: Colour | None = None,
     *,
     bold: bool = False,
     align: tuple[float, float] = (0.0, 0.0),
 ) -> pygame.Rect:
-    """Write one line; `align` is the point of the text that lies at `place`: (0, 0) top left, (0.5, 1) bottom centre."""
-    image = rendered(text, round(size), colour, bold)
+    """Write one line, in the foreground where no `colour` is given.
+
+    `align` is the point of the text that lies at `place`: (0, 0) top left, (0.5, 1) bottom centre.
+    """
+    image = rendered(text, round(size), tones.foreground if colour is None else colour, bold)
     width, height = image.get_size()
     return surface.blit(image, (round(place[0] - align[0] * width), round(place[1] - align[1] * height)))
 

@@ -13,7 +13,7 @@ SOFT = parse("""
 title = "Soft"
 [[lanes]]
 beads = [1, 3]
-contact = {law = "power", f0 = 1.0, alpha = 0.25}
+contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
 velocity = 1.0
 """)
 

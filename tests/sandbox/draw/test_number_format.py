@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw.number_format import (
+    MINUS,
     decades,
     factor,
     fixed,
@@ -48,3 +49,8 @@ def test_steps_are_round(span, most):
 )
 def test_numbers(found, expected):
     assert found == expected
+
+
+def test_large_ticks_have_the_prefix_of_a_unit():
+    assert [text for _, text in ticks(0.0, 1.4e6, 3)] == ["0", "500 k", "1 M"]
+    assert [text for _, text in ticks(-2e4, 2e4, 4)] == [f"{MINUS}20 k", f"{MINUS}10 k", "0", "10 k", "20 k"]

@@ -6,7 +6,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw import Picture, draw, scales_of
-from softcradle.sandbox.draw.palette import BACKGROUND, STEEL
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.film.codecs import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
@@ -21,7 +21,7 @@ source = "Fig. 0"
 [[lanes]]
 label = "soft"
 beads = [1, 3]
-contact = {law = "power", f0 = 1.0, alpha = 0.25}
+contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
 velocity = 1.0
 """
 TWO = (
@@ -50,7 +50,7 @@ title = "Wall"
 [[lanes]]
 mass = [1.0, 2.0, 0.5, inf]
 velocity = [1.0, 0.0, 0.0, 0.0]
-contact = [{law = "step", f0 = 1.0}, {law = "draft_gear", stiffness = 5.0, precompression = 0.1},
+contact = [{law = "step_force", f0 = 1.0}, {law = "draft_gear", stiffness = 5.0, precompression = 0.1},
            {law = "hooke", stiffness = 10.0}]
 gap = 0.3
 """
@@ -153,7 +153,9 @@ def test_piston_moves_in_by_the_magnified_overlap():
     drawing = picture.lanes[0].drawing
     rows = [int(np.argmin(np.abs(motions[0].time))), strongest_row(motions)]
     y = round(drawing.ground - 0.33 * drawing.bead)
-    rods = [near(painted(picture, row)[y, drawing.rect.left : drawing.rect.right], STEEL, 3).sum() for row in rows]
+    rods = [
+        near(painted(picture, row)[y, drawing.rect.left : drawing.rect.right], tones.steel, 3).sum() for row in rows
+    ]
     moved = picture.scales.magnify * drawing.scale * motions[0].overlap[rows[1], 0]
     assert moved > 8
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
@@ -200,8 +202,8 @@ def test_any_size(two, size):
     scene, motions = two
     pixels = painted(Picture(scene, motions, size), 40, text_opacity=1.0)
     assert pixels.shape == (size[1], size[0], 3)
-    assert 0.01 < (~near(pixels, BACKGROUND)).mean() < 0.9
-    assert near(pixels[0, 0], BACKGROUND)
+    assert 0.01 < (~near(pixels, tones.background)).mean() < 0.9
+    assert near(pixels[0, 0], tones.background)
 
 
 @pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
@@ -209,7 +211,7 @@ def test_any_chain(text):
     scene, motions = motions_of(text, 20.0)
     picture = Picture(scene, motions, SIZE)
     frames = [painted(picture, row) for row in (0, len(motions[0].time) // 2, len(motions[0].time) - 1)]
-    assert all((~near(frame, BACKGROUND)).mean() > 0.02 for frame in frames)
+    assert all((~near(frame, tones.background)).mean() > 0.02 for frame in frames)
     assert (frames[0] != frames[-1]).any()
 
 

@@ -1,0 +1,42 @@
+"""What is written on the window: every text with its place, taken from the one function that writes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import pygame
+from softcradle.sandbox.draw import text
+
+
+class DrawnText(NamedTuple):
+    """A text and where it is, whole: parts that the clip of the surface cuts off count too."""
+
+    text: str
+    rect: pygame.Rect
+
+
+@contextmanager
+def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
+    """The texts that are written on surfaces of that size while the context is open."""
+    found: list[DrawnText] = []
+    original = text.write
+
+    def write(surface, words, place, size_of_text, colour=None, *, bold=False, align=(0.0, 0.0)):
+        if surface.get_size() == tuple(size) and words:
+            wide, high = text.rendered(words, round(size_of_text), (0, 0, 0), bold).get_size()
+            left, top = round(place[0] - align[0] * wide), round(place[1] - align[1] * high)
+            found.append(DrawnText(words, pygame.Rect(left, top, wide, high)))
+        return original(surface, words, place, size_of_text, colour, bold=bold, align=align)
+
+    users = [module for name, module in list(sys.modules.items()) if name.startswith("softcradle.")]
+    users = [module for module in users if getattr(module, "write", None) is original]
+    for module in users:
+        module.write = write
+    try:
+        yield found
+    finally:
+        for module in users:
+            module.write = original
