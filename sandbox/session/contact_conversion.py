@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact, hertz, power_law
@@ -11,6 +13,7 @@ KINDS = ("power", "gear", "hard")
 SOFT_EXPONENT = 0.1  # of a power law converted from another kind: alpha = 1/10, the paper's first
 PRELOAD_SHARE = 0.9  # of the energy of an impact that the preload of a converted gear takes up
 HARD_DEPTH = 0.05  # of the depth of a soft contact: a locked piston yields twenty times less
+DEEPEST = 0.2  # of a bead's length: depth of a converted contact; clusters press theirs up to five times as deep
 HALVINGS = 60  # of the bracket of a depth: its last digit
 
 
@@ -21,19 +24,20 @@ def kind_of(contact: Contact) -> str:
     return "power" if contact.exponent < 1.0 else "hard"
 
 
-def converted_contact(chain: Chain, index: int, kind: str, speed: float) -> Contact:
+def converted_contact(chain: Chain, index: int, kind: str, speed: float, length: float = math.inf) -> Contact:
     """Contact `index` of `chain` as `kind`: it stops the same impact at `speed` [m/s] within the same depth.
 
-    A hard one is Hertz's and does it within a twentieth of the depth. ValueError for an unknown kind.
+    A hard one is Hertz's and does it within a twentieth of the depth. One made of a hard one has no depth beyond a fifth
+    of `length` [m], that of a bead: beads would pass through each other. ValueError for an unknown kind.
     """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of contact {kind!r}; there are {', '.join(KINDS)}")
-    contact = chain.contact[index]
+    contact = chain.power_laws[index]
     present = kind_of(contact)
     if present == kind:
         return contact
     energy, depth = impact_energy(chain, index, speed)
-    soft_depth = depth / HARD_DEPTH if present == "hard" else depth
+    soft_depth = min(depth / HARD_DEPTH, max(depth, DEEPEST * length)) if present == "hard" else depth
     if kind == "power":
         factor = (1.0 + SOFT_EXPONENT) * energy / soft_depth ** (1.0 + SOFT_EXPONENT)
         return power_law(factor, SOFT_EXPONENT, contact.loss)
@@ -58,5 +62,5 @@ def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]
     low, high = 0.0, float(contact_scales(chain, np.array([0.0, speed]))[0][index])  # an upper bound of the depth
     for _ in range(HALVINGS):
         depth = 0.5 * (low + high)
-        low, high = (depth, high) if float(chain.contact[index].energy(depth)) < energy else (low, depth)
+        low, high = (depth, high) if float(chain.power_laws[index].energy(depth)) < energy else (low, depth)
     return energy, high

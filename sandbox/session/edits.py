@@ -6,21 +6,29 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import singledispatch
+from typing import NamedTuple
 
 import numpy as np
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
+from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact
+from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.placement import displace, place_bead, set_velocity, state_from_bead_0
 
 MOST_BEADS = 400  # of a lane that beads are added to
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits
-LEAST_EXPONENT = 1e-3  # of a typed law
-MOST_EXPONENT = 10.0  # of a typed law
 Changed = tuple[LaneSetup, State]
+
+
+class ContactChange(NamedTuple):
+    """A contact after an edit: its law, the one to restore when it is unlocked, the one that it was converted from."""
+
+    law: Contact
+    locked: Contact | None = None
+    origin: Contact | None = None
 
 
 @singledispatch
@@ -64,24 +72,29 @@ def _(item: inputs.SetMass, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetContact, setup: LaneSetup, state: State) -> Changed:
     _check_law(item.law)
-    return _with_contacts(setup, state, item.contact, lambda index: (item.law, None))
+    return _with_contacts(setup, state, item.contact, lambda index: ContactChange(item.law))
 
 
 @edited.register
 def _(item: inputs.SetKind, setup: LaneSetup, state: State) -> Changed:
-    chain, speed = setup.chain, setup.speed
-    return _with_contacts(
-        setup, state, item.contact, lambda index: (converted_contact(chain, index, item.kind, speed), None)
-    )
+    def converted(index: int) -> ContactChange:
+        present = setup.chain.power_laws[index]
+        origin = setup.origin_of(index) or present
+        chain = replace(setup.chain, contact=_put(setup.chain.power_laws, index, origin))
+        law = converted_contact(chain, index, item.kind, setup.speed, setup.length)
+        return ContactChange(present if kind_of(present) == item.kind else law, origin=origin)
+
+    return _with_contacts(setup, state, item.contact, converted)
 
 
 @edited.register
 def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
-    def locked(index: int) -> tuple[Contact, Contact | None]:
-        contact, soft = setup.chain.contact[index], setup.locked[index]
+    def locked(index: int) -> ContactChange:
+        contact, soft, origin = setup.chain.power_laws[index], setup.locked[index], setup.origin_of(index)
         if item.locked:
-            return (contact, soft) if soft else (hard_contact(setup.chain, index, setup.speed), contact)
-        return (soft or contact), None
+            hard = contact if soft else hard_contact(setup.chain, index, setup.speed)
+            return ContactChange(hard, locked=soft or contact, origin=origin)
+        return ContactChange(soft or contact, origin=origin)
 
     return _with_contacts(setup, state, item.contact, locked)
 
@@ -135,17 +148,22 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
     if not math.isinf(item.mass):
         _finite("mass", item.mass)
     near = min(max(item.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
-    law = chain.contact[near] if item.law is None else item.law
+    law = chain.power_laws[near] if item.law is None else item.law
     _check_law(law)
     masses = [*chain.mass[: item.bead], item.mass, *chain.mass[item.bead :]]
-    contacts, gaps = list(chain.contact), list(chain.gap)
+    contacts, gaps = list(chain.power_laws), list(chain.gap)
     at = min(item.bead, n)
     contacts.insert(at, law)
     gaps.insert(at, 0.0)
     locked = (*setup.locked[:at], None, *setup.locked[at:])
+    origin = (*setup.origin[:at], None, *setup.origin[at:]) if setup.origin else ()
     drive = None if chain.drive is None else (*chain.drive[: item.bead], 0.0, *chain.drive[item.bead :])
-    longer = Chain(masses, contacts, gaps, drive, chain.friction)
-    return setup.with_chain(longer, locked), _inserted(chain, longer, state, item.bead, abs(_finite("gap", item.gap)))
+    moved = [i + (i >= item.bead) for i in range(n + 1)]
+    forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
+    longer = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
+    return setup.with_chain(longer, locked, origin), _inserted(
+        chain, longer, state, item.bead, abs(_finite("gap", item.gap))
+    )
 
 
 def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
@@ -178,7 +196,10 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     rest = [i for i in range(n) if i != removed]
     masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
     drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != item.bead]
-    shorter = Chain(masses, [chain.contact[i] for i in rest], [chain.gap[i] for i in rest], drive, chain.friction)
+    moved = [None if i == item.bead else i - (i > item.bead) for i in range(n + 1)]
+    forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
+    contacts, gaps = [chain.power_laws[i] for i in rest], [chain.gap[i] for i in rest]
+    shorter = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
     position, velocity = state.position(chain), state.velocity(chain)
     overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
     if 0 < item.bead < n:
@@ -187,30 +208,37 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
         force[item.bead - 1] = shorter.contact[item.bead - 1].force(float(overlap[item.bead - 1]))
     start = 1 if item.bead == 0 else 0
     first = float(position[start]), float(velocity[start])
-    locked = tuple(setup.locked[i] for i in rest)
-    return setup.with_chain(shorter, locked), state_from_bead_0(shorter, state.time, (overlap, rate, force), first)
+    locked, origin = tuple(setup.locked[i] for i in rest), tuple(setup.origin_of(i) for i in rest)
+    kept = origin if any(origin) else ()
+    return setup.with_chain(shorter, locked, kept), state_from_bead_0(
+        shorter, state.time, (overlap, rate, force), first
+    )
 
 
 def _with_contacts(
-    setup: LaneSetup, state: State, index: int | None, law: Callable[[int], tuple[Contact, Contact | None]]
+    setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]
 ) -> Changed:
-    """The lane with contact `index` (None: each) replaced; `law` gives the contact and the law to restore when unlocked."""
+    """The lane with contact `index` (None: each) replaced by what `change` makes of it."""
     _check_index("contact", index, setup.chain.contacts)
-    contacts, locked = list(setup.chain.contact), list(setup.locked)
+    contacts, locked = list(setup.chain.power_laws), list(setup.locked)
+    origin = [setup.origin_of(i) for i in range(len(contacts))]
     for i in range(len(contacts)) if index is None else (index,):
-        contacts[i], locked[i] = law(i)
-    return _with_chain(setup, state, replace(setup.chain, contact=tuple(contacts)), tuple(locked))
+        contacts[i], locked[i], origin[i] = change(i)
+    kept = tuple(origin) if any(origin) else ()
+    return setup.with_chain(replace(setup.chain, contact=tuple(contacts)), tuple(locked), kept), state
 
 
-def _with_chain(
-    setup: LaneSetup, state: State, chain: Chain, locked: tuple[Contact | None, ...] | None = None
-) -> Changed:
+def _put(contacts: tuple[Contact, ...], index: int, law: Contact) -> tuple[Contact, ...]:
+    return *contacts[:index], law, *contacts[index + 1 :]
+
+
+def _with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
     """The lane with `chain`, which has as many beads; the state follows to another anchor bead."""
     anchor = chain.anchor
     if anchor != setup.chain.anchor:
         both = state.position(setup.chain)[anchor], state.velocity(setup.chain)[anchor]
         state.anchor[:] = both
-    return setup.with_chain(chain, locked), state
+    return setup.with_chain(chain), state
 
 
 def _check_index(name: str, index: int | None, count: int) -> None:
@@ -219,11 +247,9 @@ def _check_index(name: str, index: int | None, count: int) -> None:
 
 
 def _check_law(law: Contact) -> None:
-    """Refuse a law whose numbers are beyond any use: a slip of the keyboard."""
+    """Refuse a law whose numbers are beyond any use, a slip of the keyboard; a Contact has checked its exponent itself."""
     for name, number in (("preload", law.preload), ("stiffness", law.stiffness)):
         _finite(name, number)
-    if not LEAST_EXPONENT <= law.exponent <= MOST_EXPONENT:
-        raise ValueError(f"an exponent must be from {LEAST_EXPONENT:g} to {MOST_EXPONENT:g}, not {law.exponent!r}")
 
 
 def _finite(name: str, number: float) -> float:

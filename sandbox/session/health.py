@@ -19,6 +19,8 @@ GOOD, FAIR, BAD = "good", "fair", "bad"
 LEVELS = (GOOD, FAIR, BAD)
 FAIR_ERROR = 1e-3  # relative, the largest that is good: half a pixel of a plot
 BAD_ERROR = 1e-2  # relative, the largest that is fair: beyond it an eye sees it in the motion
+FAIR_VELOCITY = 1e-2  # of the closing speed, the largest velocity error that is good
+BAD_VELOCITY = 0.1  # of the closing speed, the largest that is fair
 MOST_CHATTER = 1.0  # switches per plausible switch
 FINE_STEPS = 8.0  # to the shortest contact: with fewer, velocities lose digits
 COARSE_STEPS = 2.0  # to the shortest contact: with fewer, velocities are arbitrary
@@ -37,6 +39,7 @@ class Health:
         chatter: contact switches over the last second of wall time, relative to the most that is plausible; above 1 a
             method only seems to hold contacts closed.
         steps_a_contact: steps to the shortest contact at the scene's speed; inf for adaptive methods.
+        velocity_error: of an accurate run behind, relative to the closing speed; None where it is not known.
         milliseconds: wall time of physics a frame, all lanes together.
         level: 'good', 'fair' or 'bad'.
         sentence: why, and what to do about it.
@@ -49,26 +52,45 @@ class Health:
     milliseconds: float
     level: str
     sentence: str
+    velocity_error: float | None = None
 
 
 def health_of(
-    slices: Sequence[HistorySlice], setup: LaneSetup, frame_time: float, pacer: FramePacer, warning: str = ""
+    slices: Sequence[HistorySlice],
+    setup: LaneSetup,
+    frame_time: float,
+    pacer: FramePacer,
+    warning: str = "",
+    length: float = math.inf,
+    velocity_error: float | None = None,
 ) -> Health:
-    """The health of a lane at the end of `slices`, its last :data:`WINDOW` frames; `warning` is that of its method."""
+    """The health of a lane at the end of `slices`, its last :data:`WINDOW` frames.
+
+    `warning` is that of its method; `length` [m] that of a bead: a deeper overlap means that it has passed its neighbour;
+    `velocity_error` that of an accurate run behind, where it is known.
+    """
     chain = setup.chain
     ledger, walls = slices[-1].ledger[-1], slices[-1].velocity[-1][np.isinf(chain.mass)]
-    unknown = walls.size and (np.ptp(walls) > 0.0 or (chain.friction and walls.any()))
+    unknown = walls.size and (np.ptp(walls) > 0.0 or (chain.on_bed and walls.any()))
     energy = None if unknown else float(energy_error(ledger))
-    momentum = None if walls.size or chain.friction else float(momentum_error(ledger))
+    momentum = None if walls.size or chain.on_bed else float(momentum_error(ledger))
     step = setup.step_for(frame_time)
     steps = contact_time(chain, setup.speed) / step if step else math.inf
     chatter = _chatter(slices, setup)
     level, sentence = _verdict(setup, (energy or 0.0, momentum or 0.0), chatter, steps)
+    passed = np.flatnonzero(slices[-1].overlap[-1] > length)
+    if passed.size and level != BAD:
+        bead = int(passed[0])
+        text = f"beads {bead} and {bead + 1} have passed through each other: the contact is too weak for this speed"
+        level, sentence = BAD, text
     if warning and level != BAD:
         level, sentence = BAD, warning
+    if level == GOOD and velocity_error is not None and velocity_error > FAIR_VELOCITY:
+        level = BAD if velocity_error > BAD_VELOCITY else FAIR
+        sentence = f"velocities are off by {_percent(velocity_error)} of the closing speed: take more slow motion"
     if level == GOOD and pacer.clock_ratio < ON_TIME:
         level, sentence = FAIR, f"{_percent(pacer.clock_ratio)} of the set speed: a frame takes too long"
-    return Health(energy, momentum, chatter, steps, pacer.milliseconds, level, sentence)
+    return Health(energy, momentum, chatter, steps, pacer.milliseconds, level, sentence, velocity_error)
 
 
 def _chatter(slices: Sequence[HistorySlice], setup: LaneSetup) -> float:

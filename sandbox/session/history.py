@@ -111,13 +111,12 @@ class Block:
         if self.setups[-1][0] == self.used:
             self.setups.pop()
 
-    def cut(self, rows: int) -> None:
-        """Drop all but the first `rows` rows, and the room for more."""
-        self.used = rows
-        self.revision += 1
-        self.time, self.held = self.time[:rows].copy(), self.held[:rows].copy()
-        self.lanes = [lane.cut(rows) for lane in self.lanes]
-        self.setups = [item for item in self.setups if item[0] < rows]
+    def cut(self, rows: int) -> Block:
+        """A copy of the first `rows` rows, without the room for more."""
+        lanes, setups = [lane.cut(rows) for lane in self.lanes], [item for item in self.setups if item[0] < rows]
+        return Block(
+            self.first, self.widths, self.time[:rows].copy(), self.held[:rows].copy(), lanes, rows, setups=setups
+        )
 
 
 class History:
@@ -162,7 +161,7 @@ class History:
         """Add a frame at the end."""
         block = self.blocks[-1]
         if block.used == len(block.time) or block.widths != _widths(snapshot):
-            block.cut(block.used)
+            self._seal()
             self._add_block(self.last + 1, snapshot)
         self.blocks[-1].add(snapshot)
 
@@ -172,11 +171,15 @@ class History:
         block.drop_last()
         if block.widths != _widths(snapshot):
             if block.used:
-                block.cut(block.used)
+                self._seal()
             else:
                 self.blocks.pop()
             self._add_block(frame, snapshot)
         self.blocks[-1].add(snapshot)
+
+    def _seal(self) -> None:
+        """Give back the room for more in the newest block."""
+        self.blocks[-1] = self.blocks[-1].cut(self.blocks[-1].used)
 
     def _add_block(self, first: int, snapshot: Snapshot) -> None:
         """Begin a block at frame `first`, and drop the oldest blocks beyond the bound."""
@@ -190,7 +193,17 @@ class History:
             return
         while self.blocks[-1].first > frame:
             self.blocks.pop()
-        self.blocks[-1].cut(frame - self.blocks[-1].first + 1)
+        self.blocks[-1] = self.blocks[-1].cut(frame - self.blocks[-1].first + 1)
+
+    def copy_blocks(self) -> tuple[Block, ...]:
+        """All blocks as they are now; full ones are shared, for they never change again."""
+        *full, newest = self.blocks
+        return *full, newest.cut(newest.used)
+
+    def restore(self, blocks: tuple[Block, ...]) -> None:
+        """Take the blocks that :meth:`copy_blocks` gave, which can be taken again."""
+        *full, newest = blocks
+        self.blocks = deque((*full, newest.cut(newest.used)))
 
     def snapshot(self, frame: int) -> Snapshot:
         """The frame `frame`. IndexError where it is not in the history."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -31,8 +32,10 @@ class LaneSetup:
         step_given: True: a person has typed the step; False: it is chosen, again after every edit.
         tolerance: of adaptive methods.
         locked: per contact the law it had before its piston was locked, else None.
+        origin: per contact the law that it was converted from, which every further conversion starts from, else None.
         speed: closing speed [m/s] of this scene; it scales steps, the pointer spring and errors.
         start: the State to which a restart goes back; never changed in place.
+        length: of a bead [m], beyond which no converted contact may be pressed.
     """
 
     label: str
@@ -45,6 +48,8 @@ class LaneSetup:
     locked: tuple[Contact | None, ...]
     speed: float
     start: State = field(compare=False, repr=False)
+    origin: tuple[Contact | None, ...] = ()
+    length: float = math.inf
 
     def with_start(self, start: State) -> LaneSetup:
         """The same lane with another start."""
@@ -54,10 +59,20 @@ class LaneSetup:
         """The same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
         return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()
 
-    def with_chain(self, chain: Chain, locked: tuple[Contact | None, ...] | None = None) -> LaneSetup:
+    def with_chain(
+        self,
+        chain: Chain,
+        locked: tuple[Contact | None, ...] | None = None,
+        origin: tuple[Contact | None, ...] | None = None,
+    ) -> LaneSetup:
         """The same lane with another chain; a chosen step is chosen again. ValueError where the method refuses the chain."""
         _check_dissipative(chain, self.method)
-        return replace(self, chain=chain, locked=self.locked if locked is None else locked).with_choice()
+        locked, origin = self.locked if locked is None else locked, self.origin if origin is None else origin
+        return replace(self, chain=chain, locked=locked, origin=origin).with_choice()
+
+    def origin_of(self, contact: int) -> Contact | None:
+        """The law that a contact was converted from; None where it has not been converted."""
+        return self.origin[contact] if self.origin else None
 
     def with_choice(self) -> LaneSetup:
         """The same lane; method and step are chosen again where nobody has given them."""
@@ -127,6 +142,7 @@ def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
         locked=(None,) * chain.contacts,
         speed=speed,
         start=State.at_start(chain, lane.velocity),
+        length=scene.view.length,
     )
     if scene.method is not None:
         setup = setup.with_method(scene.method)

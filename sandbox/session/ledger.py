@@ -52,7 +52,7 @@ class External(NamedTuple):
     """What came from outside in one frame.
 
     Attributes:
-        work, impulse: of the pointer spring and the drive [J], [N s].
+        work, impulse: of the pointer spring, the drive and forces over time [J], [N s].
         wall_velocity: of each wall [m/s].
         absorbed: (2,) energy [J] that contacts and the bed absorbed.
     """
@@ -72,13 +72,13 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
     ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
     ledger[ENERGY_BOOKED] += external.work - external.absorbed.sum()
     ledger[MOMENTUM_BOOKED] += external.impulse
-    if chain.friction and not external.wall_velocity.any():
+    if chain.on_bed and not external.wall_velocity.any():
         ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
         return
     if not chain.walls:
         return
     by_walls = ledger[MOMENTUM] - before[MOMENTUM] - external.impulse
-    if np.ptp(external.wall_velocity) == 0.0 and not chain.friction:
+    if np.ptp(external.wall_velocity) == 0.0 and not chain.on_bed:
         ledger[ENERGY_BOOKED] += float(external.wall_velocity[0]) * by_walls
     else:
         ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]

@@ -60,11 +60,6 @@ class LiveLane:
         return cls(setup, state, new_ledger(setup.chain, state))
 
     @property
-    def label(self) -> str:
-        """What is written beside it."""
-        return self.setup.label
-
-    @property
     def chain(self) -> Chain:
         """The chain."""
         return self.setup.chain
@@ -111,7 +106,7 @@ class LiveLane:
         """
         chain, state, setup = self.chain, self.state, self.setup
         before, closed, switches = self.position, state.closed, state.switches
-        absorbed = state.absorbed.copy()
+        absorbed, given = state.absorbed.copy(), state.given.copy()
         state.push = self._push(bead, pointer, frequency)
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
         self._take_warning(" ".join(map(str, state.warnings)))
@@ -119,7 +114,9 @@ class LiveLane:
             raise BlownUpError(f"{setup.method} has blown up: take conserving or a smaller step")
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
-        book_frame(chain, self.ledger, ledger, self._external(before, duration, state.absorbed - absorbed))
+        book_frame(
+            chain, self.ledger, ledger, self._external(before, duration, state.absorbed - absorbed, state.given - given)
+        )
         seen = int(np.count_nonzero(closed != state.closed))
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger
@@ -142,16 +139,17 @@ class LiveLane:
         push[bead] = spring_force(self.setup, bead, offset, velocity, frequency)
         return push
 
-    def _external(self, before: Array, duration: float, absorbed: Array) -> External:
-        """What pointer spring and drive did in a frame that began at the positions `before`."""
+    def _external(self, before: Array, duration: float, absorbed: Array, given: Array) -> External:
+        """What pointer spring, drive and forces over time, whose work and impulse are `given`, did in a frame that began at
+        the positions `before`."""
         external = self.state.external(self.chain)
         walls = np.isinf(self.chain.mass)
         wall_velocity = self.velocity[walls]
         if external is None:
-            return External(0.0, 0.0, wall_velocity, absorbed)
+            return External(float(given[0]), float(given[1]), wall_velocity, absorbed)
         on_beads = np.where(walls, 0.0, external)
-        work = float(on_beads @ (self.position - before))
-        return External(work, duration * float(on_beads.sum()), wall_velocity, absorbed)
+        work = float(on_beads @ (self.position - before)) + float(given[0])
+        return External(work, duration * float(on_beads.sum()) + float(given[1]), wall_velocity, absorbed)
 
 
 def _within_bounds(state: State) -> bool:

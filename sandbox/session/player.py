@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from time import perf_counter
 
 from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.acceptance import Present, accepted
 from softcradle.sandbox.session.frame_pacing import BUDGET, FramePacer
 from softcradle.sandbox.session.history import MEMORY, History
 from softcradle.sandbox.session.lane_setup import Setup, setup_of
@@ -14,10 +14,9 @@ from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane
 from softcradle.sandbox.session.pointer_spring import spring_frequency
 from softcradle.sandbox.session.recording import Recording
 from softcradle.sandbox.session.snapshots import NOTHING_HELD, HeldBead, Snapshot
+from softcradle.sandbox.session.undo import NAMES as UNDO_NAMES
+from softcradle.sandbox.session.undo import Checkpoint, FrozenSession, UndoStack
 from softcradle.scenes import Scene
-
-FASTEST = 1e-2  # slow motion: least wall seconds for one second of the model
-SLOWEST = 1e6  # slow motion: most wall seconds for one second of the model
 
 
 class Player:
@@ -40,6 +39,7 @@ class Player:
         recording: base, inputs and hashes of all that.
         failure: why the session stopped by itself, in a sentence; empty where it did not.
         last_tick: the frames before and after the last tick.
+        undo_stack: the edits that can be undone and redone.
         pacer: clock ratio and physics milliseconds a frame.
     """
 
@@ -58,6 +58,7 @@ class Player:
         self.scene = scene
         self.history = History(memory)
         self.pacer = FramePacer(budget, clock)
+        self.undo_stack = UndoStack()
         self._open(setup_of(scene))
 
     def _open(self, setup: Setup) -> None:
@@ -143,61 +144,63 @@ class Player:
 
     # ---- inputs
 
-    def apply(self, item: inputs.Input) -> None:
-        """Do what `item` says; it acts from the next frame on. ValueError with a sentence: refused, nothing has changed."""
+    def apply(self, item: inputs.Input, gesture: bool = False) -> None:
+        """Do what `item` says; it acts from the next frame on. ValueError with a sentence: refused, nothing has changed.
+
+        Inputs of one `gesture` (a slider or bead that is dragged) are one undo step, until :meth:`end_gesture`.
+        """
+        self._renew_recording()
+        present = accepted(item, Present(self.setup, self.lanes, self.held), at_start=self.frame == 0)
+        if type(item) in UNDO_NAMES and not self.undo_stack.continues(item, gesture):
+            self.undo_stack.add(item, gesture, self._checkpoint())
         self._branch()
-        self._accept(item)
+        self.setup, self.lanes, self.held = present.setup, present.lanes, present.held
         self.recording.add_input(item)
         self.history.replace_last(self.snapshot())
 
     def drag(self, lane: int, bead: int, position: float) -> None:
         """Drag a bead to the pointer: by a spring while the model runs, by placing it while paused."""
         input_class = inputs.Drag if self.playing else inputs.Place
-        self.apply(input_class(lane, bead, position))
+        self.apply(input_class(lane, bead, position), gesture=True)
 
     def drop(self) -> None:
         """Release the bead that is held."""
+        self.end_gesture()
         if self.held != NOTHING_HELD:
             self.apply(inputs.Drop())
 
-    def _accept(self, item: inputs.Input) -> None:
-        if isinstance(item, inputs.Drag):
-            self.held = self._grasp(item)
-        elif isinstance(item, inputs.Drop):
-            self.held = NOTHING_HELD
-        elif isinstance(item, inputs.Resume):
-            self._show(self.snapshot().copy(), self.frame)
-        elif isinstance(item, inputs.SetSlow):
-            if not FASTEST <= item.slow <= SLOWEST:
-                raise ValueError(f"slow motion must be from {FASTEST:g} to {SLOWEST:g}, not {item.slow!r}")
-            self.setup = replace(self.setup, slow=float(item.slow))
-        else:
-            self._edit(item)
+    def end_gesture(self) -> None:
+        """Let the next input be an undo step of its own: a button or key was let go."""
+        self.undo_stack.end_gesture()
 
-    def _grasp(self, item: inputs.Drag) -> HeldBead:
-        beads = self._lane(item.lane).chain.contacts + 1
-        if not (0 <= item.bead < beads and abs(item.position) < float("inf")):
-            raise ValueError(f"there is no bead {item.bead} to hold at {item.position!r}")
-        return HeldBead(float(item.lane), float(item.bead), float(item.position))
+    def undo(self) -> str:
+        """Pause and go back to before the last edit, to its frame and with the motion as it was; its name, '' without one."""
+        return self._go_to(self.undo_stack.undo(self._checkpoint()))
 
-    def _edit(self, item: inputs.LaneInput) -> None:
-        chosen = range(len(self.lanes)) if item.lane is None else (item.lane,)
-        at_start = self.frame == 0
-        changed = {index: self._lane(index).changed(item, at_start) for index in chosen}
-        self.lanes = [changed.get(index, lane) for index, lane in enumerate(self.lanes)]
-        self.setup = replace(self.setup, lanes=tuple(lane.setup for lane in self.lanes))
-        if isinstance(item, inputs.AddBead | inputs.RemoveBead):
-            self.held = NOTHING_HELD
+    def redo(self) -> str:
+        """Pause and go back to after the edit that was undone last; its name, '' without one."""
+        return self._go_to(self.undo_stack.redo(self._checkpoint()))
 
-    def _lane(self, index: int) -> LiveLane:
-        if not 0 <= index < len(self.lanes):
-            raise ValueError(f"there is no lane {index}; they are numbered 0 to {len(self.lanes) - 1}")
-        return self.lanes[index]
+    def _checkpoint(self) -> FrozenSession:
+        return self.frame, self.history.copy_blocks(), self.recording.copy()
+
+    def _go_to(self, step: Checkpoint | None) -> str:
+        if step is None:
+            return ""
+        self.pause()
+        self.undo_stack.end_gesture()
+        self.history.restore(step.blocks)
+        self._show(self.history.snapshot(step.frame), step.frame)
+        self._from_history, self.failure = True, ""
+        self.last_tick = step.frame, step.frame
+        self.recording = step.recording.copy()
+        return step.name
 
     # ---- frames
 
     def _compute_frame(self) -> bool:
         """One frame: every lane moves on by the same model time. False where a method blew up: paused before it."""
+        self._renew_recording()
         self._branch()
         try:
             self._advance()
@@ -236,7 +239,12 @@ class Player:
             self.history.drop_after(self.frame)
             self.recording.cut(self.frame)
             self.recording.add_input(inputs.Resume())
-        if self.recording.full or self.recording.frame > self.frame:
+        if self.recording.frame > self.frame:
+            self.recording = Recording(self.snapshot().copy(), self.frame)
+
+    def _renew_recording(self) -> None:
+        """Begin a new recording at the frame shown where the present one is full."""
+        if self.recording.full:
             held = self.held
             self._show(self.snapshot().copy(), self.frame)
             self.held = held

@@ -112,7 +112,7 @@ class RandomPlayer:
         contact = min(bead, chain.contacts - 1)
         one_or_all = rng.choice((contact, contact, None))
         mass = rng.choice((10.0 ** rng.uniform(-2.0, 2.0), 1.0, 1.0, math.inf))
-        law = replace(chain.contact[contact], stiffness=10.0 ** rng.uniform(-1.0, 2.0))
+        law = replace(chain.power_laws[contact], stiffness=10.0 ** rng.uniform(-1.0, 2.0))
         crowded = len(chain.mass) >= MOST_BEADS
         return rng.choice(
             (

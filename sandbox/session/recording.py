@@ -63,6 +63,17 @@ class Recording:
         """Record that `snapshot` was reached."""
         self.hashes.append(hash_of(snapshot))
 
+    @property
+    def memory(self) -> int:
+        """Bytes, about."""
+        return 8 * (len(self.inputs) + len(self.hashes))
+
+    def copy(self) -> Recording:
+        """The same recording, to be gone on with apart."""
+        made = Recording(self.base, self.frame)
+        made.inputs, made.hashes = self.inputs.copy(), self.hashes[:]
+        return made
+
     def cut(self, frame: int) -> None:
         """Drop what came after `frame`."""
         del self.hashes[max(0, frame - self.frame) :]
@@ -91,10 +102,12 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
             metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
         if metadata["softcradle recording"] != FORMAT:
             raise UserError(f"{path}: recorded by a later softcradle")
-        recording = Recording(snapshot_from_table(metadata["base"]), int(metadata["frame"]))
+        scene = parse(metadata["scene"])
+        base = snapshot_from_table(metadata["base"], scene.view.length)
+        recording = Recording(base, int(metadata["frame"]))
         recording.inputs = [(int(frame), inputs.from_table(table)) for frame, table in metadata["inputs"]]
         recording.hashes = array("Q", hashes.tolist())
-        return recording, parse(metadata["scene"])
+        return recording, scene
     except OSError as error:
         raise UserError(f"cannot read {path}: {(error.strerror or str(error)).lower()}") from None
     except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError, SceneError):

@@ -15,6 +15,7 @@ class Replay:
 
     Attributes:
         session: the Session that shows it.
+        playing: whether `tick` goes on.
         diverged: the first frame whose state is not the recorded one; None as long as all agree.
     """
 
@@ -23,6 +24,7 @@ class Replay:
         self.session = Session(scene)
         self.session.begin(recording.base, recording.frame)
         self.diverged: int | None = None
+        self.playing = True
         by_frame = groupby(recording.inputs, key=lambda item: item[0])
         self._inputs: dict[int, list[Input]] = {frame: [item for _, item in items] for frame, items in by_frame}
         self._apply_inputs()
@@ -47,7 +49,7 @@ class Replay:
 
     def tick(self, wall_seconds: float) -> int:
         """Go on by `wall_seconds` of the wall clock; returns the frames run."""
-        return self.session.pacer.run(wall_seconds, self.step)
+        return self.session.pacer.run(wall_seconds, self.step) if self.playing else 0
 
     def run(self) -> bool:
         """Run to the end at once; True where every state is the recorded one."""
@@ -75,8 +77,10 @@ class Replay:
             self.diverged = frame
 
     def _apply_inputs(self) -> None:
+        """Apply the inputs of the frame shown; they are in the file already, so none is an unsaved edit."""
         for item in self._inputs.get(self.session.frame, ()):
             try:
                 self.session.apply(item)
             except ValueError:  # it was accepted when it was recorded
                 self._diverge(self.session.frame)
+        self.session.undo_stack.mark_saved()

@@ -7,13 +7,17 @@ from pathlib import Path
 from time import perf_counter
 
 from softcradle.physics.trajectory import Trajectory
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.session.approach import approach_velocity
 from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
 from softcradle.sandbox.session.frame_pacing import BUDGET
 from softcradle.sandbox.session.health import BAD, LEVELS, WINDOW, Health, health_of
 from softcradle.sandbox.session.history import MEMORY
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices, last_slice
+from softcradle.sandbox.session.lane_label import lane_label
 from softcradle.sandbox.session.player import Player
+from softcradle.sandbox.session.run_verdict import Finding, RunVerdicts
 from softcradle.sandbox.session.session_export import scene_of, trajectory_of
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
@@ -33,6 +37,7 @@ class Session(Player):
     ) -> None:
         super().__init__(scene, memory, budget, clock)
         self._events = ContactEventIndex(self.history)
+        self._verdicts = RunVerdicts(self.history, scene.view.length)
 
     # ---- what is shown
 
@@ -55,10 +60,26 @@ class Session(Player):
         found = map(Impact, hits.time.tolist(), hits.lane.tolist(), hits.contact.tolist(), hits.speed.tolist())
         return tuple(hit for hit in found if hit.speed > AUDIBLE * self.setup.lanes[hit.lane].speed)
 
-    def health(self, lane: int) -> Health:
-        """The health of a lane at the frame shown."""
-        slices, live = self.history_slices(lane, WINDOW), self.lanes[lane]
-        return health_of(slices, live.setup, self.setup.frame_time, self.pacer, live.warning)
+    def health(self, lane: int, velocity_error: float | None = None) -> Health:
+        """The health of a lane at the frame shown, with the error that a VelocityCheck has found."""
+        slices, live, length = self.history_slices(lane, WINDOW), self.lanes[lane], self.scene.view.length
+        frame_time, pacer = self.setup.frame_time, self.pacer
+        return health_of(slices, live.setup, frame_time, pacer, live.warning, length, velocity_error)
+
+    def findings(self, lane: int) -> list[Finding]:
+        """What was wrong with a lane in the whole run, in order of time."""
+        return self._verdicts.of(lane)
+
+    def approach(self, lane: int) -> Array:
+        """(n+1,) velocities [m/s] with which the beads went into the collision at the frame shown, or go into the next."""
+        found = approach_velocity(self.history, lane, self.frame)
+        start = self.lanes[lane].setup.start
+        return start.velocity(self.lanes[lane].chain) if found is None else found
+
+    def label(self, lane: int) -> str:
+        """What is written beside a lane: the scene's label, or what its contacts are after an edit."""
+        old, now = self.scene.lanes[lane], self.lanes[lane].chain
+        return lane_label(old.label, old.chain(), now)
 
     def verdict(self) -> tuple[str, str]:
         """The worst level of any lane, 'good', 'fair' or 'bad', and its sentence."""
@@ -72,7 +93,8 @@ class Session(Player):
 
     def to_scene(self) -> Scene:
         """The scene with all edits, as it begins. ValueError (SceneError) where a scene file cannot say it."""
-        return scene_of(self.scene, self.setup)
+        labels = [self.label(lane) for lane in range(len(self.lanes))]
+        return scene_of(self.scene, self.setup, labels)
 
     def save_scene(self, path: str | Path) -> None:
         """Write :meth:`to_scene` to a TOML file, whole or not at all. UserError where that cannot be."""
@@ -82,10 +104,16 @@ class Session(Player):
             raise UserError(f"this cannot be a scene file: {error}") from None
         with output_file(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
+        self.undo_stack.mark_saved()
 
     def trajectory(self, lane: int) -> Trajectory:
         """The history of a lane up to the frame shown, from where its chain was last changed."""
         return trajectory_of(last_slice(self.history, lane, self.frame), lane, self.contact_events())
+
+    def export_paths(self, target: Path) -> list[Path]:
+        """The files that :meth:`export` writes."""
+        several = len(self.lanes) > 1
+        return [target.with_stem(f"{target.stem}-{k + 1}") if several else target for k in range(len(self.lanes))]
 
     def export(self, path: str | Path) -> list[Path]:
         """Write the history as .npz or .csv, one file a lane (name-1, name-2 ...); returns the paths.
@@ -95,8 +123,7 @@ class Session(Player):
         target = Path(path)
         if target.suffix not in (".npz", ".csv"):
             raise UserError(f"{target}: a history is exported as .npz or .csv")
-        several = len(self.lanes) > 1
-        paths = [target.with_stem(f"{target.stem}-{k + 1}") if several else target for k in range(len(self.lanes))]
+        paths = self.export_paths(target)
         try:
             for lane, file in enumerate(paths):
                 trajectory = self.trajectory(lane)
@@ -108,3 +135,4 @@ class Session(Player):
     def save_recording(self, path: str | Path) -> None:
         """Write what `Replay.load` runs again: base, inputs, hashes of the states. UserError where that cannot be."""
         self.recording.save(path, self.scene)
+        self.undo_stack.mark_saved()

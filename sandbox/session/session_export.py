@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import asdict, replace
 from typing import Any
 
+import numpy as np
 from softcradle.physics.contact import is_closed
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
@@ -18,41 +21,43 @@ from softcradle.scenes.contact_table import law_of
 DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 
 
-def scene_of(scene: Scene, setup: Setup) -> Scene:
-    """`scene` as `setup` has it now: edited lanes, slow motion, and method and step where all lanes share them.
+def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
+    """`scene` as `setup` has it now: lanes with `labels`, slow motion, method and step where all lanes share them.
 
     A lane that has not been edited keeps the form in which it was written. A locked piston is written as the hard
     contact it is.
     """
-    lanes = tuple(_lane(old, new) for old, new in zip(scene.lanes, setup.lanes, strict=True))
+    lanes = tuple(_lane(*both) for both in zip(scene.lanes, setup.lanes, labels, strict=True))
     changed: dict[str, Any] = {**scene.model_dump(), "lanes": [lane.model_dump() for lane in lanes]}
     changed["view"] = {**changed["view"], "slow": setup.slow}
     changed |= _method(scene, setup)
-    if scene.duration is None and any(one.chain.walls > 1 or one.chain.drive for one in setup.lanes):
+    if scene.duration is None and any(one.chain.walls > 1 or one.chain.lasts for one in setup.lanes):
         changed["duration"] = DURATION
     return Scene.model_validate(changed)
 
 
-def _lane(old: Lane, new: LaneSetup) -> Lane:
+def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
     """`old` if `new` still begins like it, else a lane with a list of each quantity."""
     chain, start = new.chain, new.start
     velocity = tuple(start.velocity(chain).tolist())
     gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
     before = old.chain()
-    same = (before.mass, before.contact, before.gap, before.drive, before.friction, old.velocity)
-    if same == (chain.mass, chain.contact, gap, chain.drive, chain.friction, velocity):
+    same = before.contacts == chain.contacts and replace(before, gap=chain.gap) == chain
+    if same and (before.gap, old.velocity) == (gap, velocity):
         return old
-    laws = [law_of(contact) for contact in chain.contact]
+    laws = [law_of(contact) for contact in chain.power_laws]
     alike = all(law == laws[0] for law in laws)
     return Lane.model_validate(
         {
-            "label": new.label,
+            "label": label,
             "mass": chain.mass,
             "contact": laws[0] if alike else laws,
             "velocity": velocity,
             "gap": gap,
             "drive": chain.drive,
             "friction": chain.friction,
+            "forces": tuple(map(asdict, chain.forces)),
+            "brakes": tuple(map(asdict, chain.brakes)),
         }
     )
 
@@ -90,6 +95,7 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Traje
         warnings=(late,) if part.first > 0 else (),
         absorbed_by_contacts=absorbed[:, 0],
         absorbed_by_bed=absorbed[:, 1],
+        given=np.full((part.time.size, 2), np.nan) if part.chain.forces else np.zeros((part.time.size, 2)),
     )
 
 

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
+from softcradle.physics.trajectory_file import chain_from_table
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
 
@@ -57,12 +57,14 @@ def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
     }
 
 
-def snapshot_from_table(table: dict[str, Any]) -> Snapshot:
-    """The Snapshot that :func:`snapshot_table` wrote; ValueError, KeyError or TypeError where it is none."""
+def snapshot_from_table(table: dict[str, Any], length: float) -> Snapshot:
+    """The Snapshot that :func:`snapshot_table` wrote, with beads of `length` [m]; ValueError, KeyError or TypeError where
+    it is none.
+    """
     lane, bead, position = table["hand"]
     return Snapshot(
         time=float(table["time"]),
-        setup=Setup(tuple(_lane(lane) for lane in table["lanes"]), float(table["slow"])),
+        setup=Setup(tuple(_lane(lane, length) for lane in table["lanes"]), float(table["slow"])),
         held=HeldBead(float(lane), float(bead), float(position)),
         states=tuple(_state(state) for state in table["states"]),
         ledgers=tuple(_ledger(ledger) for ledger in table["ledgers"]),
@@ -76,13 +78,21 @@ def _ledger(columns: list[float]) -> Array:
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     plain = asdict(replace(setup, start=_NO_STATE))
+    del plain["length"]  # the scene beside it has it
+    if not setup.origin:  # earlier versions read lanes without it
+        del plain["origin"]
+    for name in ("forces", "brakes"):  # or without these
+        if not plain["chain"][name]:
+            del plain["chain"][name]
     return {**plain, "start": _state_table(setup.start)}
 
 
-def _lane(table: dict[str, Any]) -> LaneSetup:
-    chain = {**table["chain"], "contact": [Contact(**numbers) for numbers in table["chain"]["contact"]]}
+def _lane(table: dict[str, Any], length: float) -> LaneSetup:
     locked = tuple(None if numbers is None else Contact(**numbers) for numbers in table["locked"])
-    return LaneSetup(**{**table, "chain": Chain(**chain), "locked": locked, "start": _state(table["start"])})
+    origin = tuple(None if numbers is None else Contact(**numbers) for numbers in table.get("origin", ()))
+    changed = {"chain": chain_from_table(table["chain"]), "locked": locked, "origin": origin, "length": length}
+    changed["start"] = _state(table["start"])
+    return LaneSetup(**{**table, **changed})
 
 
 def _state_table(state: State) -> dict[str, Any]:

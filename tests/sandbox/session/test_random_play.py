@@ -12,13 +12,14 @@ from softcradle import scenes
 NAMES = scenes.names()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
-def test_a_minute_of_random_play(name):
-    player = play_at_random(
-        Session(scenes.load(name), memory=400_000, budget=np.inf), 60.0, seed=NAMES.index(name) + 100
-    )
+def test_a_while_of_random_play(name):
+    seconds = 30.0 if name.startswith("train") else 60.0  # their frames cost several times those of others
+    session = Session(scenes.load(name), memory=400_000, budget=np.inf)
+    player = play_at_random(session, seconds, seed=NAMES.index(name) + 100)
     assert player.frames > 1000, "it was played"
-    assert player.given > 100
+    assert player.given > 1.5 * seconds
     assert player.refused < 0.1 * player.given
 
 

@@ -48,16 +48,25 @@ def test_a_scene_opens_paused_at_its_start_and_at_its_own_speed():
     assert session.lanes[0].velocity.tolist() == list(session.scene.lanes[0].velocity)
 
 
+MOST_BY_REFERENCE = (
+    5  # contacts of a chain with loss or friction that the reference follows in seconds: trains take it minutes
+)
+
+
+@pytest.mark.filterwarnings("ignore:final velocities are determined")  # of the train with loss, to 1e-3 m/s
 @pytest.mark.parametrize("name", scenes.names())
 def test_a_played_scene_ends_with_the_velocities_of_the_reference(name):
     session = opened(name)
     first = session.scene.lanes[0]
+    chain = first.chain()
+    long = chain.dissipative and chain.contacts > MOST_BY_REFERENCE
+    method = "accurate" if long else "scipy"
     until = session.scene.duration  # given for a driven scene, whose beads may never separate
     if until is None:
-        until = simulate(first.chain(), first.velocity, method="scipy", tolerance=1e-4, samples=2).time[-1]
+        until = simulate(first.chain(), first.velocity, method=method, tolerance=1e-4, samples=2).time[-1]
     while session.time < until + 1e-9:
         session.step_frames(20)
-    end = simulate(first.chain(), first.velocity, session.time, method="scipy", tolerance=1e-4, samples=2)
+    end = simulate(first.chain(), first.velocity, session.time, method=method, tolerance=1e-4, samples=2)
     error = np.abs(session.lanes[0].velocity - end.final_velocity).max()
     assert error < 1e-3 * session.setup.lanes[0].speed
 

@@ -64,13 +64,25 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
             other.chain.contact,
             other.chain.drive,
         )
-        assert (one.label, one.setup.method, one.setup.step) == (other.label, other.setup.method, other.setup.step)
+        assert (one.setup.method, one.setup.step) == (other.setup.method, other.setup.step)
         assert one.velocity == pytest.approx(other.velocity, abs=1e-15)
         assert one.state.overlap == pytest.approx(other.state.overlap, abs=1e-15)
+    labels = [session.label(lane) for lane in (0, 1)]
+    assert labels == [again.label(lane) for lane in (0, 1)] == [lane.label for lane in again.scene.lanes]
+    assert labels == [one.setup.label for one in again.lanes] == ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
     assert again.slow == 7.0
     session.step_frames(200)
     again.step_frames(200)
     assert session.lanes[1].velocity == pytest.approx(again.lanes[1].velocity, abs=1e-9)
+
+
+def test_a_label_says_once_that_a_lane_was_edited(tmp_path):
+    session = Session(scenes.load("beads-against-gear"))
+    for mass in (2.0, 3.0):
+        session.apply(SetMass(0, 1, mass))
+        session.save_scene(tmp_path / "mine.toml")
+        session = Session(scenes.load(tmp_path / "mine.toml"))
+    assert session.label(0) == f"{scenes.load('beads-against-gear').lanes[0].label}, edited"
 
 
 def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():

@@ -1,0 +1,86 @@
+"""Measured data: a table of numbers over time, from a CSV file of somebody's experiment."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from softcradle.sandbox.motion import Array
+from softcradle.sandbox.user_error import UserError
+
+DELIMITERS = ",;\t"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredData:
+    """What was measured.
+
+    Attributes:
+        name: of the file.
+        columns: names of the quantities.
+        time: (T,) [s], ascending.
+        values: (T, k) in the units of the plot that shows them; nan where a cell is empty.
+    """
+
+    name: str
+    columns: tuple[str, ...]
+    time: Array
+    values: Array
+
+
+def load_measured(path: str | Path) -> MeasuredData:
+    """Read a CSV file: a line of names, then rows of a time [s] and a number a column. UserError where it is none.
+
+    Columns are parted by commas, semicolons or tabs; beside semicolons and tabs numbers may have decimal commas.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UserError(f"cannot read {path}: {(error.strerror or str(error)).lower()}") from None
+    except UnicodeDecodeError:
+        raise UserError(f"{path}: not a table in UTF-8") from None
+    head = text.partition("\n")[0]
+    delimiter = max(DELIMITERS, key=head.count)
+    rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if any(cell.strip() for cell in row)]
+    if len(rows) < 3 or len(rows[0]) < 2:
+        raise UserError(f"{path}: needs a line of names, time first, and at least two rows of numbers below it")
+    names = tuple(cell.strip() for cell in rows[0])
+    if all(_is_number(cell, delimiter) for cell in rows[0]):
+        raise UserError(f"{path}: its first line must be names, time first, not numbers")
+    numbers = np.array([_row(path, row, k + 2, names, delimiter) for k, row in enumerate(rows[1:])])
+    time = numbers[:, 0]
+    late = np.flatnonzero(~(np.diff(time) > 0.0))
+    if late.size:
+        k = int(late[0])
+        raise UserError(f"{path}: times must ascend, but {time[k + 1]:.6g} s in row {k + 3} follows {time[k]:.6g} s")
+    return MeasuredData(path.name, names[1:], time, numbers[:, 1:])
+
+
+def _row(path: Path, row: list[str], line: int, names: tuple[str, ...], delimiter: str) -> list[float]:
+    """The numbers of one line; an empty cell is nan, but for the time."""
+    if len(row) != len(names):
+        raise UserError(f"{path}: row {line} has {len(row)} cells, and {len(names)} names are above it")
+    found: list[float] = []
+    for name, cell in zip(names, row, strict=True):
+        if not cell.strip() and found:
+            found.append(math.nan)
+        elif _is_number(cell, delimiter):
+            found.append(_number(cell, delimiter))
+        else:
+            raise UserError(f"{path}: {name!r} in row {line} is {cell.strip()!r}, not a finite number")
+    return found
+
+
+def _number(cell: str, delimiter: str) -> float:
+    return float(cell.replace(",", ".") if delimiter != "," else cell)
+
+
+def _is_number(cell: str, delimiter: str) -> bool:
+    try:
+        return math.isfinite(_number(cell, delimiter))
+    except ValueError:
+        return False

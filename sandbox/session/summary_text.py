@@ -1,0 +1,47 @@
+"""A summary in words of what has happened in a session: who hit whom, how long it lasted, who goes where."""
+
+from __future__ import annotations
+
+from softcradle.physics.contact import is_closed
+from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, number_in_words
+from softcradle.sandbox.session.session import Session
+
+
+def summary_text(session: Session) -> str:
+    """Some sentences about each lane, up to the frame shown."""
+    several = len(session.lanes) > 1
+    parts = [f"At {number_in_words(session.time)} seconds."]
+    for lane in range(len(session.lanes)):
+        label = session.label(lane)
+        parts.append((f"{label}: " if several and label else "") + _lane(session, lane))
+    return " ".join(parts)
+
+
+def _lane(session: Session, lane: int) -> str:
+    live = session.lanes[lane]
+    sentences = [_contacts(session, lane), clusters_in_words(live.velocity.tolist(), live.setup.speed)]
+    worst = next((item for item in session.findings(lane) if item.level == "bad"), None)
+    if worst is not None:
+        sentences.append(f"Do not trust it: {worst.cause} from {number_in_words(worst.begin)} seconds on.")
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _contacts(session: Session, lane: int) -> str:
+    """The first hit, and how many contacts are closed."""
+    events = session.contact_events()
+    own = events.select((events.lane == lane) & (events.frame <= session.frame))
+    state = session.lanes[lane].state
+    closed = int(is_closed(state.overlap, state.force).sum())
+    hits = own.select(own.closed & (own.speed > 0.0))
+    first = ""
+    if len(hits.time):
+        k, time, speed = int(hits.contact[0]), float(hits.time[0]), float(hits.speed[0])
+        first = f"{hit_in_words(k, time, speed)} "
+    if closed:
+        return f"{first}{closed} of {len(state.overlap)} contacts are closed."
+    last = own.select(~own.closed).time
+    return (
+        f"{first}No contact has been closed since {number_in_words(float(last[-1]))} seconds."
+        if len(last)
+        else first.strip()
+    )

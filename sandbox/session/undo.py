@@ -1,0 +1,146 @@
+"""Undo and redo: what a session was before each edit, its motion included, in bounded memory.
+
+An undo goes back to the frame at which the edit was made and brings back the frames that the edit dropped; a redo brings
+back the edit and the motion after it. No frame is lost by either.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+from itertools import count
+
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.history import Block
+from softcradle.sandbox.session.recording import Recording
+
+MOST_STEPS = 200
+MEMORY = 24 * 2**20  # bytes of blocks and recordings that only undo steps hold
+
+FrozenSession = tuple[int, tuple[Block, ...], Recording]  # the frame shown, the history, the recording
+
+NAMES = {
+    inputs.SetVelocity: "velocity",
+    inputs.SetMass: "mass",
+    inputs.SetContact: "contact",
+    inputs.SetKind: "kind of contact",
+    inputs.Lock: "lock",
+    inputs.SetGap: "gap",
+    inputs.SetDrive: "drive",
+    inputs.SetFriction: "friction",
+    inputs.AddBead: "bead added",
+    inputs.RemoveBead: "bead removed",
+    inputs.SetMethod: "method",
+    inputs.SetStep: "step",
+    inputs.Place: "bead moved",
+    inputs.Drag: "bead pulled",
+}  # what an undo step is called; other inputs are no steps
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """A session before an edit (or, to be redone, after it).
+
+    Attributes:
+        number: of the edit; it stays the same through undo and redo.
+        name: of the edit.
+        is_edit: whether it changes the scene; a bead pulled while the model runs changes only the motion.
+        target: what the edit changes: inputs of one gesture that change the same are one step.
+        frame: the frame shown.
+        blocks: of the history.
+        recording: as it was.
+        memory: bytes that the step before it does not hold too.
+    """
+
+    number: int
+    name: str
+    is_edit: bool
+    target: tuple[object, ...]
+    frame: int
+    blocks: tuple[Block, ...]
+    recording: Recording
+    memory: int
+
+
+def target_of(item: inputs.Input) -> tuple[object, ...]:
+    """What `item` changes; a bead may be pulled and placed in one gesture."""
+    name = "bead" if isinstance(item, inputs.Drag | inputs.Place) else type(item).__name__
+    return name, *(getattr(item, key, None) for key in ("lane", "bead", "contact"))
+
+
+class UndoStack:
+    """The steps that can be undone and redone.
+
+    Attributes:
+        done, undone: checkpoints, the nearest last.
+    """
+
+    def __init__(self) -> None:
+        self.done: deque[Checkpoint] = deque()
+        self.undone: list[Checkpoint] = []
+        self._numbers = count(1)
+        self._saved = self._memory = 0
+        self._open = False  # whether the gesture of the last input still goes on
+
+    def continues(self, item: inputs.Input, gesture: bool) -> bool:
+        """Whether `item` belongs to the last step: to the same gesture."""
+        return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(item)
+
+    def add(self, item: inputs.Input, gesture: bool, present: FrozenSession) -> None:
+        """Remember the `present` (frame, blocks, recording) before `item`."""
+        is_edit = not isinstance(item, inputs.Drag)
+        own = _own_memory(present, self.done[-1].blocks if self.done else ())
+        self.done.append(Checkpoint(next(self._numbers), NAMES[type(item)], is_edit, target_of(item), *present, own))
+        self._memory += own
+        self.undone.clear()
+        self._open = gesture
+        while len(self.done) > MOST_STEPS or (len(self.done) > 1 and self._memory > MEMORY):
+            self._memory -= self.done.popleft().memory
+
+    def end_gesture(self) -> None:
+        """Let the next input be a step of its own."""
+        self._open = False
+
+    def undo(self, present: FrozenSession) -> Checkpoint | None:
+        """The session before the last step; the `present` can be redone."""
+        step = _move(self.done, self.undone, present)
+        self._memory -= step.memory if step else 0
+        return step
+
+    def redo(self, present: FrozenSession) -> Checkpoint | None:
+        """The session after the step that was undone last."""
+        step = _move(self.undone, self.done, present)
+        self._memory += step.memory if step else 0
+        return step
+
+    def mark_saved(self) -> None:
+        """Take the scene as it is now for saved."""
+        self._saved = self._last_edit()
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether edits have not been saved."""
+        return self._last_edit() != self._saved
+
+    def _last_edit(self) -> int:
+        return next((step.number for step in reversed(self.done) if step.is_edit), 0)
+
+
+def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
+    """Bytes of `present` that are not in the blocks `before`."""
+    _, blocks, recording = present
+    shared = set(map(id, before))
+    return recording.memory + sum(block.memory for block in blocks if id(block) not in shared)
+
+
+def _move(
+    source: deque[Checkpoint] | list[Checkpoint],
+    target: deque[Checkpoint] | list[Checkpoint],
+    present: FrozenSession,
+) -> Checkpoint | None:
+    if not source:
+        return None
+    step = source.pop()
+    frame, blocks, recording = present
+    target.append(replace(step, frame=frame, blocks=blocks, recording=recording))
+    return step

@@ -1,0 +1,53 @@
+"""The table of values: every bead and every contact of a lane at the frame shown, and as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+
+from softcradle.sandbox.session.session import Session
+
+BEAD_COLUMNS = ("bead", "mass (kg)", "position (m)", "velocity (m/s)", "momentum (N s)", "kinetic energy (J)")
+CONTACT_COLUMNS = ("contact", "overlap (m)", "rate (m/s)", "force (N)", "stored energy (J)")
+
+
+@dataclass(frozen=True)
+class ValuesTable:
+    """Headers, and a row of numbers for each bead or contact; the first number is its index."""
+
+    columns: tuple[str, ...]
+    rows: list[tuple[float, ...]]
+
+
+def bead_table(session: Session, lane: int) -> ValuesTable:
+    """The beads of a lane."""
+    live = session.lanes[lane]
+    rows: list[tuple[float, ...]] = []
+    for bead, (mass, position, velocity) in enumerate(
+        zip(live.chain.mass, live.position.tolist(), live.velocity.tolist(), strict=True)
+    ):
+        momentum = mass * velocity if math.isfinite(mass) else math.nan
+        rows.append((float(bead), mass, position, velocity, momentum, 0.5 * momentum * velocity))
+    return ValuesTable(BEAD_COLUMNS, rows)
+
+
+def contact_table(session: Session, lane: int) -> ValuesTable:
+    """The contacts of a lane; contact k is between beads k and k + 1."""
+    live = session.lanes[lane]
+    state, stored = live.state, live.chain.stored_energy(live.state.overlap)
+    columns = (state.overlap.tolist(), state.rate.tolist(), state.force.tolist(), stored.tolist())
+    return ValuesTable(CONTACT_COLUMNS, [(float(k), *row) for k, row in enumerate(zip(*columns, strict=True))])
+
+
+def values_csv(session: Session) -> str:
+    """All lanes as CSV with every digit: the time, then beads, then contacts of each lane."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("time (s)", repr(session.time)))
+    for lane in range(len(session.lanes)):
+        for table in (bead_table(session, lane), contact_table(session, lane)):
+            writer.writerow(("lane", *table.columns))
+            writer.writerows((session.label(lane) or lane, int(row[0]), *map(repr, row[1:])) for row in table.rows)
+    return text.getvalue()

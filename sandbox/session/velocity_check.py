@@ -1,0 +1,121 @@
+"""The check of velocities: an accurate run behind the live one, from where the motion was last touched, tells their error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from softcradle.physics.simulation import move
+from softcradle.physics.state import State
+from softcradle.sandbox.motion import Array
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.history_slices import slice_at
+from softcradle.sandbox.session.lane_setup import LaneSetup
+from softcradle.sandbox.session.player import Player
+from softcradle.sandbox.session.recording import hash_of
+
+METHOD = "accurate"
+TOLERANCE = 1e-9  # of that run
+MOST_STEPS = 20_000  # of that run from one check to the next: some tenths of a second; beyond it the error is not known
+LEAST_FRAMES = 30  # between two checks: a quarter of a second
+UNTOUCHING = (
+    inputs.SetSlow,
+    inputs.SetMethod,
+    inputs.SetStep,
+    inputs.Resume,
+)  # inputs after which the motion is the same
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The error at a frame, at which the live velocities were `velocity` (n+1,); `state` is that of the accurate run.
+
+    The error is the largest of the beads' velocities, relative to the closing speed; None: unknown.
+    """
+
+    frame: int
+    error: float | None
+    velocity: Array
+    state: State
+
+
+class VelocityCheck:
+    """The check of one lane; its jobs may run on another thread, one at a time."""
+
+    def __init__(self, player: Player, lane: int) -> None:
+        self.player, self.lane = player, lane
+        self._base: tuple[object, ...] = ()
+        self._found: list[Checked] = []
+        self._busy = False
+
+    def error(self) -> float | None:
+        """The error at the frame shown, as last checked; None where it is not known."""
+        if self._base != self._present_base():
+            return None
+        self._drop_stale()
+        return next((one.error for one in reversed(self._found) if one.frame <= self.player.frame), None)
+
+    def job(self) -> Callable[[], Checked] | None:
+        """The next check, whose result :meth:`take` takes; None where none is due."""
+        player = self.player
+        base = self._present_base()
+        if self._busy or player.held.lane >= 0.0 or not base or player.frame != player.history.last:
+            return None
+        if base != self._base:
+            self._base, self._found = base, []
+        self._drop_stale()
+        begin = self._touched()
+        last = self._found[-1] if self._found else None
+        if player.frame - (last.frame if last else begin) < LEAST_FRAMES:
+            return None
+        state = last.state if last else player.history.snapshot(begin).states[self.lane]
+        now = slice_at(player.history, self.lane, player.frame)
+        setup, frame, time, velocity = now.setup, player.frame, float(now.time[0]), now.velocity[0].copy()
+        self._busy = True
+        return lambda: checked(setup, state.copy(), frame, time, velocity)
+
+    def take(self, base: tuple[object, ...], result: object) -> None:
+        """Take the result of a job that was begun for `base`."""
+        self._busy = False
+        if base == self._base and isinstance(result, Checked):
+            self._found.append(result)
+
+    def _drop_stale(self) -> None:
+        """Drop what was found on a branch that is gone: by another method, for example."""
+        history, last = self.player.history, self.player.history.last
+        while self._found and not (
+            history.first <= self._found[-1].frame <= last
+            and np.array_equal(
+                slice_at(history, self.lane, self._found[-1].frame).velocity[0], self._found[-1].velocity
+            )
+        ):
+            self._found.pop()
+
+    @property
+    def base(self) -> tuple[object, ...]:
+        """What the present checks begin with."""
+        return self._base
+
+    def _touched(self) -> int:
+        """The frame at which the motion was last touched."""
+        frames = (
+            frame
+            for frame, item in reversed(self.player.recording.inputs)
+            if frame <= self.player.frame and not isinstance(item, UNTOUCHING)
+        )
+        return next(frames, self.player.recording.frame)
+
+    def _present_base(self) -> tuple[object, ...]:
+        begin = self._touched()
+        if begin < self.player.history.first:
+            return ()
+        snapshot = self.player.history.snapshot(begin)
+        return begin, hash_of(snapshot), self.player.lanes[self.lane].chain
+
+
+def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> Checked:
+    """`state` moved on accurately to `time` [s], at which the live velocities (n+1,) are `velocity`."""
+    move(setup.chain, state, time - state.time, METHOD, None, TOLERANCE, MOST_STEPS)
+    error = float(np.abs(state.velocity(setup.chain) - velocity).max()) / setup.speed
+    return Checked(frame, None if state.warnings else error, velocity, state)

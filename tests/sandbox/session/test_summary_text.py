@@ -1,0 +1,34 @@
+"""The summary in words: hits, clusters, directions, and whether to trust it."""
+
+import re
+
+import pytest
+from softcradle.sandbox.session import Session, SetMethod
+from softcradle.sandbox.session.summary_text import summary_text
+
+from softcradle import scenes
+
+
+def test_a_collision_is_told_in_words():
+    session = Session(scenes.load("draft-gear-one-on-three"))
+    assert "Bead 0 goes to the right at 0.5 metres a second. Beads 1 to 3 stand still." in summary_text(session)
+    session.step_frames(2000)
+    text = summary_text(session)
+    assert "Bead 0 hit bead 1 at " in text
+    assert "with 0.5 metres a second" in text
+    assert "No contact has been closed since " in text
+    together = re.search(r"Beads 1 to 3 go together to the right at (.*?) metres a second\.", text)
+    striker = re.search(r"Bead 0 goes to the left at (.*?) metres a second\.", text)
+    assert float(together[1]) == pytest.approx(0.25, abs=0.005)
+    assert float(striker[1]) == pytest.approx(0.25, abs=0.005)
+    assert "trust" not in text
+
+
+def test_lanes_are_named_and_faults_are_told():
+    session = Session(scenes.load("beads-against-gear"))
+    session.apply(SetMethod(1, "verlet"))
+    session.step_frames(2000)
+    text = summary_text(session)
+    assert "alpha = 1/10: " in text
+    assert "draft gear: " in text
+    assert "Do not trust it: verlet chattered from " in text

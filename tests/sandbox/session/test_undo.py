@@ -1,0 +1,180 @@
+"""Undo and redo: every edit, with the motion's history before and after it, within bounds."""
+
+import numpy as np
+import pytest
+from softcradle.physics import power_law
+from softcradle.sandbox.session import (
+    AddBead,
+    Lock,
+    RemoveBead,
+    Replay,
+    Session,
+    SetContact,
+    SetDrive,
+    SetFriction,
+    SetGap,
+    SetKind,
+    SetMass,
+    SetMethod,
+    SetSlow,
+    SetStep,
+    SetVelocity,
+)
+from softcradle.sandbox.session.undo import MOST_STEPS
+
+from softcradle import scenes
+
+EDITS = (
+    SetMass(0, 1, 2.5),
+    SetVelocity(0, 2, -0.5),
+    SetContact(0, 1, power_law(2.0, 0.2)),
+    SetKind(0, None, "gear"),
+    Lock(0, None),
+    SetGap(0, 0, 0.5),
+    SetDrive(0, 1, 0.3),
+    SetFriction(0, 0.1),
+    AddBead(0, 2),
+    RemoveBead(0, 0),
+    SetMethod(0, "verlet"),
+    SetStep(0, 1e-3),
+)
+
+
+def picture(session):
+    """Everything that an undo must bring back."""
+    snapshot = session.snapshot()
+    states = [(s.overlap.tolist(), s.rate.tolist(), s.anchor.tolist()) for s in snapshot.states]
+    return session.frame, session.history.first, session.history.last, session.setup, states
+
+
+@pytest.mark.parametrize("edit", EDITS, ids=lambda item: type(item).__name__)
+def test_every_edit_is_undone_and_redone_with_the_motion(edit):
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(300)
+    session.scrub_frame(100)
+    before = picture(session)
+    session.apply(edit)
+    session.step_frames(50)
+    after = picture(session)
+    assert session.undo()
+    assert picture(session) == before  # the frames after 100 are back
+    assert session.redo()
+    assert picture(session) == after
+    assert session.undo()
+    assert not session.undo()
+    session.step_frames(250)
+    assert session.history.last == 350
+
+
+def test_steps_are_undone_in_turn_also_across_a_restart():
+    session = Session(scenes.load("one-on-four"))
+    seen = []
+    for k, edit in enumerate(EDITS):
+        session.step_frames(10)
+        seen.append(picture(session))
+        session.apply(edit)
+        if k == 5:
+            session.restart()
+    for expected in reversed(seen):
+        assert session.undo()
+        assert picture(session) == expected
+    for _ in EDITS:
+        assert session.redo()
+    assert not session.redo()
+
+
+def test_an_edit_after_an_undo_drops_what_could_be_redone():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetMass(0, 1, 2.0))
+    session.undo()
+    session.apply(SetMass(0, 1, 3.0))
+    assert not session.redo()
+
+
+def test_a_gesture_is_one_step():
+    session = Session(scenes.load("one-on-four"))
+    start = session.lanes[0].position.copy()
+    for k in range(20):
+        session.drag(0, 0, -0.1 * k)
+    session.drop()
+    for mass in (1.5, 2.0, 2.5):
+        session.apply(SetMass(0, 1, mass), gesture=True)
+    session.end_gesture()
+    session.apply(SetMass(0, 1, 4.0), gesture=True)
+    assert session.undo() == "mass"
+    assert session.lanes[0].chain.mass[1] == 2.5
+    assert session.undo() == "mass"
+    assert session.lanes[0].chain.mass[1] == 1.0
+    assert session.undo() == "bead moved"
+    assert np.array_equal(session.lanes[0].position, start)
+
+
+def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(30)
+    before = picture(session)
+    session.play()
+    for k in range(10):
+        session.drag(0, 4, 5.0 + 0.1 * k)
+        session.tick(1 / 60)
+    session.drop()
+    session.tick(0.1)
+    assert not session.undo_stack.unsaved  # the scene is as it was
+    assert session.undo() == "bead pulled"
+    assert picture(session) == before
+
+
+def test_a_refused_input_drops_no_frame():
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(200)
+    session.scrub_frame(50)
+    for refused in (SetMass(0, 1, -1.0), SetVelocity(0, 99, 1.0), SetSlow(-1.0), SetStep(0, 0.0)):
+        with pytest.raises(ValueError, match=r"must be|there is no"):
+            session.apply(refused)
+    assert (session.frame, session.history.last) == (50, 200)
+    assert not session.undo()
+
+
+def test_a_recording_after_an_undo_replays(tmp_path):
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(100)
+    session.apply(SetMass(0, 1, 2.5))
+    session.step_frames(100)
+    session.undo()
+    session.step_frames(60)
+    session.apply(SetKind(0, 1, "gear"))
+    session.step_frames(60)
+    session.undo()
+    session.redo()
+    session.step_frames(10)
+    session.save_recording(tmp_path / "a.npz")
+    replay = Replay.load(tmp_path / "a.npz")
+    assert replay.run()
+    assert replay.session.frame == session.frame
+
+
+def test_unsaved_edits_are_known():
+    session = Session(scenes.load("one-on-four"))
+    assert not session.undo_stack.unsaved
+    session.apply(SetMass(0, 1, 2.5))
+    assert session.undo_stack.unsaved
+    session.undo()
+    assert not session.undo_stack.unsaved
+    session.redo()
+    session.undo_stack.mark_saved()
+    assert not session.undo_stack.unsaved
+    session.undo()
+    assert session.undo_stack.unsaved
+
+
+def test_steps_are_bounded_in_number_and_memory(monkeypatch):
+    session = Session(scenes.load("one-on-four"))
+    for k in range(MOST_STEPS + 20):
+        session.apply(SetMass(0, 1, 1.0 + k))
+    assert len(session.undo_stack.done) == MOST_STEPS
+    monkeypatch.setattr("softcradle.sandbox.session.undo.MEMORY", 400_000)
+    for k in range(10):
+        session.step_frames(200)
+        session.apply(SetMass(0, 1, 1.0 + k))
+    assert sum(step.memory for step in session.undo_stack.done) <= 400_000
+    assert session.undo()
