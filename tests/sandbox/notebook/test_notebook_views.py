@@ -1,0 +1,121 @@
+"""What a notebook shows: short texts, tables with a picture, figures, films, tables of other libraries, and the window."""
+
+from __future__ import annotations
+
+import base64
+import math
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+from softcradle.physics.notebook_views import InlineFilm
+from softcradle.sandbox.notebook.window_view import play
+from softcradle.sandbox.user_error import UserError
+
+from softcradle import Chain, Trajectory, draft_gear, hertz, one_on, power_law, scenes, simulate
+
+CHAIN = one_on(4, power_law(1.0, 0.1))
+
+
+@pytest.fixture(scope="module")
+def found() -> Trajectory:
+    return simulate(CHAIN, [1, 0, 0, 0, 0], method="conserving", step=1e-2)
+
+
+def test_texts_are_short(found):
+    assert repr(CHAIN) == "Chain(mass=5 x 1.0, contact=4 x Contact(preload=0.0, stiffness=1.0, exponent=0.1, loss=0.0))"
+    assert re.fullmatch(
+        r"Trajectory of 5 beads, 0 to 2\.\d+ s in 201 samples, by conserving \(step 0\.01 s\), separated", repr(found)
+    )
+    scene = scenes.load("galilean")
+    assert repr(scene) == str(scene) == "Scene('Who hits whom?', 5 beads and 5 beads)"
+    mixed = Chain([1, 2, math.inf], [hertz(1), draft_gear(5, 0.2)], gap=[0, 0.1], friction=0.1)
+    assert "mass=[1.0, 2.0, inf]" in repr(mixed)
+    assert "friction=0.1" in repr(mixed)
+    assert len(repr(one_on(1000, hertz(1), np.linspace(1, 2, 1001)))) < 200
+
+
+@pytest.mark.parametrize("n", [4, 200])
+def test_a_trajectory_is_a_picture_and_a_table(n):
+    shown = simulate(one_on(n, hertz(1.0)), [1] + [0] * n, duration=1.0, method="verlet", step=1e-2)._repr_html_()
+    assert shown.count("<tr>") <= 13
+    assert "final velocity [m/s]" in shown
+    data = re.search(r'src="data:image/png;base64,([^"]+)"', shown)
+    assert data is not None
+    assert base64.b64decode(data[1]).startswith(b"\x89PNG")
+
+
+def test_chains_and_scenes_are_tables():
+    assert "power_law(1, 0.1)" in CHAIN._repr_html_()
+    shown = scenes.load("one-on-four").model_copy(update={"title": "<b>"})._repr_html_()
+    assert "&lt;b&gt;" in shown
+    assert "alpha = 1/10" in shown
+
+
+def test_a_figure_is_shown_without_any_setting(found, tmp_path):
+    figure = found.plot()
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    assert len(figure.axes) == 2
+    assert len(figure.axes[0].lines) == 6  # five beads and the line at 0
+    np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), found.force[:, 0])
+    figure.savefig(tmp_path / "figure.pdf")
+    assert len(scenes.load("galilean").plot().axes) == 4
+
+
+def test_a_film_is_shown_and_saved(found, tmp_path):
+    import av
+
+    film = found.film(slow=1.0, size=(320, 180))
+    assert isinstance(film, InlineFilm)
+    assert "data:video/mp4;base64," in film._repr_html_()
+    assert repr(film).startswith("InlineFilm of 320x180 pixels, ")
+    film.save(tmp_path / "film.mp4")
+    with av.open(str(tmp_path / "film.mp4")) as container:
+        frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+    assert len(frames) == pytest.approx(30.0 * found.time[-1], abs=2)
+    assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50  # something has moved
+    Image.fromarray(frames[len(frames) // 2])
+
+
+@pytest.mark.slow
+def test_a_scene_is_a_film():
+    assert scenes.load("one-on-four").film(slow=0.5, size=(320, 180)).data[4:8] == b"ftyp"
+
+
+def test_xarray(found):
+    pytest.importorskip("xarray")
+    data = found.to_xarray()
+    assert dict(data.sizes) == {"time": 201, "bead": 5, "contact": 4}
+    np.testing.assert_array_equal(data.force.sel(contact=2), found.force[:, 2])
+    assert data.velocity.attrs["units"] == "m/s"
+    assert data.kinetic_energy.dims == ("time",)
+    assert data.attrs["method"] == "conserving"
+
+
+def test_pandas(found, tmp_path):
+    pd = pytest.importorskip("pandas")
+    frame = found.to_pandas()
+    found.to_csv(tmp_path / "x.csv")
+    pd.testing.assert_frame_equal(frame, pd.read_csv(tmp_path / "x.csv", index_col="time [s]"))
+    assert frame.attrs["status"] == "separated"
+
+
+def test_the_window_hands_its_history_back(monkeypatch, own_folder):
+    def run(app):
+        for _ in range(30):
+            app.frame(1 / 60, [])
+        app.close()
+
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setattr("softcradle.sandbox.window.app.App.run", run)
+    (history,) = play(scenes.load("one-on-four"), size=(960, 540))
+    assert isinstance(history, Trajectory)
+    assert history.chain == scenes.load("one-on-four").lanes[0].chain()
+
+
+def test_the_window_needs_a_display(monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(UserError, match="there is no display"):
+        play("one-on-four")
