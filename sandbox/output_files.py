@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from softcradle.physics import atomic_files
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, reason
 
 Name = str | os.PathLike[str]
 
@@ -29,7 +29,7 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
         with opened as temporary:
             yield temporary
     except OSError as error:  # raised on opening, and by a full disk while writing
-        raise UserError(str(error) if error.errno is None else f"cannot write {path}: {error.strerror}") from error
+        raise UserError(str(error) if error.errno is None else f"cannot write {path}: {reason(error)}") from error
 
 
 def make_folder(path: Name) -> Path:
@@ -38,5 +38,5 @@ def make_folder(path: Name) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UserError(f"cannot write to {path}: {(error.strerror or str(error)).lower()}") from None
+        raise UserError(f"cannot write to {path}: {reason(error)}") from None
     return folder

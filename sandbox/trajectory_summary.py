@@ -14,11 +14,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BeadSummary:
-    """One bead: its mass [kg] (None: a wall) and its velocities [m/s] at the start and at the end."""
+    """One bead: its mass [kg] (None: a wall), its velocities [m/s] at the start and at the end, and the error of the last.
+
+    The error is what the method states of itself; None where it states none (fixed steps).
+    """
 
     mass: float | None
     start_velocity: float
     final_velocity: float
+    velocity_error: float | None
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,7 @@ class Summary:
         label: the label of the lane.
         beads, contacts: from left to right.
         end: time of the last sample [s].
+        velocity_error: the largest of those of the beads [m/s]; None where the method states none.
         energy_error: largest change of the energy ledger (:attr:`Trajectory.ledger`), relative to the energy at the start,
             in a driven chain to the largest energy; None where that is 0.
         energy_error_at_end: the same at the end; errors of explicit methods are largest during the collision.
@@ -57,13 +62,16 @@ class Summary:
         tolerance: 0 where the step is fixed.
         steps, evaluations, milliseconds: cost.
         warnings: sentences on what may be wrong.
+        status: how the run ended, a name of :class:`softcradle.physics.Status` in small letters.
         choice: what method "auto" chose and why; "" where the method was given.
+        gave_up: whether the run stopped before its end: the final velocities are then those of the time it reached.
     """
 
     label: str
     beads: tuple[BeadSummary, ...]
     contacts: tuple[ContactSummary, ...]
     end: float
+    velocity_error: float | None
     energy_error: float | None
     energy_error_at_end: float | None
     momentum_error: float | None
@@ -76,19 +84,22 @@ class Summary:
     evaluations: int
     milliseconds: float
     warnings: tuple[str, ...]
+    status: str
     choice: str = ""
+    gave_up: bool = False
 
 
 def summarise(label: str, trajectory: Trajectory) -> Summary:
     """The Summary of a lane's `trajectory`. Peaks are those of its samples, so they need fine samples."""
     energy = trajectory.ledger
     change = np.abs(energy - energy[0])
-    scale = (energy + trajectory.driven).max() if trajectory.chain.drive else energy[0]
+    scale = (energy + trajectory.driven).max() if trajectory.chain.driven else energy[0]
     return Summary(
         label=label,
         beads=_beads(trajectory),
         contacts=_contacts(trajectory),
         end=float(trajectory.time[-1]),
+        velocity_error=_known(trajectory.velocity_error.max()),
         energy_error=_ratio(change.max(), scale),
         energy_error_at_end=_ratio(change[-1], scale),
         momentum_error=_momentum_error(trajectory),
@@ -101,14 +112,21 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
         evaluations=trajectory.evaluations,
         milliseconds=1e3 * trajectory.seconds,
         warnings=tuple(map(str, trajectory.warnings)),
+        status=trajectory.status.name.lower().replace("_", " "),
         choice=trajectory.choice,
+        gave_up=trajectory.status.gave_up,
     )
 
 
 def _beads(trajectory: Trajectory) -> tuple[BeadSummary, ...]:
     masses = [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass]
     start, final = trajectory.velocity[0].tolist(), trajectory.final_velocity.tolist()
-    return tuple(BeadSummary(*numbers) for numbers in zip(masses, start, final, strict=True))
+    errors = map(_known, trajectory.velocity_error)
+    return tuple(BeadSummary(*numbers) for numbers in zip(masses, start, final, errors, strict=True))
+
+
+def _known(error: float) -> float | None:
+    return float(error) if math.isfinite(error) else None
 
 
 def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
@@ -127,10 +145,10 @@ def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
 
 
 def _momentum_error(trajectory: Trajectory) -> float | None:
-    if trajectory.chain.walls or trajectory.chain.friction:
+    if trajectory.chain.walls or trajectory.chain.on_bed:
         return None
     undriven = trajectory.momentum - trajectory.impulse
-    rows = slice(None) if trajectory.chain.drive else slice(0, 1)
+    rows = slice(None) if trajectory.chain.driven else slice(0, 1)
     scale = np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[rows]).sum(axis=1).max()
     return _ratio(np.abs(undriven - undriven[0]).max(), scale)
 

@@ -5,3 +5,12 @@ from __future__ import annotations
 
 class UserError(Exception):
     """One sentence for the user; the command prints it as ``softcradle: sentence`` on stderr and exits with code 2."""
+
+
+class GaveUpError(UserError):
+    """A run gave up before its end, so that there is nothing whole to write; the command exits with code 3."""
+
+
+def reason(error: OSError) -> str:
+    """Why the system refused, in its own words."""
+    return (error.strerror or str(error)).lower()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 from collections.abc import Callable
 
@@ -41,15 +42,32 @@ def picture_size(text: str) -> tuple[int, int]:
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
     """Add the argument that names a scene."""
-    parser.add_argument("scene", metavar="SCENE", help="name of a scene, or path of a scene file")
+    completed(
+        parser.add_argument("scene", metavar="SCENE", help="name of a scene, or path of a scene file"), scene_words
+    )
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
     """Add the options that choose the method and its step."""
-    from softcradle.physics import METHODS
+    from softcradle.physics.methods import known_methods
 
-    names = ", ".join(method.name for method in METHODS)
-    parser.add_argument(
-        "--method", help=f"one of {names}; or auto: the cheapest that holds the tolerance as the wanted error"
+    method = parser.add_argument(
+        "--method", help=f"one of {', '.join(known_methods())} (softcradle methods tells what each is for)"
     )
+    completed(method, lambda **_: known_methods())
     parser.add_argument("--step", type=positive_number, metavar="SECONDS", help="step of a fixed-step method")
+
+
+def completed(action: argparse.Action, words: Callable[..., list[str]]) -> None:
+    """Let a shell complete the argument with `words()`, and with names of files."""
+    action.completer = words  # type: ignore[attr-defined]  # what argcomplete looks for
+
+
+def scene_words(prefix: str = "", **_: object) -> list[str]:
+    """What a shell completes a scene with: names of scenes, and files and folders."""
+    from glob import escape, glob
+
+    from softcradle.scenes import names
+
+    files = [f"{name}/" if os.path.isdir(name) else name for name in glob(escape(prefix) + "*")]
+    return [*names(), *(name for name in files if name.endswith(("/", ".toml", ".npz")))]

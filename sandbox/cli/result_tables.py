@@ -3,52 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table
-from softcradle.sandbox.console import console, table
+from softcradle.sandbox.console import console, print_table, table
 
 if TYPE_CHECKING:
     from softcradle.sandbox.trajectory_summary import Summary
     from softcradle.scenes import Scene
 
 
-def print_report(scene: Scene, summaries: Sequence[Summary], outputs: Sequence[Path]) -> None:
-    """Print title and source, the tables of each lane, and the files that were written."""
+def print_report(scene: Scene, summaries: Sequence[Summary]) -> None:
+    """Print title and source, and the tables of each lane."""
     output = console()
     output.print(scene.title, style="bold")
     if scene.source:
         output.print(scene.source, style="dim")
     for summary in summaries:
         _print_lane(output, summary)
-    for path in outputs:
-        output.print(f"written: {path}")
 
 
 def _print_lane(output: Console, summary: Summary) -> None:
     output.print()
     if summary.label:
         output.print(summary.label, style="bold cyan")
-    output.print(_beads(summary))
-    output.print(_contacts(summary))
+    print_table(output, _beads(summary))
+    print_table(output, _contacts(summary))
     output.print(_cost(summary))
     for sentence in summary.warnings:
         output.print(f"warning: {sentence}", style="yellow")
 
 
 def _beads(summary: Summary) -> Table:
-    grid = table("bead", "mass [kg]", "velocity at start [m/s]", "final velocity [m/s]", numbers=True)
+    last = "velocity when it gave up [m/s]" if summary.gave_up else "final velocity [m/s]"
+    grid = table("bead", "mass [kg]", "velocity at start [m/s]", last, numbers=True)
     for i, bead in enumerate(summary.beads):
         mass = "wall" if bead.mass is None else f"{bead.mass:g}"
-        grid.add_row(str(i), mass, f"{bead.start_velocity:.8f}", f"{bead.final_velocity:.8f}")
+        grid.add_row(str(i), mass, _speed(bead.start_velocity), _speed(bead.final_velocity))
     return grid
 
 
 def _contacts(summary: Summary) -> Table:
     grid = table(
-        "contact", "closed [s]", "opened [s]", "times", "largest overlap [m]", "largest force [N]", numbers=True
+        "contact", "closed\n[s]", "opened\n[s]", "times", "largest\noverlap [m]", "largest\nforce [N]", numbers=True
     )
     for i, contact in enumerate(summary.contacts):
         grid.add_row(
@@ -62,8 +60,16 @@ def _contacts(summary: Summary) -> Table:
     return grid
 
 
+def _speed(velocity: float) -> str:
+    """Eight decimals; of a speed that these would not fit or show, eight digits."""
+    fits = velocity == 0.0 or 1e-4 <= abs(velocity) < 1e6
+    return f"{velocity:.8f}" if fits else f"{velocity:.8g}"
+
+
 def _time(time: float | None) -> str:
-    return "never" if time is None else f"{time:.6f}"
+    if time is None:
+        return "never"
+    return f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}"
 
 
 def _cost(summary: Summary) -> Table:
@@ -72,6 +78,8 @@ def _cost(summary: Summary) -> Table:
     grid.add_row("method", f"{summary.method}, {resolution}")
     if summary.choice:
         grid.add_row("chosen", summary.choice)
+    if summary.velocity_error is not None:
+        grid.add_row("velocity error", f"{summary.velocity_error:.1e} m/s at most, as estimated along the run")
     grid.add_row(
         "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
     )

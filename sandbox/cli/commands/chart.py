@@ -8,7 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.console import console, table
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.console import console, print_table, progress_bar, table
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
@@ -36,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--ours", action="store_true", help="leave out other people's integrators")
     parser.add_argument("--list", action="store_true", help="list the cases instead")
+    add_open(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -46,14 +48,18 @@ def main(args: argparse.Namespace) -> int:
         listed = table("case", "what collides")
         for definition in CASE_DEFINITIONS:
             listed.add_row(definition.name, definition.label)
-        console().print(listed)
+        print_table(console(), listed)
         return 0
     if Path(args.output).suffix not in SUFFIXES:
         raise UserError(f"cannot write {args.output}: chart writes {', '.join(SUFFIXES)}")
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
+
+    require_matplotlib()
     definitions = _definitions(args.scenes)
     from softcradle.sandbox.output_files import output_file
 
     paths = [Path(args.output), *([Path(args.output).with_suffix(".csv")] if args.csv else [])]
+    written = WrittenFiles(paths)
     with ExitStack() as stack:
         # The files are opened before the runs, so that an unwritable place is refused at once.
         files = [stack.enter_context(output_file(path)) for path in paths]
@@ -61,8 +67,7 @@ def main(args: argparse.Namespace) -> int:
         _write(measured, *files)
     for found in measured:
         _print(found)
-    for path in paths:
-        print(f"written: {path}")
+    written.report(paths, show=args.open)
     return 0
 
 
@@ -79,11 +84,9 @@ def _definitions(wanted: Sequence[str]) -> list[CaseDefinition]:
 
 
 def _measure(definitions: Sequence[CaseDefinition], quantity: str, peers: bool) -> list[MeasuredCase]:
-    from rich.console import Console
-    from rich.progress import Progress
 
     found = []
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    with progress_bar() as progress:
         task = progress.add_task("cases", total=len(definitions))
         for definition in definitions:
             found.append(_measured(definition, quantity, peers, lambda text: progress.update(task, description=text)))
@@ -113,12 +116,13 @@ def _measured(
 
 
 def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
+    from softcradle.sandbox.studies.picture_files import save_figure
     from softcradle.sandbox.studies.plot_style import styled
     from softcradle.sandbox.studies.precision.precision_chart import draw_chart
     from softcradle.sandbox.studies.precision.precision_table import write_csv
 
     with styled():
-        draw_chart(measured).savefig(picture, dpi=110)
+        save_figure(draw_chart(measured), picture, 110.0)
     if numbers is not None:
         write_csv(measured, numbers)
 
@@ -139,7 +143,7 @@ def _print(found: MeasuredCase) -> None:
         grid.add_row(row.name, *cells, "; ".join(setting_text(best) for best in row.fastest))
     output = console()
     output.print(f"{found.case.label}; truth: {found.case.source}", style="bold")
-    output.print(grid)
+    print_table(output, grid)
     output.print(ratio_sentence(measured))
     output.print(auto_sentence(measured))
     if cut := [row.name for row in measured if row.out_of_time]:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
-from softcradle.sandbox.cli.arguments import picture_size
+from softcradle.sandbox.cli.arguments import completed, picture_size, scene_words
+from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument(
-        "scene", metavar="SCENE", nargs="?", help="name of a scene, scene file, or session to replay (.npz)"
+    scene = parser.add_argument(
+        "scene",
+        metavar="SCENE",
+        nargs="?",
+        help="name of a scene, scene file, session to replay (.npz), scene as text, or - for standard input",
     )
+    completed(scene, scene_words)
     parser.add_argument(
         "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"
     )
@@ -22,8 +28,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Open the window and run it until it is closed."""
     import pygame
+    from softcradle.sandbox.window.display import require_display
+
+    require_display()
     from softcradle.sandbox.window.app import App
 
+    if args.scene is not None:
+        _require_scene(args.scene)
     try:
         app = App(args.size, args.scene)
     except pygame.error as error:
@@ -32,3 +43,16 @@ def main(args: argparse.Namespace) -> int:
         app.toggle_fullscreen()
     app.run()
     return 0
+
+
+def _require_scene(wanted: str) -> None:
+    """Raise UserError where there is nothing of that name; what is wrong with a file, the window says."""
+    from softcradle.sandbox.session.shared_text import is_shared_text
+    from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME
+    from softcradle.sandbox.window.opening import STANDARD_INPUT
+
+    if wanted in (HANGING_NAME, STANDARD_INPUT) or is_shared_text(wanted) or Path(wanted).exists():
+        return
+    if wanted.lower().endswith(".npz"):
+        raise UserError(f"there is no file {wanted}")
+    load_scene(wanted)

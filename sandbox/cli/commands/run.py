@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 from contextlib import ExitStack
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import add_method, add_scene, positive_number, whole_number
+from softcradle.sandbox.cli.exit_codes import GAVE_UP
+from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.user_error import UserError
 
@@ -24,9 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     add_scene(parser)
     parser.add_argument(
-        "-o", "--output", metavar="OUT",
-        help="write the motion to OUT.npz (everything) or OUT.csv (a table); OUT-1, OUT-2 ... for several lanes",
+        "-o", "--output", metavar="OUT", action="append", default=[],
+        help="write the motion to OUT.npz (everything) or OUT.csv (a table); OUT-1, OUT-2 ... for several lanes; may be "
+        "given several times",
     )  # fmt: skip
+    add_open(parser)
     add_method(parser)
     parser.add_argument("--tolerance", type=positive_number, help="wanted error of an adaptive method")
     parser.add_argument(
@@ -38,27 +43,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--samples", type=whole_number(2, MOST_SAMPLES), default=1001, help="number of samples to write (default: 1001)"
     )
-    parser.add_argument("--json", action="store_true", help="print the results as JSON instead of tables")
+    printed = parser.add_mutually_exclusive_group()
+    printed.add_argument("--json", action="store_true", help="print the results as JSON instead of tables")
+    printed.add_argument("--describe", action="store_true", help="say in words what happens instead of tables")
 
 
 def main(args: argparse.Namespace) -> int:
     """Compute the lanes, write their trajectories and print the results."""
     scene = load_scene(args.scene)
-    outputs = _outputs(args.output, len(scene.lanes))
+    outputs = [path for wanted in args.output for path in _outputs(wanted, len(scene.lanes))]
+    if len({path.absolute() for path in outputs}) < len(outputs):
+        raise UserError("the same file is given twice with -o")
+    written = WrittenFiles(outputs)
     with ExitStack() as stack:
         # The files are opened before the run, so that an unwritable place is refused at once.
         temporary = [_open(stack, path) for path in outputs]
         trajectories = _run(scene, args)
-        for trajectory, path in zip(trajectories, temporary, strict=False):
+        for trajectory, path in zip(cycle(trajectories), temporary, strict=False):
             _write(trajectory, path)
-    _print(scene, trajectories, outputs, args.json)
-    return 0
+    if args.describe:
+        _describe(scene, trajectories)
+    else:
+        _print(scene, trajectories, args.json)
+    if not args.json:
+        written.report(outputs, show=args.open)
+    return GAVE_UP if any(trajectory.status.gave_up for trajectory in trajectories) else 0
 
 
-def _outputs(wanted: str | None, lanes: int) -> list[Path]:
+def _outputs(wanted: str, lanes: int) -> list[Path]:
     """One path for each lane. Raises UserError for a format that run does not write."""
-    if wanted is None:
-        return []
     path = Path(wanted)
     if path.suffix not in FORMATS:
         raise UserError(f"cannot write {wanted}: run writes {' or '.join(FORMATS)}")
@@ -89,7 +102,7 @@ def _run(scene: Scene, args: argparse.Namespace) -> list[Trajectory]:
     )
 
 
-def _print(scene: Scene, trajectories: list[Trajectory], outputs: list[Path], as_json: bool) -> None:
+def _print(scene: Scene, trajectories: list[Trajectory], as_json: bool) -> None:
     from softcradle.sandbox.trajectory_summary import summarise
 
     summaries = [summarise(lane.label, found) for lane, found in zip(scene.lanes, trajectories, strict=True)]
@@ -98,7 +111,15 @@ def _print(scene: Scene, trajectories: list[Trajectory], outputs: list[Path], as
     else:
         from softcradle.sandbox.cli.result_tables import print_report
 
-        print_report(scene, summaries, outputs)
+        print_report(scene, summaries)
+
+
+def _describe(scene: Scene, trajectories: list[Trajectory]) -> None:
+    from softcradle.sandbox.motion_words import describe
+
+    print(f"{scene.title}.")
+    for lane, found in zip(scene.lanes, trajectories, strict=True):
+        print(describe(lane.label, found))
 
 
 def _print_json(scene: Scene, summaries: list[Summary]) -> None:

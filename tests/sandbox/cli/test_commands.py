@@ -122,6 +122,29 @@ def test_run_prints_velocities_contacts_errors_and_cost(capsys):
         assert word in out
 
 
+def test_what_happens_is_said_in_words(capsys):
+    said = output(capsys, "run", "one-on-four", "--describe")
+    assert "Bead 0 hit bead 1 at 1 seconds with 1 metres a second." in said
+    assert (
+        "Bead 0 goes to the left at 0.568 metres a second. Bead 1 goes to the right at 0.174 metres a second." in said
+    )
+    assert "Beads 2 to 4 go together to the right at 0.465 metres a second." in said
+    assert main(["run", "one-on-four", "--describe", "--json"]) == 2
+    assert "--json: not allowed with argument --describe" in capsys.readouterr().err
+
+
+def test_results_say_how_well_the_final_velocities_are_known(capsys):
+    (lane,) = json.loads(output(capsys, "run", "one-on-four", "--json", "--method", "accurate"))["lanes"]
+    assert lane["status"] == "separated"
+    for bead, exact in zip(lane["beads"], FINAL, strict=True):
+        assert abs(bead["final_velocity"] - exact) < bead["velocity_error"] + 1e-8  # these have eight digits
+        assert bead["velocity_error"] <= lane["velocity_error"] < 1e-6
+    assert "velocity error" in output(capsys, "run", "one-on-four", "--method", "accurate")
+    (fixed,) = json.loads(output(capsys, "run", "one-on-four", "--json", "--method", "verlet"))["lanes"]
+    assert fixed["velocity_error"] is None
+    assert "velocity error" not in output(capsys, "run", "one-on-four", "--method", "verlet")
+
+
 def test_json_holds_the_same_numbers(capsys):
     results = json.loads(output(capsys, "run", "one-on-four", "--json"))
     (lane,) = results["lanes"]

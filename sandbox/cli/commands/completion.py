@@ -1,0 +1,20 @@
+"""`softcradle completion SHELL`: the lines that let a shell complete commands, options, methods and scenes."""
+
+from __future__ import annotations
+
+import argparse
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("shell", choices=SHELLS, help='such as: eval "$(softcradle completion bash)" in ~/.bashrc')
+
+
+def main(args: argparse.Namespace) -> int:
+    """Print the lines."""
+    from argcomplete.shell_integration import shellcode
+
+    print(shellcode(["softcradle"], shell=args.shell))
+    return 0

@@ -1,0 +1,65 @@
+"""A full disk: every writer notices, says so in a sentence, and leaves nothing behind. Here files end after 400 bytes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.slow  # every writer is a process of its own
+
+resource = pytest.importorskip("resource", reason="this system has no limit of file sizes")
+
+COMMAND = (sys.executable, "-m", "softcradle")
+COARSE = ("--method", "verlet", "--step", "1/50")
+SMALL = ("--size", "160x90")
+OUTPUTS = {
+    "one picture": ("render", "one-on-four", *SMALL, *COARSE, "-o", "x.png"),
+    "folder of pictures": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "frames/"),
+    "kymograph": ("render", "one-on-four", *COARSE, "-o", "x.kymograph.png"),
+    "mp4": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "x.mp4"),
+    "gif": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "x.gif"),
+    "webp": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "x.webp"),
+    "csv": ("run", "one-on-four", *COARSE, "-o", "x.csv"),
+    "npz": ("run", "one-on-four", *COARSE, "-o", "x.npz"),
+    "numbers of a comparison": ("compare", "one-on-four", "--contact", "hertz(1)", *COARSE, "-o", "x.json"),
+}
+LIMIT = 400  # bytes
+
+
+@pytest.mark.parametrize("arguments", OUTPUTS.values(), ids=OUTPUTS)
+def test_a_full_disk_is_noticed(arguments, tmp_path):
+    quick = {"NUMBA_DISABLE_JIT": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
+    done = subprocess.run(
+        [*COMMAND, *arguments],
+        cwd=tmp_path,
+        env=os.environ | quick | {"PYTHONDONTWRITEBYTECODE": "1"},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, LIMIT)),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert len([line for line in done.stderr.splitlines() if line and "warning" not in line]) == 1, done.stderr
+    assert "cannot write" in done.stderr
+    assert "too large" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
+def test_figures_on_a_full_disk(suffix, tmp_path):
+    program = (
+        "import resource\nfrom pathlib import Path\n"
+        "from softcradle.sandbox.studies.picture_files import save_figure\n"
+        "from softcradle.sandbox.studies.plot_style import new_figure\n"
+        "figure, axes = new_figure()\naxes.plot([0, 1], [0, 1])\n"
+        "save_figure(figure, Path('whole" + suffix + "'))\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({LIMIT}, {LIMIT}))\n"
+        "try:\n    save_figure(figure, Path('part" + suffix + "'))\nexcept OSError as error:\n    print(error.strerror)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == "File too large\n"

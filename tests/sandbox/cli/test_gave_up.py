@@ -1,0 +1,43 @@
+"""A run that gave up before its end: its last velocities are not called final, and the exit code is 3."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from softcradle.sandbox.cli.main import main
+
+# A hundred million steps of a picosecond end long before the beads touch.
+GIVES_UP = ("--method", "verlet", "--step", "1e-12")
+
+
+def test_run_marks_the_velocities(capsys):
+    assert main(["run", "one-on-four", *GIVES_UP]) == 3
+    out = capsys.readouterr().out
+    assert "velocity when it gave up" in " ".join(out.split())
+    assert "final velocity" not in out
+    assert "verlet gave up after" in " ".join(out.split())
+
+
+def test_run_says_it_in_json(capsys, tmp_path):
+    assert main(["run", "one-on-four", *GIVES_UP, "--json", "-o", str(tmp_path / "part.npz")]) == 3
+    assert json.loads(capsys.readouterr().out)["lanes"][0]["gave_up"] is True
+    assert (tmp_path / "part.npz").exists()
+
+
+def test_compare_ends_with_the_same_code(capsys):
+    assert main(["compare", "one-on-four", "--contact", "hertz(1)", *GIVES_UP, "--json"]) == 3
+    assert json.loads(capsys.readouterr().out)["sides"]
+
+
+@pytest.mark.parametrize("output", ["film.mp4", "still.png", "frames/", "x.kymograph.png"])
+def test_there_is_no_film_of_a_part(output, tmp_path, capsys):
+    assert main(["render", "one-on-four", *GIVES_UP, "-o", f"{tmp_path}/{output}"]) == 3
+    err = capsys.readouterr().err
+    assert "a film needs the whole motion: verlet gave up" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_whole_run_ends_with_code_0(capsys):
+    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2"]) == 0
+    assert "final velocity" in " ".join(capsys.readouterr().out.split())

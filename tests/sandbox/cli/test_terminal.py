@@ -1,0 +1,264 @@
+"""The command at a terminal: narrow ones, poor encodings, a full disk, no display; options that all commands have."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from softcradle.physics.methods import METHODS, known_methods
+from softcradle.sandbox.cli.command_list import COMMANDS
+from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.cli.result_tables import print_report
+from softcradle.sandbox.cli.standard_streams import use_plain_characters
+from softcradle.sandbox.console import print_table, set_quiet, table
+from softcradle.sandbox.scene_runs import load_scene, run_scene
+from softcradle.sandbox.trajectory_summary import summarise
+
+COMMAND = (sys.executable, "-m", "softcradle")
+SOFTWARE_DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")
+
+
+def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own, with further variables; its result."""
+    kept = {key: value for key, value in os.environ.items() if key not in SOFTWARE_DISPLAY}
+    return subprocess.run(
+        [*COMMAND, *arguments],
+        env=kept | {"PYTHONUTF8": "0"} | environment,
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        timeout=120,
+        check=False,
+    )
+
+
+@pytest.fixture
+def loud():
+    yield
+    set_quiet(False)
+
+
+def terminal(width: int) -> Console:
+    return Console(file=io.StringIO(), width=width, force_terminal=True, color_system=None)
+
+
+def shown(output: Console) -> str:
+    assert isinstance(output.file, io.StringIO)
+    return output.file.getvalue()
+
+
+@pytest.mark.parametrize("width", [30, 40, 60, 80, 100])
+def test_no_number_of_a_run_is_lost(width, monkeypatch):
+    scene = load_scene("one-on-four")
+    summary = summarise("lane", run_scene(scene, method="verlet", step=1e-2)[0])
+    output = terminal(width)
+    monkeypatch.setattr("softcradle.sandbox.cli.result_tables.console", lambda: output)
+    print_report(scene, [summary])
+    text = shown(output)
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= width
+    for bead in summary.beads:
+        assert f"{bead.final_velocity:.8f}" in text
+    for contact in summary.contacts:
+        assert f"{contact.largest_force:.6g}" in text
+
+
+@pytest.mark.parametrize("width", [20, 40, 80])
+@pytest.mark.parametrize("columns", [2, 4, 9])
+def test_tables_are_laid_out_or_become_records(width, columns):
+    grid = table("what is measured", *(f"a title {k}" for k in range(1, columns)), numbers=True)
+    cells = [f"{k}.123456" for k in range(1, columns)]
+    grid.add_row("a long label", *cells)
+    output = terminal(width)
+    print_table(output, grid)
+    text = shown(output)
+    assert all(cell in text for cell in ("label", *cells))
+    assert max(map(len, text.splitlines())) <= max(width, 20)
+
+
+def test_in_a_pipe_a_table_is_as_wide_as_it_is():
+    grid = table("x", *(f"title{k}" for k in range(40)), numbers=True)
+    grid.add_row("label", *(f"{k}.123456" for k in range(40)))
+    output = Console(file=io.StringIO(), width=120)
+    print_table(output, grid)
+    assert any(all(f"{k}.123456" in line for k in range(40)) for line in shown(output).splitlines())
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "latin-1"])
+def test_a_poor_encoding_is_no_error(encoding):
+    program = (
+        "from softcradle.sandbox.cli.standard_streams import use_plain_characters\nuse_plain_characters()\n"
+        "print('v\\u2080 \\u22120.5 4\\u00b710\\u207b\\u2075 m/s\\u00b2 \\u2713 \\u03b1 \\u4e2d \\u2026')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=os.environ | {"PYTHONIOENCODING": encoding},
+        capture_output=True,
+        check=True,
+    )
+    text = done.stdout.decode(encoding)
+    assert text.startswith("v0 -0.5 4")
+    assert "10-5 m/s" in text
+    assert "alpha ?" in text
+
+
+def test_a_comparison_in_a_poor_encoding(tmp_path):
+    scene = ("compare", "one-on-four", "--contact", "hertz(1)", "--method", "verlet", "--step", "1e-2")
+    done = run(*scene, "-o", str(tmp_path / "w.json"), PYTHONIOENCODING="cp1252")
+    assert done.returncode == 0, done.stderr
+    assert "v0 at the end" in done.stdout
+    assert "written: " in done.stdout
+
+
+FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")
+
+
+@FULL
+@pytest.mark.parametrize("arguments", ["scenes", "scenes one-on-four", "methods", "check mixed", "--help", "-V"])
+def test_a_full_disk_behind_standard_output(arguments):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(
+            [*COMMAND, *arguments.split()], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert done.stderr == "softcradle: cannot write to standard output: no space left on device\n"
+    assert done.returncode == 2
+
+
+@pytest.mark.parametrize("arguments", [(), ("play", "one-on-four"), ("play", "nosuch.toml"), ("play", "x.npz")])
+def test_without_a_display_the_window_is_refused_at_once(arguments):
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert "there is no display" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("wanted", "sentence"),
+    [
+        ("nosuch.toml", "softcradle: there is no file nosuch.toml\n"),
+        ("x.npz", "softcradle: there is no file x.npz\n"),
+    ],
+)
+def test_a_scene_that_is_not_there_opens_no_window(wanted, sentence):
+    done = run("play", wanted, SDL_VIDEODRIVER="dummy")
+    assert (done.returncode, done.stderr) == (2, sentence)
+
+
+@pytest.mark.parametrize("flag", ["-V", "--version"])
+def test_the_version(flag, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([flag])
+    assert capsys.readouterr().out.startswith("softcradle ")
+
+
+@pytest.mark.usefixtures("loud")
+def test_quiet_leaves_out_what_is_no_result(tmp_path, capsys):
+    arguments = ["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(tmp_path / "x.csv")]
+    assert main([*arguments, "-q"]) == 0
+    quiet = capsys.readouterr().out
+    assert main(arguments) == 0
+    assert capsys.readouterr().out.endswith(f"replaced: {tmp_path / 'x.csv'}\n")
+    assert "final velocity" in quiet
+    assert "written" not in quiet
+
+
+def test_a_second_file_is_written_too(tmp_path, capsys):
+    paths = [tmp_path / "a.npz", tmp_path / "b.csv"]
+    arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1"]
+    assert main([*arguments, *(word for path in paths for word in ("-o", str(path)))]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.npz", "a-2.npz", "b-1.csv", "b-2.csv"]
+    assert capsys.readouterr().out.count("written: ") == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ("render mixed -o a.mp4 -o b.mp4", "-o/--output: is given twice"),
+        ("run mixed --method verlet --method euler", "--method: is given twice"),
+        ("run mixed -o a.csv -o ./a.csv", "the same file is given twice with -o"),
+        ("list", "did you mean scenes?"),
+        ("run mixed --method verlt", "did you mean 'verlet'? there are auto, euler"),
+    ],
+)
+def test_what_would_be_dropped_or_misread_is_refused(arguments, sentence, capsys):
+    assert main(arguments.split()) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_what_is_replaced_is_said(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("chart.json").write_text("old", encoding="utf-8")
+    arguments = ["compare", "one-on-four", "--contact", "hertz(1)", "--method", "verlet", "--step", "1e-2"]
+    assert main([*arguments, "-o", "chart.json", "-o", "new.json"]) == 0
+    assert capsys.readouterr().out.endswith("replaced: chart.json\nwritten: new.json\n")
+
+
+def test_open_shows_the_first_file(tmp_path, monkeypatch, capsys):
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    path = tmp_path / "with a space.csv"
+    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]) == 0
+    assert opened == [path.as_uri()]
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
+    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]) == 2
+    assert "no program was found to open it with" in capsys.readouterr().err
+    assert path.exists()
+
+
+def test_scenes_as_json(capsys):
+    assert main(["scenes", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    (found,) = (scene for scene in listed if scene["name"] == "one-on-four")
+    assert found["title"] == "One bead on four"
+    assert main(["scenes", "one-on-four", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["lanes"][0]["velocity"] == [1.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_methods_are_listed_with_what_they_are_for(capsys):
+    assert main(["methods"]) == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in known_methods())
+    assert main(["methods", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [method["name"] for method in listed] == known_methods()
+    assert [method["purpose"] for method in listed[1:]] == [method.purpose for method in METHODS]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("softcradle sta", ["stability"]),
+        ("softcradle run one-on-f", ["one-on-four", "one-on-four-softer"]),
+        ("softcradle run one-on-four --method y", ["yoshida4"]),
+        ("softcradle render mixed --pix", ["--pixel-format"]),
+    ],
+)
+def test_a_shell_completes(line, words, tmp_path):
+    answer = tmp_path / "answer"
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE_IFS": "\n"}
+    run(**asked, _ARGCOMPLETE_STDOUT_FILENAME=str(answer), _ARGCOMPLETE_SUPPRESS_SPACE="1")
+    assert answer.read_text(encoding="utf-8").split() == words
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_the_lines_for_a_shell(shell, capsys):
+    assert main(["completion", shell]) == 0
+    assert "softcradle" in capsys.readouterr().out
+
+
+def test_every_command_can_be_quiet(capsys):
+    for command in COMMANDS:
+        with pytest.raises(SystemExit, match="0"):
+            main([command.name, "--help"])
+        assert "--quiet" in capsys.readouterr().out
+
+
+def test_streams_without_an_encoding_are_left_alone(monkeypatch):
+    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    use_plain_characters()
