@@ -1,4 +1,4 @@
-"""The page of the gallery: a card for each scene, with its thumbnail, title and source."""
+"""The page of the gallery: a card for each scene in sections, with its thumbnail, title and text, and a search."""
 
 from __future__ import annotations
 
@@ -6,101 +6,158 @@ from collections.abc import Callable
 from functools import partial
 
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED, OKABE_ITO
-from softcradle.sandbox.draw.text import shortened, wrapped, write
+import pygame_gui
+from pygame_gui.elements import UITextEntryLine
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.hanging.hanging_page import HANGING_NAME, HANGING_TEXT, HANGING_TITLE
+from softcradle.sandbox.window.gallery.card_drawing import paint_border, paint_caption
+from softcradle.sandbox.window.gallery.card_grid import HEADER, MARGIN, CardGrid
+from softcradle.sandbox.window.gallery.sections import found, sections_of
 from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
+from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_TEXT, HANGING_TITLE
 from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.window_page import Host
-from softcradle.scenes import Scene, load, names
+from softcradle.scenes import load, names
 
-MARGIN = 34.0  # design pixels on the left and right
-HEADER = 96.0  # design pixels
-GUTTER = 20.0  # design pixels between two cards
-COLUMN = 285.0  # design pixels, the least width of a card
-CAPTION = 66.0  # design pixels below a picture
 SCROLL = 60.0  # design pixels for a notch of the wheel
-BORDER = (196, 202, 209)
-HOVERED_BORDER = OKABE_ITO[0]
-HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
-PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
+SEARCH = 220.0  # design pixels of the line for the search
 
 
 class GalleryPage:
-    """All scenes of the catalogue; `choose(name)` is called with the one that is clicked."""
+    """All scenes of the catalogue; `choose(name)` is called with the one that is clicked.
 
-    typing = False
+    Attributes:
+        names: of the scenes that are shown, in the order of their cards.
+        selected: number of the card that Enter opens.
+        grid: the places of the cards.
+    """
+
+    unsaved = False
+    title = ""
 
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
-        self.scenes: list[Scene] = [load(name) for name in names()]
-        self.names = (*names(), HANGING_NAME)
-        self.captions = [(scene.title, scene.text, scene.source) for scene in self.scenes]
-        self.captions.append((HANGING_TITLE, HANGING_TEXT, "SoftChain, PinJoint strings, gravity"))
-        self.pictures: dict[int, pygame.Surface] = {}
-        self.scaled: dict[tuple[int, tuple[int, int]], pygame.Surface] = {}
-        self.selected, self.scroll, self.rows = 0, 0.0, 1
+        self.scenes = {name: load(name) for name in names()}
+        self.captions = {name: (scene.title, scene.text, scene.source) for name, scene in self.scenes.items()}
+        self.captions[HANGING_NAME] = (HANGING_TITLE, HANGING_TEXT, "SoftChain, PinJoint strings, gravity")
+        self.pictures: dict[str, pygame.Surface] = {}
+        self.theme = ""
+        self.scaled: dict[tuple[str, tuple[int, int]], pygame.Surface] = {}
+        self.selected, self.search = 0, ""
         self.pressed: int | None = None
-        for k, scene in enumerate(self.scenes):
-            picture = thumbnails.load(scene)
-            if picture is None:
-                host.warmup.submit(("thumbnail", k), partial(motions_ahead, scene))
-            else:
-                self.pictures[k] = picture
-        self.pictures[len(self.scenes)] = hanging_thumbnail(thumbnails.SIZE)
+        self.entry: UITextEntryLine | None = None
+        self.grid = CardGrid()
+        self.names: tuple[str, ...] = tuple(self.captions)
         self.actions: dict[str, Callable[[], None]] = {
             "select_left": partial(self.step, -1),
             "select_right": partial(self.step, 1),
-            "zoom_in": lambda: self.step(-self.columns),
-            "zoom_out": lambda: self.step(self.columns),
-            "leave": host.quit,
+            "zoom_in": partial(self.step_row, -1),
+            "zoom_out": partial(self.step_row, 1),
+            "next_control": partial(self.step, 1),
+            "previous_control": partial(self.step, -1),
+            "first": partial(self.select, 0),
+            "last": lambda: self.select(len(self.names) - 1),
+            "search": self.focus_search,
+            "leave": lambda: host.messages.show("Ctrl+Q quits"),
         }
 
+    def _take_theme(self) -> None:
+        """Take the thumbnails of the present theme."""
+        self.theme = self.host.settings.theme
+        self.pictures = {HANGING_NAME: hanging_thumbnail(thumbnails.SIZE)}
+        for name, scene in self.scenes.items():
+            picture = thumbnails.shipped(name, self.theme) or thumbnails.load(scene, self.theme)
+            if picture is None:
+                self.host.warmup.submit(partial(self._take_thumbnail, name), partial(motions_ahead, scene))
+            else:
+                self.pictures[name] = picture
+
+    @property
+    def typing(self) -> bool:
+        """Whether keys go into the search."""
+        return self.entry is not None and self.entry.is_focused
+
+    def cancel_typing(self) -> None:
+        """Show all scenes again."""
+        self.host.manager.set_focus_set(None)
+        if self.entry is not None:
+            self.entry.set_text("")
+        self._search("")
+
+    def focus_search(self) -> None:
+        """Let keys go into the search."""
+        if self.entry is not None:
+            self.host.manager.set_focus_set({self.entry})
+
     def build(self) -> None:
-        """Find the places of the cards for the host's size and unit."""
+        """Make the line for the search, and find the places of the cards for the host's size and unit."""
         unit, width = self.host.unit, self.host.size[0]
-        inner = width - 2 * MARGIN * unit
-        self.columns = max(1, int((inner + GUTTER * unit) // ((COLUMN + GUTTER) * unit)))
-        self.wide = (inner - (self.columns - 1) * GUTTER * unit) / self.columns
-        self.picture_size = round(self.wide), round(self.wide * thumbnails.SIZE[1] / thumbnails.SIZE[0])
-        self.pitch = self.picture_size[1] + (CAPTION + GUTTER) * unit
-        self.rows = -(-len(self.names) // self.columns)
+        left = width - round((MARGIN + SEARCH) * unit)
+        place = pygame.Rect(left, round(18 * unit), round(SEARCH * unit), round(30 * unit))
+        self.entry = UITextEntryLine(
+            place, self.host.manager, initial_text=self.search, placeholder_text="search (Ctrl+F)"
+        )
         self.scaled.clear()
-        self.scroll_to(self.scroll)
+        if self.theme != self.host.settings.theme:
+            self._take_theme()
+        self._arrange()
+
+    def _arrange(self) -> None:
+        texts = {name: " ".join(caption) for name, caption in self.captions.items()}
+        sections = sections_of(found(texts, self.search))
+        self.names = tuple(name for section in sections for name in section.names)
+        self.selected = min(self.selected, max(0, len(self.names) - 1))
+        self.grid.arrange(self.host.size, self.host.unit, sections)
+
+    def _search(self, text: str) -> None:
+        if text != self.search:
+            self.search, self.selected, self.grid.scroll = text, 0, 0.0
+            self._arrange()
 
     def place(self, k: int) -> pygame.Rect:
         """Rectangle of card `k` on screen."""
-        row, column = divmod(k, self.columns)
-        unit = self.host.unit
-        x = MARGIN * unit + column * (self.wide + GUTTER * unit)
-        y = HEADER * unit + row * self.pitch - self.scroll
-        return pygame.Rect(round(x), round(y), self.picture_size[0], round(self.picture_size[1] + CAPTION * unit))
+        return self.grid.place(k)
+
+    def select(self, k: int) -> None:
+        """Select card `k` and scroll to it."""
+        if self.names:
+            self.selected = min(max(k, 0), len(self.names) - 1)
+            self.grid.show(self.selected)
 
     def step(self, by: int) -> None:
         """Move the selection by `by` cards."""
-        self.selected = min(max(self.selected + by, 0), len(self.names) - 1)
-        card = self.place(self.selected)
-        top, bottom = HEADER * self.host.unit, self.host.size[1] - 10
-        if card.top < top:
-            self.scroll_to(self.scroll - (top - card.top))
-        elif card.bottom > bottom:
-            self.scroll_to(self.scroll + card.bottom - bottom)
+        self.select(self.selected + by)
 
-    def scroll_to(self, scroll: float) -> None:
-        """Scroll to `scroll` pixels, as far as there are cards."""
-        unit = self.host.unit
-        full = HEADER * unit + self.rows * self.pitch + 4 * unit
-        self.scroll = min(max(scroll, 0.0), max(0.0, full - self.host.size[1]))
+    def step_row(self, by: int) -> None:
+        """Move the selection to the nearest card of another row."""
+        if self.names:
+            self.select(self.grid.neighbour(self.selected, by))
 
     def card_at(self, point: tuple[int, int]) -> int | None:
         """The visible card at `point`, or None."""
-        if point[1] < HEADER * self.host.unit:
-            return None
-        return next((k for k in range(len(self.names)) if self.place(k).collidepoint(point)), None)
+        return self.grid.card_at(point)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Clicks, wheel and Enter."""
+        """Clicks, wheel, the search, and keys that move or open."""
+        return self._typed(event) or self.grid.handle(event) or self._clicked(event) or self._key(event)
+
+    def take_file(self, path: str, point: tuple[int, int]) -> bool:
+        """Files are opened."""
+        return False
+
+    def _typed(self, event: pygame.Event) -> bool:
+        """What was typed into the search."""
+        if event.type == pygame_gui.UI_TEXT_ENTRY_CHANGED and event.ui_element is self.entry:
+            self._search(event.text)
+            return True
+        if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED and event.ui_element is self.entry:
+            self.host.manager.set_focus_set(None)
+            return True
+        return False
+
+    def _clicked(self, event: pygame.Event) -> bool:
+        """Clicks on cards, and the wheel."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             self.pressed = self.card_at(event.pos)
             return self.pressed is not None
@@ -110,80 +167,83 @@ class GalleryPage:
                 self.choose(self.names[pressed])
             return True
         if event.type == pygame.MOUSEWHEEL:
-            self.scroll_to(self.scroll - event.precise_y * SCROLL * self.host.unit)
-            return True
-        if event.type == pygame.KEYDOWN and event.key in (pygame.K_RETURN, pygame.K_KP_ENTER):
-            self.choose(self.names[self.selected])
+            self.grid.scroll_by(-event.precise_y * SCROLL * self.host.unit)
             return True
         return False
 
+    def _key(self, event: pygame.Event) -> bool:
+        """Keys that move or open."""
+        if event.type != pygame.KEYDOWN or self.typing:
+            return False
+        if event.key in (pygame.K_RETURN, pygame.K_KP_ENTER) and self.names:
+            self.choose(self.names[self.selected])
+        elif event.key in (pygame.K_PAGEUP, pygame.K_PAGEDOWN):
+            for _ in range(2):
+                self.step_row(-1 if event.key == pygame.K_PAGEUP else 1)
+        else:
+            return False
+        return True
+
+    def _take_thumbnail(self, name: str, motions: object) -> None:
+        """Draw the thumbnail of a scene whose motion is known now."""
+        if isinstance(motions, list):
+            self.pictures[name] = thumbnails.paint(self.scenes[name], motions)
+            thumbnails.save(self.scenes[name], self.theme, self.pictures[name])
+
+    @property
+    def moving(self) -> bool:
+        """Whether thumbnails are still to come."""
+        return len(self.pictures) < len(self.captions)
+
     def update(self, seconds: float) -> None:
-        """Draw at most one thumbnail whose motion is known."""
-        result = self.host.warmup.next_result()
-        if result is None:
-            return
-        (kind, k), motions = result
-        if kind == "thumbnail" and isinstance(motions, list):
-            self.pictures[k] = thumbnails.paint(self.scenes[k], motions)
-            thumbnails.save(self.scenes[k], self.pictures[k])
+        """Nothing moves by itself."""
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the cards and the header above them."""
-        unit = self.host.unit
-        surface.fill(BACKGROUND)
+        """Draw the cards in their sections, and the header above them."""
+        unit, (width, height) = self.host.unit, self.host.size
+        surface.fill(tones.background)
+        for title, y in self.grid.titles():
+            write(surface, title, (MARGIN * unit, y), 16 * unit, tones.foreground, bold=True)
         for k in range(len(self.names)):
             place = self.place(k)
-            if place.bottom > HEADER * unit and place.top < self.host.size[1]:
+            if place.bottom > HEADER * unit and place.top < height:
                 self._card(surface, k, place)
-        surface.fill(BACKGROUND, (0, 0, self.host.size[0], round((HEADER - 4) * unit)))
-        x, y = MARGIN * unit, 20 * unit
-        write(surface, "softcradle", (x, y), 28 * unit, FOREGROUND, bold=True)
+        surface.fill(tones.background, (0, 0, width, round((HEADER - 4) * unit)))
+        x, y = MARGIN * unit, 16 * unit
+        write(surface, "softcradle", (x, y), 28 * unit, tones.foreground, bold=True)
         line = "Beads that only push on each other, softly. Choose a scene, or drop a scene file here."
-        write(surface, line, (x, y + 38 * unit), 15 * unit, MUTED)
-        right = (self.host.size[0] - MARGIN * unit, y + 38 * unit)
-        write(surface, "F1: help", right, 15 * unit, MUTED, align=(1, 0))
+        room = width - 2 * x - 80 * unit
+        write(surface, shortened(line, 15 * unit, room), (x, y + 38 * unit), 15 * unit, tones.muted)
+        write(surface, "F1: help", (width - x, y + 38 * unit), 15 * unit, tones.muted, align=(1, 0))
+        if not self.names:
+            text = f"No scene has {self.search!r} in its title, text or source. Esc shows all."
+            write(surface, text, (x, (HEADER + 20) * unit), 15 * unit, tones.muted)
+        self.grid.paint_bar(surface)
 
     def _card(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
-        unit = self.host.unit
-        image = self._image(k)
-        picture = pygame.Rect(place.topleft, self.picture_size)
+        unit, name = self.host.unit, self.names[k]
+        image = self._image(name)
+        picture = pygame.Rect(place.topleft, self.grid.picture_size)
         if image is None:
-            surface.fill(LANE_BACKGROUND, picture)
-            write(surface, "drawing …", picture.center, 13 * unit, MUTED, align=(0.5, 0.5))
+            surface.fill(tones.lane_background, picture)
+            write(surface, "drawing …", picture.center, 13 * unit, tones.muted, align=(0.5, 0.5))
         else:
             surface.blit(image, picture)
-        self._caption(surface, k, (place.left + 10 * unit, picture.bottom + 7 * unit))
-        surface.fill(FAINT, (place.left, picture.bottom, place.width, 1))
-        self._border(surface, k, place)
+        paint_caption(surface, self.captions[name], picture, unit)
+        surface.fill(tones.faint, (place.left, picture.bottom, place.width, 1))
+        hovered = self.card_at(pygame.mouse.get_pos()) == k
+        paint_border(surface, place, hovered, hovered and self.pressed == k)
         if k == self.selected:
             frame = place.inflate(round(4 * unit), round(4 * unit))
-            pygame.draw.rect(surface, FOREGROUND, frame, max(2, round(2 * unit)))
+            pygame.draw.rect(surface, tones.foreground, frame, max(2, round(2 * unit)))
 
-    def _caption(self, surface: pygame.Surface, k: int, place: tuple[float, float]) -> None:
-        """Title, the first line of the text, and source."""
-        unit, (title, text, source), (x, y) = self.host.unit, self.captions[k], place
-        room = self.wide - 20 * unit
-        write(surface, shortened(title, 15 * unit, room, bold=True), (x, y), 15 * unit, FOREGROUND, bold=True)
-        for line in wrapped(text, 12 * unit, room)[:1] if text else []:
-            write(surface, shortened(line + " …", 12 * unit, room), (x, y + 21 * unit), 12 * unit, MUTED)
-        write(surface, shortened(source, 11.5 * unit, room), (x, y + 38 * unit), 11.5 * unit, MUTED)
-
-    def _border(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
-        """The border, and a tint under the pointer; widgets for it took 100 MB, and a third of a second to make."""
-        hovered = self.card_at(pygame.mouse.get_pos()) == k
-        if hovered:
-            tint = pygame.Surface(place.size, pygame.SRCALPHA, 32)
-            tint.fill((*HOVERED_BORDER, PRESSED_OPACITY if self.pressed == k else HOVERED_OPACITY))
-            surface.blit(tint, place)
-        pygame.draw.rect(surface, HOVERED_BORDER if hovered else BORDER, place, 1)
-
-    def _image(self, k: int) -> pygame.Surface | None:
-        """The picture of card `k` at its present size, or None."""
-        if k not in self.pictures:
+    def _image(self, name: str) -> pygame.Surface | None:
+        """The picture of a scene at its present size, or None."""
+        if name not in self.pictures:
             return None
-        key = (k, self.picture_size)
+        key = (name, self.grid.picture_size)
         if key not in self.scaled:
-            self.scaled[key] = pygame.transform.smoothscale(self.pictures[k].convert(), self.picture_size)
+            self.scaled[key] = pygame.transform.smoothscale(self.pictures[name].convert(), self.grid.picture_size)
         return self.scaled[key]
 
     def paint_over(self, surface: pygame.Surface) -> None:
@@ -193,6 +253,6 @@ class GalleryPage:
         """The gallery is not filmed."""
 
     def close(self) -> None:
-        """Drop the pictures."""
-        self.pictures.clear()
+        """Drop the scaled pictures; where it was scrolled to stays."""
         self.scaled.clear()
+        self.pressed = None

@@ -11,12 +11,14 @@ import pygame
 from softcradle.physics.source_digest import PHYSICS, digest_of
 from softcradle.sandbox.draw import lane_drawing
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
-from softcradle.sandbox.draw.palette import FAINT, LANE_BACKGROUND
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.window import look_ahead
 from softcradle.scenes import Scene
 
+PICTURES = Path(__file__).parent / "pictures"  # made by `make screenshots`
 SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
 
 
@@ -37,28 +39,36 @@ def cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("softcradle", appauthor=False)) / "thumbnails"
 
 
-def cached_path(scene: Scene) -> Path:
-    """The file of the thumbnail of `scene`; another scene, drawing or physics has another name."""
-    return cache_folder() / f"{digest_of(_sources(), scene.model_dump_json())}.png"
+def cached_path(scene: Scene, theme: str) -> Path:
+    """The file of the thumbnail of `scene`; another scene, theme, drawing or physics has another name."""
+    return cache_folder() / f"{digest_of(_sources(), theme, scene.model_dump_json())}.png"
 
 
-def load(scene: Scene) -> pygame.Surface | None:
-    """The cached thumbnail, or None."""
+def shipped(name: str, theme: str) -> pygame.Surface | None:
+    """The thumbnail of a scene of the catalogue in a theme, as it comes with softcradle, or None."""
     try:
-        return pygame.image.load(str(cached_path(scene)))
+        return pygame.image.load(str(PICTURES / theme / f"{name}.png"))
     except (OSError, pygame.error):
         return None
 
 
-def save(scene: Scene, thumbnail: pygame.Surface) -> None:
+def load(scene: Scene, theme: str) -> pygame.Surface | None:
+    """The cached thumbnail, or None."""
+    try:
+        return pygame.image.load(str(cached_path(scene, theme)))
+    except (OSError, pygame.error):
+        return None
+
+
+def save(scene: Scene, theme: str, thumbnail: pygame.Surface) -> None:
     """Write `thumbnail` to the cache, if that can be written."""
     from softcradle.physics.atomic_files import output_file
 
-    path = cached_path(scene)
+    path = cached_path(scene, theme)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with output_file(path) as temporary:
-            pygame.image.save(thumbnail, str(temporary))
+            write_png(thumbnail, temporary)
     except (OSError, pygame.error):
         return
 
@@ -68,7 +78,7 @@ def paint(scene: Scene, motions: list[Motion]) -> pygame.Surface:
     from softcradle.sandbox.film.scene_motion import strongest_row
 
     surface = pygame.Surface(SIZE, 0, 32)
-    surface.fill(LANE_BACKGROUND)
+    surface.fill(tones.lane_background)
     row, scales, length = strongest_row(motions), scales_of(scene, motions), scene.view.length
     edges = [left_edges(m.position[row], m.overlap[row], length, scales.magnify) for m in motions]
     low, high = min(float(e.min()) for e in edges), max(float(e.max()) for e in edges) + length
@@ -77,6 +87,6 @@ def paint(scene: Scene, motions: list[Motion]) -> pygame.Surface:
     for k, motion in enumerate(motions):
         rect = pygame.Rect(0, round(k * height), SIZE[0], round(height))
         drawing = LaneDrawing(rect, 1.5 if len(motions) == 1 else 0.9, scene, k, scales)
-        surface.fill(FAINT, (0, round(drawing.ground), SIZE[0], 3))
+        surface.fill(tones.faint, (0, round(drawing.ground), SIZE[0], 3))
         drawing.paint(surface, motion, row, drawing.left())
     return surface

@@ -6,23 +6,18 @@ Both hang from PinJoints under gravity; only the contacts between the balls diff
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import pairwise
 
 import pymunk
-from softcradle.physics import Contact, SoftChain, draft_gear, hertz, power_law
+from softcradle.physics import Contact, SoftChain, SoftContact, draft_gear, hertz, power_law
 
 RADIUS = 0.1  # m, of a ball
 STRING = 1.0  # m
 GRAVITY = 9.81  # m/s^2
 ANGLE = 0.62  # rad, of the strings of the lifted balls
 BALLS = 5
-STEP = 1.0 / 480.0  # s: at a swing's lowest point a pin joint loses energy in proportion to it
-MOST_PULL = 60.0  # N, of the pointer on a ball
-MOST_SAMPLES = 6000  # of the energies
-SAMPLE = 1.0 / 60.0  # s between two samples of the energies
 
 LAWS: dict[str, Contact] = {
     "power law, alpha 1/14": power_law(60.0, 1.0 / 14.0),
@@ -30,20 +25,34 @@ LAWS: dict[str, Contact] = {
     "draft gear": draft_gear(1500.0, 0.04),
     "steel balls (Hertz)": hertz(1e6),
 }
+CHAIN, SPRINGS = "SoftChain", "SoftContact"
+METHODS = (CHAIN, SPRINGS)  # all contacts solved at once, keeping energy; one spring for each contact
+Vector = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Cradle:
-    """Balls in a Space of their own; `chain` is None where pymunk's own collisions act."""
+    """Balls in a Space of their own; `chain` is None where no SoftChain acts, `springs` is the law of SoftContacts that do."""
 
     space: pymunk.Space
     balls: tuple[pymunk.Body, ...]
-    chain: SoftChain | None
+    chain: SoftChain | None = None
+    springs: Contact | None = None
 
-    def places(self) -> list[tuple[float, float]]:
+    def places(self) -> list[Vector]:
         """Centres of the balls [m], y upwards from the anchors."""
         vectors = [ball.position for ball in self.balls] if self.chain is None else self.chain.positions
         return [(float(place[0]), float(place[1])) for place in vectors]
+
+    def stored(self) -> float:
+        """Energy in the contacts [J]."""
+        if self.chain is not None:
+            return self.chain.energy
+        if self.springs is None:
+            return 0.0
+        pairs = pairwise(self.balls)
+        overlaps = (2.0 * RADIUS - (b.position - a.position).length for a, b in pairs)
+        return sum(float(self.springs.energy(max(0.0, overlap))) for overlap in overlaps)
 
     def energy(self) -> float:
         """Kinetic, potential and stored energy [J]; 0 for balls that hang at rest."""
@@ -51,7 +60,12 @@ class Cradle:
         potential = sum(
             GRAVITY * ball.mass * (STRING + y) for ball, (_, y) in zip(self.balls, self.places(), strict=True)
         )
-        return kinetic + potential + (0.0 if self.chain is None else self.chain.energy)
+        return kinetic + potential + self.stored()
+
+    def stretch(self) -> float:
+        """Greatest change of a string's length [m]."""
+        pairs = zip(anchors(), self.balls, strict=True)
+        return max(abs(math.dist((x, 0.0), ball.position) - STRING) for x, ball in pairs)
 
 
 def anchors() -> list[float]:
@@ -59,7 +73,7 @@ def anchors() -> list[float]:
     return [2.0 * RADIUS * k for k in range(BALLS)]
 
 
-def start_places(lifted: int) -> list[tuple[float, float]]:
+def start_places(lifted: int) -> list[Vector]:
     """Centres [m] with the first `lifted` balls pulled aside."""
     angles = [-ANGLE if k < lifted else 0.0 for k in range(BALLS)]
     return [
@@ -67,85 +81,31 @@ def start_places(lifted: int) -> list[tuple[float, float]]:
     ]
 
 
-def make_cradle(law: Contact | None, places: Sequence[tuple[float, float]]) -> Cradle:
-    """A cradle at rest at `places`; law None: pymunk's own circles of elasticity 1."""
+def make_cradle(
+    law: Contact | None, places: Sequence[Vector], velocities: Sequence[Vector] | None = None, method: str = CHAIN
+) -> Cradle:
+    """A cradle at `places`, at rest without `velocities`; law None: pymunk's own circles of elasticity 1."""
     space = pymunk.Space()
     space.gravity = (0.0, -GRAVITY)
     balls = []
-    for x, place in zip(anchors(), places, strict=True):
+    for k, (x, place) in enumerate(zip(anchors(), places, strict=True)):
         ball = pymunk.Body(mass=1.0, moment=math.inf)
         ball.position = place
-        space.add(ball, pymunk.PinJoint(space.static_body, ball, (x, 0.0), (0.0, 0.0)))
+        ball.velocity = (0.0, 0.0) if velocities is None else velocities[k]
+        string = pymunk.PinJoint(space.static_body, ball, (x, 0.0), (0.0, 0.0))
+        string.distance = STRING
+        space.add(ball, string)
         balls.append(ball)
-    chain = None
     if law is None:
         for ball in balls:
             circle = pymunk.Circle(ball, RADIUS)
             circle.elasticity = 1.0
             space.add(circle)
-    else:
+        return Cradle(space, tuple(balls))
+    if method == CHAIN:
         chain = SoftChain(balls, law, 2.0 * RADIUS)
         space.add(*chain)
-    return Cradle(space, tuple(balls), chain)
-
-
-class HangingModel:
-    """The two cradles on one clock.
-
-    Attributes:
-        law: name of the soft contacts' law, from LAWS.
-        lifted: how many balls are lifted at the start.
-        cradles: (soft, rigid).
-        time: [s].
-        energies: (time, soft, rigid) [s, J, J], sampled.
-    """
-
-    def __init__(self, law: str = next(iter(LAWS)), lifted: int = 1) -> None:
-        self.law, self.lifted = law, lifted
-        self.restart()
-
-    def restart(self) -> None:
-        """Lift the balls again."""
-        places = start_places(self.lifted)
-        self.cradles = make_cradle(LAWS[self.law], places), make_cradle(None, places)
-        self.time, self._due, self._next_sample = 0.0, 0.0, 0.0
-        self.energies: deque[tuple[float, float, float]] = deque(maxlen=MOST_SAMPLES)
-        self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
-        self._sample()
-
-    def _sample(self) -> None:
-        self.energies.append((self.time, self.cradles[0].energy(), self.cradles[1].energy()))
-        self._next_sample += SAMPLE
-
-    def advance(self, seconds: float) -> None:
-        """Move both by `seconds` of model time, in whole steps; the rest is due next time."""
-        self._due += seconds
-        while self._due >= STEP:
-            self._due -= STEP
-            for cradle in self.cradles:
-                cradle.space.step(STEP)
-            self.time += STEP
-            if self.time >= self._next_sample:
-                self._sample()
-
-    def hold(self, cradle: int, ball: int, place: tuple[float, float]) -> None:
-        """Pull a ball towards `place` [m] with at most MOST_PULL; the string still holds."""
-        held = self.cradles[cradle]
-        if self._pointer is None:
-            pointer = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            pointer.position = place
-            joint = pymunk.PivotJoint(pointer, held.balls[ball], (0.0, 0.0), (0.0, 0.0))
-            joint.max_force, joint.error_bias = MOST_PULL, 0.85**60
-            held.space.add(joint)
-            self._pointer = held.space, pointer, joint
-        self._pointer[1].position = place
-
-    def release(self) -> None:
-        """Release the ball; the energies begin anew, for the pointer has done work."""
-        if self._pointer is not None:
-            space, _, joint = self._pointer
-            space.remove(joint)
-            self._pointer = None
-            self.energies.clear()
-            self._next_sample = self.time
-            self._sample()
+        return Cradle(space, tuple(balls), chain)
+    springs = [SoftContact(a, b, (0.0, 0.0), (0.0, 0.0), 2.0 * RADIUS, law) for a, b in pairwise(balls)]
+    space.add(*springs)
+    return Cradle(space, tuple(balls), springs=law)

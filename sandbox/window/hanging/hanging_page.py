@@ -1,56 +1,78 @@
-"""The page of the hanging cradle: soft contacts beside pymunk's rigid ones, and a plot of their energies."""
+"""The page of the hanging cradle: soft contacts beside pymunk's rigid ones, with the controls and badges of a scene."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import pygame
-import pygame_gui
-from pygame_gui.elements import UIButton, UIDropDownMenu
-from softcradle.sandbox.draw.curve_panels import linear_axis
-from softcradle.sandbox.draw.number_format import MINUS, fixed
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED, OKABE_ITO
-from softcradle.sandbox.draw.text import wrapped, write
-from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, LAWS, RADIUS, HangingModel
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.window.hanging.energy_plot import paint_energies
+from softcradle.sandbox.window.hanging.hanging_badges import HEIGHT, NAMES, paint_badge
+from softcradle.sandbox.window.hanging.hanging_controls import HangingControls, HangingScrubBar
+from softcradle.sandbox.window.hanging.hanging_cradle import RADIUS
+from softcradle.sandbox.window.hanging.hanging_model import HangingModel
 from softcradle.sandbox.window.hanging.hanging_picture import paint_cradle, pixels_a_metre, to_model, to_screen
-from softcradle.sandbox.window.icons import draw_icon
-from softcradle.sandbox.window.keys import hint
+from softcradle.sandbox.window.hanging.hanging_text import HANGING_TEXT, HANGING_TITLE
+from softcradle.sandbox.window.page_geometry import MARGIN, geometry
+from softcradle.sandbox.window.scene.file_names import shown_path
+from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, Saving, report
+from softcradle.sandbox.window.scene.toolbar import TITLE_LEFT, Toolbar
+from softcradle.sandbox.window.scene.window_film import WindowFilm
 from softcradle.sandbox.window.window_page import Host
 
-HANGING_NAME = "hanging-cradle"
-HANGING_TITLE = "A hanging cradle in pymunk"
-HANGING_TEXT = (
-    "Balls on strings in an ordinary pymunk Space, once with soft contacts between them and once with pymunk's own "
-    "rigid collisions. Strings, gravity and steps are the same. With a small exponent the balls that are hit swing off "
-    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it in the order in which they "
-    "are solved. Drag a ball and release it."
-)
-SLOW_MOTIONS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
-SPAN = 12.0  # seconds of the plot
-NAMES = ("soft contacts", "pymunk's rigid collisions")
-CURVES = (OKABE_ITO[0], OKABE_ITO[3])
+PICTURES = 0.58  # of the height between toolbar and footer
 
 
 class HangingPage:
     """Both cradles side by side above a plot of their energies. `leave` goes back to the gallery."""
 
-    typing = False
+    typing = unsaved = False
+    title = HANGING_TITLE
 
     def __init__(self, host: Host, leave: Callable[[], None]) -> None:
         self.host, self.leave = host, leave
-        self.model = HangingModel()
-        self.playing, self.slow = False, 1.0
+        self.playing = False
         self.held: tuple[int, int] | None = None  # cradle and ball
         self.pointer = (0, 0)
+        self.film = WindowFilm(host)
+        self.toolbar = Toolbar(host, self.film)
+        note = "a .csv table: the centres of all balls and the energies, a row a frame"
+        saving = Saving("Export the history", note, ".csv", (".csv",), self._export)
+        self.dialogs = SaveDialogs(host, HANGING_TITLE, self.film, {"export": saving})
         self.actions: dict[str, Callable[[], None]] = {
             "play_pause": self.play_pause,
             "restart": self.restart,
-            "slower": partial(self.step_slow, 1),
-            "faster": partial(self.step_slow, -1),
+            "first": lambda: self.model.scrub(0),
+            "last": lambda: self.model.scrub(len(self.model.frames) - 1),
+            "back": partial(self.step, -1),
+            "forward": partial(self.step, 1),
+            "slower": lambda: self.controls.step_slow(1),
+            "faster": lambda: self.controls.step_slow(-1),
+            **self.dialogs.actions,
+            "help": host.toggle_help,
             "leave": leave,
         }
+        self.controls = HangingControls(host, self.actions)
+        self.take(HangingModel())
+
+    def take(self, model: HangingModel) -> None:
+        """Show another model."""
+        self.model = model
+        self.bar = HangingScrubBar(model)
+
+    @property
+    def slow(self) -> float:
+        """Wall seconds for one of the model."""
+        return self.controls.slow
+
+    @property
+    def moving(self) -> bool:
+        """Whether it plays, holds a ball or is filmed."""
+        return self.playing or self.held is not None or self.film.film is not None
 
     def play_pause(self) -> None:
         """Play or pause."""
@@ -60,58 +82,54 @@ class HangingPage:
         """Lift the balls again."""
         self.model.restart()
 
-    def step_slow(self, direction: int) -> None:
-        """The next of SLOW_MOTIONS: slower (1) or faster (-1)."""
-        place = SLOW_MOTIONS.index(self.slow) + direction
-        self.slow = SLOW_MOTIONS[min(max(place, 0), len(SLOW_MOTIONS) - 1)]
+    def step(self, by: int) -> None:
+        """Pause, and show the next frame (1) or the one before (-1)."""
+        self.playing = False
+        self.model.step(by)
+
+    def _export(self, path: Path) -> None:
+        report(self.host.messages, partial(self.model.write_csv, path), f"saved {shown_path(path)}")
+
+    def cancel_typing(self) -> None:
+        """Nothing is typed here."""
 
     def build(self) -> None:
-        """Make the widgets."""
-        unit, manager, (width, height) = self.host.unit, self.host.manager, self.host.size
-        margin, bar = round(14 * unit), round(48 * unit)
-        place = pygame.Rect(round(12 * unit), round(9 * unit), round(84 * unit), round(30 * unit))
-        UIButton(place, "← Scenes", manager, tool_tip_text="back to the gallery", command=self.leave)
-        half = (width - 3 * margin) // 2
-        high = round(0.52 * height)
-        self.pictures = [pygame.Rect(margin + k * (half + margin), bar + margin, half, high) for k in range(2)]
-        y = self.pictures[0].bottom
-        self.plot = pygame.Rect(margin + round(44 * unit), y + round(34 * unit), round(0.56 * width), 10)
-        self.plot.height = height - self.plot.top - round(92 * unit)
-        self.text = pygame.Rect(self.plot.right + round(50 * unit), y + round(14 * unit), 10, 10)
-        self.text.width = width - margin - self.text.left
-        self._build_controls(height - round(50 * unit))
-
-    def _build_controls(self, y: int) -> None:
-        unit, manager, x = self.host.unit, self.host.manager, round(14 * self.host.unit)
-        side = round(34 * unit)
-        self.buttons = {}
-        for name, wide in (("play_pause", 50), ("restart", 34)):
-            place = pygame.Rect(x, y, round(wide * unit), side)
-            style = "#primary" if name == "play_pause" else None
-            self.buttons[name] = UIButton(
-                place, "", manager, object_id=style, tool_tip_text=hint(name), command=self.actions[name]
-            )
-            x = place.right + round(6 * unit)
-        self.clock_place = x + round(14 * unit), y
-        x += round(330 * unit)
-        self.labels = [("contacts", x - round(8 * unit), y + side // 2)]
-        place = pygame.Rect(x, y, round(190 * unit), side)
-        self.laws = UIDropDownMenu(list(LAWS), self.model.law, place, manager)
-        x = place.right + round(90 * unit)
-        self.labels.append(("balls lifted", x - round(8 * unit), y + side // 2))
-        place = pygame.Rect(x, y, round(64 * unit), side)
-        self.counts = UIDropDownMenu([str(k) for k in range(1, BALLS)], str(self.model.lifted), place, manager)
+        """Make the widgets, in the places of a scene's page."""
+        unit, places = self.host.unit, geometry(self.host.size, self.host.unit, 1, (), True)
+        self.toolbar.build(places.toolbar, self.actions, self.leave)
+        self.bar.place(places.footer, unit)
+        margin, gap = round(12 * unit), round(MARGIN * unit)
+        below = pygame.Rect(places.footer.left + margin, places.footer.top + round(42 * unit), 10, round(46 * unit))
+        panel = places.panel.inflate(-2 * margin, -2 * round(9 * unit))
+        y = self.controls.build(below, panel, self.model)
+        main = pygame.Rect(gap, places.toolbar.bottom + gap // 2, places.panel.left - 2 * gap, 1)
+        main.height = places.footer.top - main.top - gap // 2
+        half, high = (main.width - gap) // 2, round(PICTURES * main.height)
+        self.pictures = [pygame.Rect(main.left + k * (half + gap), main.top, half, high) for k in range(2)]
+        self.plot = pygame.Rect(main.left, main.top + high + round(6 * unit), main.width, main.height - high)
+        self.plot.height -= round(6 * unit)
+        high = round(HEIGHT * unit)
+        pitch = high + round(8 * unit)
+        self.badges = [pygame.Rect(panel.left, y + k * pitch, panel.width, high) for k in range(2)]
+        top = self.badges[1].bottom + round(10 * unit)
+        self.text = pygame.Rect(panel.left, top, panel.width, max(0, panel.bottom - top))
+        self.places = places
 
     def handle(self, event: pygame.Event) -> bool:
-        """Menus, and dragging of balls."""
-        if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED:
-            return self._choose(event)
+        """Menus and bar, and dragging of balls."""
+        chosen = self.controls.handle(event, self.model)
+        if chosen is not None:
+            self.take(chosen)
+            self.bar.place(self.places.footer, self.host.unit)
+            return True
+        if self.bar.handle(event):
+            self.playing = False
+            return True
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             self.held, self.pointer = self._ball_at(event.pos), event.pos
             return self.held is not None
         if event.type == pygame.MOUSEMOTION and self.held is not None:
-            self.pointer = event.pos
-            self.playing = True
+            self.pointer, self.playing = event.pos, True
             return True
         if event.type == pygame.MOUSEBUTTONUP and self.held is not None:
             self.held = None
@@ -119,16 +137,14 @@ class HangingPage:
             return True
         return False
 
-    def _choose(self, event: pygame.Event) -> bool:
-        law = event.text if event.ui_element is self.laws else self.model.law
-        lifted = int(event.text) if event.ui_element is self.counts else self.model.lifted
-        self.model = HangingModel(law, lifted)
-        return True
+    def take_file(self, path: str, point: tuple[int, int]) -> bool:
+        """Files are opened."""
+        return False
 
     def _ball_at(self, point: tuple[int, int]) -> tuple[int, int] | None:
         """Cradle and ball at `point`."""
-        for k, (rect, cradle) in enumerate(zip(self.pictures, self.model.cradles, strict=True)):
-            for ball, place in enumerate(cradle.places()):
+        for k, (rect, centres) in enumerate(zip(self.pictures, self.model.moment.places, strict=True)):
+            for ball, place in enumerate(centres):
                 if math.dist(point, to_screen(rect, place)) <= RADIUS * pixels_a_metre(rect) + 3:
                     return k, ball
         return None
@@ -139,71 +155,51 @@ class HangingPage:
             self.model.hold(*self.held, to_model(self.pictures[self.held[0]], self.pointer))
         if self.playing:
             self.model.advance(seconds / self.slow)
+        self.bar.make_room()
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
-        unit = self.host.unit
-        surface.fill(BACKGROUND)
-        write(surface, HANGING_TITLE, (110 * unit, 24 * unit), 19 * unit, FOREGROUND, bold=True, align=(0, 0.5))
-        surface.fill(FAINT, (0, round(48 * unit) - 1, self.host.size[0], 1))
-        for rect, cradle, name in zip(self.pictures, self.model.cradles, NAMES, strict=True):
-            surface.fill(LANE_BACKGROUND, rect)
-            title = f"{name}: {self.model.law}" if cradle.chain is not None else name
-            write(surface, title, (rect.left + 12 * unit, rect.top + 8 * unit), 15 * unit, FOREGROUND, bold=True)
-            paint_cradle(surface, rect, cradle.places())
-        self._plot_energies(surface)
-        y = float(self.text.top)
-        for line in wrapped(HANGING_TEXT, 13.5 * unit, self.text.width):
-            write(surface, line, (self.text.left, y), 13.5 * unit, FOREGROUND)
-            y += 19 * unit
-        for label, x, middle in self.labels:
-            write(surface, label, (x, middle), 13 * unit, MUTED, align=(1, 0.5))
+        unit, places = self.host.unit, self.places
+        surface.fill(tones.background)
+        title = shortened(HANGING_TITLE, 19 * unit, self.toolbar.title_room, bold=True)
+        place = (TITLE_LEFT * unit, places.toolbar.centery)
+        write(surface, title, place, 19 * unit, tones.foreground, bold=True, align=(0, 0.5))
+        for y in (places.toolbar.bottom - 1, places.footer.top):
+            surface.fill(tones.faint, (0, y, self.host.size[0], 1))
+        surface.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
+        for side, (rect, centres) in enumerate(zip(self.pictures, self.model.moment.places, strict=True)):
+            surface.fill(tones.lane_background, rect)
+            name = f"{NAMES[side]}: {self.model.law}" if side == 0 else NAMES[side]
+            name = shortened(name, 15 * unit, rect.width - 20 * unit, bold=True)
+            write(surface, name, (rect.left + 10 * unit, rect.top + 7 * unit), 15 * unit, tones.foreground, bold=True)
+            paint_cradle(surface, rect, centres)
+            paint_badge(surface, self.badges[side], unit, side, self.model)
+        paint_energies(surface, self.plot, unit, self.model)
+        self.bar.paint(surface)
+        self.controls.paint(surface)
+        self._paint_text(surface)
 
-    def _plot_energies(self, surface: pygame.Surface) -> None:
-        """Plot both energies as shares of their first values."""
-        unit, area, samples = self.host.unit, self.plot, list(self.model.energies)
-        title = "energy, as a share of that at the start"
-        write(surface, title, (area.left, area.top - 6 * unit), 13 * unit, align=(0, 1))
-        first = samples[0]
-        shares = [[sample[k] / first[k] if first[k] > 1e-9 else 1.0 for sample in samples] for k in (1, 2)]
-        low, high = min(0.9, *map(min, shares)), max(1.04, *map(max, shares))
-
-        def y(share: float) -> float:
-            return area.bottom - (share - low) / (high - low) * area.height
-
-        for value, text in linear_axis("", low, high).ticks:
-            surface.fill(FAINT, (area.left, round(y(value)), area.width, 1))
-            write(surface, text, (area.left - 6 * unit, y(value)), 11.5 * unit, MUTED, align=(1, 0.5))
-        begin = max(first[0], samples[-1][0] - SPAN)
-        for k, colour in enumerate(CURVES):
-            points = [
-                (area.left + (t - begin) / SPAN * area.width, y(share))
-                for (t, _, _), share in zip(samples, shares[k], strict=True)
-                if t >= begin
-            ]
-            if len(points) > 1:
-                pygame.draw.aalines(surface, colour, False, points)
-                pygame.draw.aalines(surface, colour, False, [(x, y + 1) for x, y in points])
-            text = f"{NAMES[k]}: {100 * (shares[k][-1] - 1):+.1f} %".replace("-", MINUS)
-            place = (area.left + k * 0.45 * area.width, area.bottom + 6 * unit)
-            write(surface, text, place, 13 * unit, colour, bold=True)
+    def _paint_text(self, surface: pygame.Surface) -> None:
+        """As many lines of the text as there is room for."""
+        unit, line = self.host.unit, 18 * self.host.unit
+        lines = wrapped(HANGING_TEXT, 13 * unit, self.text.width)
+        room = max(0, int(self.text.height // line))
+        for row, text in enumerate(lines[:room]):
+            shown = shortened(f"{text} …", 13 * unit, self.text.width) if row == room - 1 < len(lines) - 1 else text
+            write(surface, shown, (self.text.left, self.text.top + row * line), 13 * unit, tones.foreground)
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw icons, clock, and a ring at the pointer while it holds a ball."""
-        unit = self.host.unit
-        for name, button in self.buttons.items():
-            icon = ("pause" if self.playing else "play") if name == "play_pause" else name
-            colour = BACKGROUND if name == "play_pause" else FOREGROUND
-            draw_icon(surface, icon, button.rect.center, 14 * unit, colour)
-        x, y = self.clock_place
-        write(surface, f"t = {fixed(self.model.time, 2)} s", (x, y - 2 * unit), 16 * unit, FOREGROUND, bold=True)
-        speed = "real time" if self.slow == 1.0 else f"slow motion 1/{self.slow:.0f}"
-        write(surface, speed, (x, y + 19 * unit), 12 * unit, MUTED)
+        self.controls.paint_over(surface, self.model, "playing" if self.playing else "paused")
+        self.film.paint(surface, self.places.panel.left - 20 * self.host.unit, self.places.toolbar.bottom)
+        self.bar.paint_reading(surface, pygame.mouse.get_pos())
         if self.held is not None:
-            pygame.draw.aacircle(surface, FOREGROUND, self.pointer, 5 * unit, 2)
+            pygame.draw.aacircle(surface, tones.foreground, self.pointer, 5 * self.host.unit, 2)
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
-        """Only scenes are filmed."""
+        """Record the finished picture, if a film is being made."""
+        self.film.record(surface, seconds)
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Close the film."""
+        self.film.end()

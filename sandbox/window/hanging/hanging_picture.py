@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import pygame
 from softcradle.sandbox.draw.bead_sprites import bead_sprite
-from softcradle.sandbox.draw.palette import LANE_BACKGROUND, MUTED, bead_colours
+from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, RADIUS, anchors, start_places
 
@@ -43,12 +43,12 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[tu
     size = 2.0 * RADIUS * pixels_a_metre(rect)
     beam = pygame.Rect(0, 0, round(ends[-1][0] - ends[0][0] + 2 * size), max(4, round(0.1 * size)))
     beam.midbottom = (round((ends[0][0] + ends[-1][0]) / 2), round(ends[0][1]))
-    surface.fill(MUTED, beam)
+    surface.fill(tones.muted, beam)
     for end, place, colour in zip(ends, places, bead_colours(BALLS), strict=True):
         centre = to_screen(rect, place)
         share = 1.0 - 0.5 * size / max(math.dist(end, centre), size)  # of the string, outside the ball
         tip = end[0] + share * (centre[0] - end[0]), end[1] + share * (centre[1] - end[1])
-        pygame.draw.aaline(surface, MUTED, end, tip, 2)
+        pygame.draw.aaline(surface, tones.muted, end, tip, 2)
         side = math.ceil(size)
         blit_sprite(surface, bead_sprite(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
 
@@ -56,6 +56,6 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[tu
 def hanging_thumbnail(size: tuple[int, int]) -> pygame.Surface:
     """The picture for the gallery."""
     surface = pygame.Surface(size, 0, 32)
-    surface.fill(LANE_BACKGROUND)
+    surface.fill(tones.lane_background)
     paint_cradle(surface, surface.get_rect(), start_places(1))
     return surface

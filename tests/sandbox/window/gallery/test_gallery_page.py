@@ -9,10 +9,14 @@ from pathlib import Path
 
 import pygame
 import pytest
+from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.sections import SECTIONS
 
+from softcradle import scenes
 from tests.helpers.windows import Driver
 
+UNDRAWN = ("one-on-four", "galilean")
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 
@@ -23,9 +27,12 @@ def gallery() -> Iterator[Driver]:
     made.close()
 
 
-def test_the_gallery_draws_and_saves_thumbnails_and_opens_the_scene_that_is_clicked(
-    gallery: Driver, tmp_path: Path
+def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    shipped = {name: None if name in UNDRAWN else thumbnails.shipped(name, "light") for name in scenes.names()}
+    monkeypatch.setattr(thumbnails, "shipped", shipped.get)
+    gallery = Driver()
     page = gallery.app.page
     assert isinstance(page, GalleryPage)
     deadline = time.monotonic() + 90.0
@@ -33,7 +40,7 @@ def test_the_gallery_draws_and_saves_thumbnails_and_opens_the_scene_that_is_clic
         gallery.frames()
         pygame.time.wait(5)
     assert len(page.pictures) == len(page.names)
-    assert len(list((tmp_path / "cache").glob("*.png"))) == len(page.scenes)
+    assert len(list((tmp_path / "cache").glob("*.png"))) == len(UNDRAWN)
     chosen = page.names.index("one-on-four")
     page.selected = chosen
     page.step(0)
@@ -43,7 +50,8 @@ def test_the_gallery_draws_and_saves_thumbnails_and_opens_the_scene_that_is_clic
     gallery.key(pygame.K_ESCAPE)
     again = gallery.app.page
     assert isinstance(again, GalleryPage)
-    assert len(again.pictures) == len(again.names)  # loaded from disk
+    assert len(again.pictures) == len(again.names)  # as it was left
+    gallery.close()
 
 
 def test_the_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
@@ -51,9 +59,9 @@ def test_the_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
     assert isinstance(page, GalleryPage)
     gallery.key(pygame.K_RIGHT)
     gallery.key(pygame.K_DOWN)
-    assert page.selected == 1 + page.columns
+    assert page.selected == 1 + page.grid.columns
     gallery.key(pygame.K_RETURN)
-    assert gallery.session.scene == page.scenes[page.selected]
+    assert gallery.session.scene == page.scenes[page.names[page.selected]]
 
 
 def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
@@ -63,7 +71,7 @@ def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> Non
     gallery.release(page.place(1).center)
     gallery.click((page.place(0).centerx, 8))  # the header
     assert gallery.app.page is page
-    page.scroll_to(page.pitch)
+    page.grid.scroll_by(page.place(4).top - page.place(0).top)
     gallery.click((page.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
     assert gallery.app.page is page
 
@@ -72,11 +80,10 @@ def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
     """They refer to each other in cycles and hold their surfaces: some 100 MB in an hour of use."""
     page = gallery.app.page
     assert isinstance(page, GalleryPage)
-    old_gallery, place = weakref.ref(page), page.place(0).center
+    place = page.place(0).center
     del page
     gallery.click(place)
     gallery.frames()
-    assert old_gallery() is None
     old_page = weakref.ref(gallery.page)
     for action in ("larger", "smaller"):
         old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))
@@ -87,3 +94,50 @@ def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
     gallery.frames()
     assert isinstance(gallery.app.page, GalleryPage)
     assert old_page() is None
+
+
+def test_every_scene_has_a_picture_at_once_and_a_section(gallery: Driver) -> None:
+    page = gallery.app.page
+    assert isinstance(page, GalleryPage)
+    assert not page.moving
+    listed = [name for section in SECTIONS for name in section.names]
+    assert sorted(listed) == sorted(page.names)
+    assert len(set(listed)) == len(listed)
+
+
+def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
+    page = gallery.app.page
+    assert isinstance(page, GalleryPage)
+    count = len(page.names)
+    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
+    gallery.type("wagon")
+    gallery.frames(2)
+    assert set(page.names) == {"train-braking", "train-cut", "train-shunting"}
+    gallery.key(pygame.K_ESCAPE)
+    gallery.frames(2)
+    assert len(page.names) == count
+    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
+    gallery.type("qqq")
+    gallery.frames(2)
+    assert page.names == ()
+    gallery.key(pygame.K_RETURN)
+    gallery.key(pygame.K_RETURN)
+    gallery.key(pygame.K_DOWN)
+    assert gallery.app.page is page
+
+
+def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
+    page = gallery.app.page
+    assert isinstance(page, GalleryPage)
+    gallery.key(pygame.K_END)
+    assert page.selected == len(page.names) - 1
+    assert page.place(page.selected).bottom <= gallery.app.size[1]
+    gallery.key(pygame.K_HOME)
+    assert (page.selected, page.grid.scroll) == (0, 0.0)
+    gallery.key(pygame.K_PAGEDOWN)
+    gallery.key(pygame.K_TAB)
+    assert page.selected > page.grid.columns
+    track, knob = page.grid._bar()
+    gallery.drag(knob.center, (knob.centerx, track.bottom))
+    gallery.release((knob.centerx, track.bottom))
+    assert page.place(len(page.names) - 1).bottom <= gallery.app.size[1]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pygame
+import pygame_gui
 import pytest
-from softcradle.sandbox.window.hanging.hanging_cradle import LAWS, HangingModel
+from softcradle.sandbox.window.hanging.hanging_badges import verdict
+from softcradle.sandbox.window.hanging.hanging_cradle import CHAIN, LAWS, SPRINGS
+from softcradle.sandbox.window.hanging.hanging_model import HangingModel
 from softcradle.sandbox.window.hanging.hanging_page import HangingPage
 from softcradle.sandbox.window.hanging.hanging_picture import to_screen
 from softcradle.sandbox.window.scene.scene_page import ScenePage
@@ -49,4 +53,74 @@ def test_the_hanging_page_is_driven_by_mouse_and_keys():
     assert page.model.time < 0.1
     driver.key(pygame.K_ESCAPE)
     assert not isinstance(driver.app.page, (HangingPage, ScenePage))
+    driver.close()
+
+
+def test_the_page_steps_scrubs_and_plays_on_from_an_earlier_frame():
+    driver = Driver("hanging-cradle")
+    page = driver.app.page
+    driver.key(pygame.K_SPACE)
+    driver.frames(90)
+    driver.key(pygame.K_COMMA)
+    assert not page.playing
+    assert page.model.scrubbed
+    last, time = len(page.model.frames), page.model.time
+    driver.key(pygame.K_HOME)
+    assert page.model.time == 0.0
+    driver.key(pygame.K_PERIOD)
+    assert page.model.time == pytest.approx(1 / 60)
+    driver.press((page.bar.x(30), page.bar.rect.centery))
+    driver.release((page.bar.x(30), page.bar.rect.centery))
+    assert page.model.shown == 30
+    before = page.model.moment.places
+    driver.key(pygame.K_SPACE)
+    driver.frames(2)
+    assert len(page.model.frames) < last
+    assert page.model.frames[30].places == before
+    driver.frames(60)
+    assert page.model.time > 0.9 * time
+    driver.close()
+
+
+def test_playing_on_from_an_earlier_frame_goes_as_it_went():
+    """The strings and soft contacts have no memory that a frame does not hold: a swing comes back to a thousandth."""
+    model = HangingModel()
+    model.advance(0.4)
+    model.scrub(12)
+    places = HangingModel()
+    places.advance(0.4)
+    model.advance(0.2)
+    other = places.frames[24].places
+    assert np.array(model.moment.places) == pytest.approx(np.array(other), abs=1e-3)
+
+
+def test_the_badge_says_which_method_fails():
+    """Springs of their own, a step late each, at few steps a second: what SoftChain keeps they do not."""
+    kept, lost = (HangingModel("steel balls (Hertz)", method=method, rate=60) for method in (CHAIN, SPRINGS))
+    for model in (kept, lost):
+        model.advance(6.0)
+    assert abs(verdict(lost, 0).change) > 3.0 * abs(verdict(kept, 0).change)
+    assert verdict(lost, 0).level == "bad"
+    assert "SoftChain" in verdict(lost, 0).sentence
+    fine = HangingModel(rate=960)
+    fine.advance(3.0)
+    assert verdict(fine, 0).level == "good"
+
+
+def test_menus_choose_method_and_steps_and_the_history_is_exported(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    driver = Driver("hanging-cradle")
+    page = driver.app.page
+    for field, text in (("method", SPRINGS), ("rate", "960"), ("lifted", "2"), ("law", "draft gear")):
+        menu = page.controls.menus[field]
+        pygame.event.post(pygame.Event(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text=text))
+        driver.frames(2)
+    model = page.model
+    assert (model.method, model.rate, model.lifted, model.law) == (SPRINGS, 960, 2, "draft gear")
+    page.model.advance(0.5)
+    page.dialogs.save("export", "swing")
+    rows = (tmp_path / "swing.csv").read_text().splitlines()
+    assert len(rows) == len(model.frames) + 1
+    assert rows[0].startswith("time_s,soft_x0_m,soft_y0_m")
+    assert float(rows[-1].split(",")[0]) == pytest.approx(0.5, abs=0.02)
     driver.close()

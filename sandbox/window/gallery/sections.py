@@ -1,0 +1,46 @@
+"""Sections of the gallery: which scenes are shown together, and which ones a search finds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME
+
+
+class Section(NamedTuple):
+    """A title and the names of scenes below it."""
+
+    title: str
+    names: tuple[str, ...]
+
+
+SECTIONS = (
+    Section("Start here", ("one-on-four", "locked-pistons", "draft-gear-one-on-three", HANGING_NAME)),
+    Section(
+        "The paper",
+        (
+            *("one-on-four-softer", "one-on-ten", "two-on-two", "three-on-five", "galilean", "mixed"),
+            *("hooke-interface", "weak-contact", "prestressed", "driven-cluster", "stiff-springs"),
+            *("experiment-one-on-three", "experiment-two-on-two"),
+        ),
+    ),
+    Section("Draft gears", ("beads-against-gear", "draft-gear-two-on-two")),
+    Section("Cradles", ("hertz-cradle", "hooke-cradle")),
+    Section("Trains", ("train-shunting", "train-cut", "train-braking")),
+)
+REST = "More"  # title above scenes that no section names
+
+
+def sections_of(names: Sequence[str]) -> list[Section]:
+    """The sections of those scenes; scenes of none come last."""
+    listed = {name for section in SECTIONS for name in section.names}
+    rest = Section(REST, tuple(name for name in names if name not in listed))
+    chosen = [Section(title, tuple(name for name in own if name in names)) for title, own in (*SECTIONS, rest)]
+    return [section for section in chosen if section.names]
+
+
+def found(texts: Mapping[str, str], search: str) -> list[str]:
+    """Names of the scenes whose `texts` contain every word of the search."""
+    words = search.lower().split()
+    return [name for name, text in texts.items() if all(word in f"{name} {text}".lower() for word in words)]

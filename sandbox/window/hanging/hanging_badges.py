@@ -1,0 +1,65 @@
+"""The badges of the hanging cradle: for each side what became of its energy, and what to do about it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import pygame
+from softcradle.sandbox.draw.number_format import fixed, scientific
+from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.session.health import BAD, FAIR, GOOD
+from softcradle.sandbox.window.hanging.hanging_cradle import CHAIN
+from softcradle.sandbox.window.hanging.hanging_model import HangingModel
+
+FAIR_CHANGE = 0.02  # of the energy, the largest that is good: less cannot be seen in the height of a swing
+BAD_CHANGE = 0.10  # of the energy, the largest that is fair
+HEIGHT = 118.0  # design pixels of a badge
+NAMES = ("soft contacts", "pymunk's rigid collisions")
+
+
+class Verdict(NamedTuple):
+    """Level, sentence, and the numbers that they follow from: change of the energy (a share), stretch of a string [m]."""
+
+    level: str
+    sentence: str
+    change: float
+    stretch: float
+
+
+def verdict(model: HangingModel, side: int) -> Verdict:
+    """How far a side can be trusted at the frame that is shown; side 0 is the soft one."""
+    shares = [share for time, share in model.energy_shares(side) if time <= model.time]
+    change, greatest = shares[-1] - 1.0, max(shares) - 1.0
+    stretch = model.moment.stretches[side]
+    worst = max(abs(change), greatest)
+    level = GOOD if worst <= FAIR_CHANGE else FAIR if worst <= BAD_CHANGE else BAD
+    if level == GOOD:
+        return Verdict(level, "the energy is kept", change, stretch)
+    remedy = "strings lose it too: take more steps a second"
+    if side == 0 and model.method != CHAIN:
+        remedy = f"each spring is a step late: take {CHAIN}, or more steps a second"
+    word = "gained" if greatest > abs(change) or change > 0.0 else "lost"
+    return Verdict(level, f"{100.0 * worst:.2g} % of the energy was {word}; {remedy}", change, stretch)
+
+
+def paint_badge(surface: pygame.Surface, rect: pygame.Rect, unit: float, side: int, model: HangingModel) -> None:
+    """Draw the badge of a side, in the look of the cards of a scene."""
+    found = verdict(model, side)
+    tint, x = getattr(tones, found.level), rect.left + 10 * unit
+    pygame.draw.rect(surface, mix(tones.background, tint, 0.16 if found.level == BAD else 0.05), rect, border_radius=6)
+    border = tones.faint if found.level == GOOD else tint
+    pygame.draw.rect(surface, border, rect, max(1, round(1.5 * unit)), border_radius=6)
+    room = rect.width - 20 * unit
+    title = shortened(NAMES[side], 14 * unit, room, bold=True)
+    write(surface, title, (x, rect.top + 9 * unit), 14 * unit, tones.foreground, bold=True)
+    change = f"{fixed(100.0 * found.change, 2)} %"
+    numbers = (("energy", change), ("strings stretched", f"{scientific(found.stretch, 1)} m"))
+    for row, (name, text) in enumerate(numbers):
+        y = rect.top + (32 + 17 * row) * unit
+        write(surface, name, (x, y), 12.5 * unit, tones.muted)
+        write(surface, text, (rect.right - 10 * unit, y), 12.5 * unit, tones.foreground, align=(1, 0))
+    mark = "✓" if found.level == GOOD else "!"
+    write(surface, mark, (x, rect.top + 70 * unit), 13 * unit, tint, bold=True)
+    for row, line in enumerate(wrapped(found.sentence, 12 * unit, room - 14 * unit)[:3]):
+        write(surface, line, (x + 15 * unit, rect.top + (70 + 15 * row) * unit), 12 * unit, tint)

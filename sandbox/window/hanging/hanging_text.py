@@ -1,0 +1,10 @@
+"""Name, title and text of the hanging cradle."""
+
+HANGING_NAME = "hanging-cradle"
+HANGING_TITLE = "A hanging cradle in pymunk"
+HANGING_TEXT = (
+    "Balls on strings in an ordinary pymunk Space, once with soft contacts between them and once with pymunk's own "
+    "rigid collisions. Strings, gravity and steps are the same. With a small exponent the balls that are hit swing off "
+    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it in the order in which they "
+    "are solved. Drag a ball and release it."
+)
