@@ -1,0 +1,1 @@
+"""Lessons: a question about a scene to predict, and the answer measured."""

@@ -1,0 +1,62 @@
+"""The lesson that is under way: a prediction, the motion, and what was measured."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from softcradle.sandbox.session.history_slices import slice_at
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.lessons.lesson_list import Lesson, lessons
+from softcradle.sandbox.window.scene.end_of_motion import is_over
+from softcradle.sandbox.window.scene.scene_clock import SceneClock
+from softcradle.sandbox.window.window_page import Host
+from softcradle.scenes import load
+
+
+class LessonRunner:
+    """Asks the questions about the scene of a page.
+
+    Attributes:
+        predicted: the choice that was made; None while none is waiting for its answer.
+    """
+
+    def __init__(self, host: Host, session: Session, clock: SceneClock) -> None:
+        self.host, self.session, self.clock = host, session, clock
+        self.own = [lesson for lesson in lessons() if load(lesson.scene) == session.scene]
+        self.predicted: int | None = None
+        self._next = 0
+
+    def ask(self) -> None:
+        """Ask the next question about this scene."""
+        if not self.own:
+            scenes = ", ".join(dict.fromkeys(load(lesson.scene).title for lesson in lessons()))
+            self.host.messages.show(f"there are lessons about: {scenes}")
+            return
+        lesson = self.own[self._next % len(self.own)]
+        choices = {text: partial(self._predict, k) for k, text in enumerate(lesson.choices)}
+        self.host.choose("What do you predict?", lesson.question, choices)
+
+    @property
+    def lesson(self) -> Lesson:
+        """The present one."""
+        return self.own[self._next % len(self.own)]
+
+    def _predict(self, choice: int) -> None:
+        self.predicted = choice
+        self.session.pause()
+        self.clock.restart()
+        self.clock.play_pause()
+
+    def update(self) -> None:
+        """Show the answer at the end of the motion."""
+        if self.predicted is None or self.session.frame == 0 or not all(map(is_over, self.session.lanes)):
+            return
+        predicted, self.predicted, lesson = self.predicted, None, self.lesson
+        begin = [slice_at(self.session.history, k, self.session.history.first) for k in range(len(self.session.lanes))]
+        ends = [lane.velocity for lane in self.session.lanes]
+        answer = lesson.answer([(one.velocity[0], end) for one, end in zip(begin, ends, strict=True)])
+        self._next += 1
+        title = "As you predicted" if answer == predicted else "Not as you predicted"
+        note = f"Measured: {lesson.choices[answer]}. {lesson.why}"
+        more = {"Next question": self.ask} if self._next < len(self.own) else {}
+        self.host.choose(title, note, {"Close": lambda: None, **more})
