@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import fixed, scientific
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.motion import Array
@@ -26,13 +26,13 @@ def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], t
     box.clamp_ip(surface.get_rect().inflate(-8, -8))
     if box.collidepoint(point):
         box.right = point[0] - 14
-    pygame.draw.rect(surface, BACKGROUND, box, border_radius=4)
-    pygame.draw.rect(surface, FAINT, box, 1, border_radius=4)
-    write(surface, head, (box.left + 8 * unit, box.top + 4 * unit), 12 * unit, FOREGROUND, bold=True)
+    pygame.draw.rect(surface, tones.background, box, border_radius=4)
+    pygame.draw.rect(surface, tones.faint, box, 1, border_radius=4)
+    write(surface, head, (box.left + 8 * unit, box.top + 4 * unit), 12 * unit, tones.foreground, bold=True)
     for row, (k, line) in enumerate(zip(chosen, lines, strict=True)):
         y = box.top + (20 + 16 * row) * unit
         draw_marker(surface, k, (box.left + 14 * unit, y + 8 * unit), 3.4 * unit, plot.content.colours[k])
-        write(surface, line, (box.left + 24 * unit, y), 12 * unit, FOREGROUND)
+        write(surface, line, (box.left + 24 * unit, y), 12 * unit, tones.foreground)
 
 
 def _chosen(plot: Plot, point: tuple[int, int], values: Array) -> list[int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, mix
+from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.window.plots.live_plots import THICKNESS, Plot, draw_curves
 
@@ -27,8 +27,8 @@ class KymographPlot(Plot):
             for k in range(min(values.shape[1], len(colours))):
                 edge = np.concatenate((across, across[::-1])), np.concatenate((low[:, k], high[::-1, k]))
                 if len(across) > 1:
-                    pygame.draw.polygon(fine, mix(colours[k], BACKGROUND, PALE), np.column_stack(edge).tolist())
+                    pygame.draw.polygon(fine, mix(colours[k], tones.background, PALE), np.column_stack(edge).tolist())
             down = (self.y(values) + 0.5) * SUBPIXELS
-            markers = [FOREGROUND] * values.shape[1]
+            markers = [tones.foreground] * values.shape[1]
             draw_curves(fine, markers, across, down, THICKNESS * self.unit * SUBPIXELS)
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))

@@ -10,7 +10,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.curve_panels import Axis, spread
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GRID, MUTED, Colour
+from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, width, write
@@ -66,6 +66,7 @@ class Plot:
     """
 
     marked = True  # whether curves have markers at the cursor
+    timed = True  # whether its horizontal axis is the time that all plots share
 
     def __init__(
         self, rect: pygame.Rect, unit: float, content: PlotContent, history: History, lane: int, span: TimeSpan
@@ -78,9 +79,9 @@ class Plot:
 
     def _background(self) -> pygame.Surface:
         background = pygame.Surface(self.area.size, 0, 32)
-        background.fill(BACKGROUND)
+        background.fill(tones.background)
         for value, _ in self.axis.ticks:
-            tint = FAINT if value == 0.0 and not self.axis.logarithmic else GRID
+            tint = tones.faint if value == 0.0 and not self.axis.logarithmic else tones.grid
             background.fill(tint, (0, round(float(self.y(np.array(value)))), self.area.width, 1))
         return background
 
@@ -137,13 +138,13 @@ class Plot:
         unit, area, title = self.unit, self.area, self.content.title
         if width(title, 13 * unit) > area.width + 20 * unit:
             title = shortened(title.split(" · ")[0], 13 * unit, area.width)
-        write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, FOREGROUND, align=(0, 1))
+        write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
         for value, text in self.axis.ticks:
             y = area.top + float(self.y(np.array(value)))
             if area.top - 1 <= y <= area.bottom + 1:
-                write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, MUTED, align=(1, 0.5))
+                write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, tones.muted, align=(1, 0.5))
         place = (area.right, area.bottom + 3 * unit)
-        write(surface, f"t ({self.span.unit()[1]})", place, 11.5 * unit, MUTED, align=(1, 0))
+        write(surface, f"t ({self.span.unit()[1]})", place, 11.5 * unit, tones.muted, align=(1, 0))
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
         """Draw the curves, the times below them, and the cursor at `time` with the curves' `values` (k,) there."""
@@ -154,7 +155,7 @@ class Plot:
         if not area.left <= place <= area.right:
             return
         self._paint_veil(surface, round(place))
-        surface.fill(MUTED, (round(place), area.top, max(1, round(self.unit)), area.height))
+        surface.fill(tones.muted, (round(place), area.top, max(1, round(self.unit)), area.height))
         if self.marked and len(self.content.names) <= MOST_MARKED:
             self._markers(surface, place, values)
 
@@ -163,8 +164,8 @@ class Plot:
         for time, text in self.span.ticks():
             x = area.left + self.span.x(time)
             if area.left - 1 <= x <= area.right - 46 * unit:
-                surface.fill(MUTED, (round(x), area.bottom, 1, round(3 * unit)))
-                write(surface, text, (x, area.bottom + 3 * unit), 11.5 * unit, MUTED, align=(0.5, 0))
+                surface.fill(tones.muted, (round(x), area.bottom, 1, round(3 * unit)))
+                write(surface, text, (x, area.bottom + 3 * unit), 11.5 * unit, tones.muted, align=(0.5, 0))
 
     def _paint_veil(self, surface: pygame.Surface, x: int) -> None:
         """Make what is later than the cursor pale: a new branch will drop it."""
@@ -182,7 +183,7 @@ class Plot:
         for k, y in enumerate(spread(heights, 13.0 * unit, 2.0 * unit, area.height - 4.0 * unit)):
             draw_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, colours[k])
             place = (area.right + 14 * unit, area.top + y)
-            write(surface, self.content.names[k], place, 12 * unit, FOREGROUND, align=(0, 0.5))
+            write(surface, self.content.names[k], place, 12 * unit, tones.foreground, align=(0, 0.5))
 
 
 def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:
@@ -220,6 +221,6 @@ def area_of(rect: pygame.Rect, unit: float) -> pygame.Rect:
 def veil(size: tuple[int, int]) -> pygame.Surface:
     """A surface of the background colour that lets what is below shine through."""
     surface = pygame.Surface(size, 0, 32)
-    surface.fill(BACKGROUND)
+    surface.fill(tones.background)
     surface.set_alpha(VEIL_OPACITY)
     return surface

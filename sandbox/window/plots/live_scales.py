@@ -104,6 +104,21 @@ class LiveScales:
             self.scales = replace(self.scales, momentum=(low, high))
 
 
+def merged(old: Scales, new: Scales) -> Scales:
+    """`new`, with axes of velocity, force, energy and momentum that reach as far as those of `old`."""
+    return replace(
+        new,
+        velocity=_hull(old.velocity, new.velocity),
+        force=max(old.force, new.force),
+        energy=max(old.energy, new.energy),
+        momentum=_hull(old.momentum, new.momentum),
+    )
+
+
+def _hull(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    return min(one[0], other[0]), max(one[1], other[1])
+
+
 def _rounded(value: float) -> float:
     """A round value beyond `value`, on its side of zero."""
     if value == 0.0:

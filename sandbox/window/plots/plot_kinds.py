@@ -9,16 +9,19 @@ import numpy as np
 import pygame
 from softcradle.sandbox.draw.curve_panels import Axis, decade_axis, linear_axis
 from softcradle.sandbox.draw.number_format import subscript
-from softcradle.sandbox.draw.palette import STEEL, Colour, bead_colours
+from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.window.plots.difference_plot import DifferencePlot
 from softcradle.sandbox.window.plots.kymograph_plot import KymographPlot
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
+from softcradle.sandbox.window.plots.phase_plot import PhasePlot
+from softcradle.sandbox.window.plots.signals import Signal
 from softcradle.sandbox.window.plots.stacked_plot import StackedPlot
 from softcradle.sandbox.window.plots.strip_plot import StripPlot
 
 BEAD_HEIGHT = 0.8  # of a bead's length, in a kymograph
+PAIR = Signal("f"), Signal("d")  # until a person has chosen: the loop of the first contact
 MOST_ROW_LABELS = 5  # of a space-time strip
 
 
@@ -32,6 +35,7 @@ class PlotSetting:
         beads: how many it has.
         length: of a bead [m].
         logarithmic: whether overlaps have a logarithmic axis.
+        pair: the signals that a person has chosen, the vertical one first.
     """
 
     scales: Scales
@@ -39,6 +43,7 @@ class PlotSetting:
     beads: int
     length: float
     logarithmic: bool
+    pair: tuple[Signal, Signal] = PAIR
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -97,13 +102,13 @@ def _overlaps(setting: PlotSetting) -> PlotContent:
 
 def _energies(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", 0.0, 1.05 * setting.scales.energy)
-    names, colours = [*setting.bead_names("E"), "stored"], (*setting.colours, STEEL)
+    names, colours = [*setting.bead_names("E"), "stored"], (*setting.colours, tones.steel)
     return PlotContent("energy (J): beads, contacts grey", axis, names, colours, _energy_layers)
 
 
 def _contact_forces_by_row(setting: PlotSetting) -> PlotContent:
     axis, names = _row_axis(setting.contact_names("")), setting.contact_names("f")
-    title, darkest = "contact forces, row by row", setting.scales.force
+    title, darkest = "contact forces (N), row by row", setting.scales.force
     return PlotContent(title, axis, names, setting.colours[1:], _force, darkest=darkest)
 
 
@@ -134,6 +139,17 @@ def _difference(setting: PlotSetting) -> PlotContent:
     return PlotContent(title, linear_axis("", -half, half), names, colours, values)
 
 
+def _chosen(setting: PlotSetting) -> PlotContent:
+    """One signal against another, both chosen by a person."""
+    vertical, horizontal = setting.pair
+
+    def both(motion: Motion) -> Array:
+        return np.column_stack((vertical.values(motion), horizontal.values(motion)))
+
+    title, names = f"{vertical.label} against {horizontal.label}", (vertical.label, horizontal.label)
+    return PlotContent(title, linear_axis("", 0.0, 1.0), names, (tones.accent, tones.accent), both)
+
+
 def _velocity(motion: Motion) -> Array:
     return motion.velocity
 
@@ -156,15 +172,18 @@ def _row_axis(names: Sequence[str]) -> Axis:
     return Axis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
 
 
+VELOCITIES, KYMOGRAPH, OWN = "velocities", "kymograph", "x-y"  # kinds that are asked for by name
+
 PLOT_KINDS: dict[str, PlotKind] = {
     kind.name: kind
     for kind in (
-        PlotKind("velocities", pygame.K_1, "velocities", _velocities, shown=True),
+        PlotKind(VELOCITIES, pygame.K_1, "velocities", _velocities, shown=True),
         PlotKind("forces", pygame.K_2, "forces", _forces, shown=True),
         PlotKind("overlaps", pygame.K_3, "overlaps", _overlaps, shown=True),
         PlotKind("energy", pygame.K_4, "energy split", _energies, StackedPlot),
         PlotKind("space-time", pygame.K_5, "space-time strip", _contact_forces_by_row, StripPlot),
-        PlotKind("kymograph", pygame.K_7, "kymograph: markers of the beads over time", _bead_markers, KymographPlot),
+        PlotKind(KYMOGRAPH, pygame.K_7, "kymograph of the beads' markers", _bead_markers, KymographPlot),
+        PlotKind(OWN, pygame.K_8, "a signal against another", _chosen, PhasePlot),
         PlotKind(
             "difference", pygame.K_6, "difference of two lanes", _difference, DifferencePlot, shown=True, two_lanes=True
         ),

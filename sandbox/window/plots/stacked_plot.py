@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, STEEL, Colour, bead_colours
+from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.window.plots.live_plots import Plot
 
@@ -20,7 +20,7 @@ class StackedPlot(Plot):
         middles = np.arange(self.area.height) + 0.5
         for time, values in self.samples(first, last):
             layers = values.shape[1]  # of these frames: beads may have been added or removed since
-            colours = np.array([*_layer_colours(layers), BACKGROUND], dtype=np.uint8)
+            colours = np.array([*_layer_colours(layers), tones.background], dtype=np.uint8)
             tops = self.y(np.cumsum(values, axis=1))
             for column, row in _latest(time / self.span.column, first, last):
                 layer = np.searchsorted(-tops[row], -middles)  # the first layer that reaches as high as the pixel
@@ -31,7 +31,7 @@ class StackedPlot(Plot):
 
 def _layer_colours(count: int) -> tuple[Colour, ...]:
     """Colours of the layers from below: the beads, and the contacts."""
-    return *bead_colours(count - 1), STEEL
+    return *bead_colours(count - 1), tones.steel
 
 
 def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:

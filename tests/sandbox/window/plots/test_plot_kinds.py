@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pygame
@@ -11,6 +12,7 @@ from softcradle.sandbox.draw.curve_panels import linear_axis
 from softcradle.sandbox.window.keys import Key, action_of, groups
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
+from softcradle.sandbox.window.plots.strip_plot import StripPlot
 
 from tests.helpers.window_fuzz import fuzz_keys
 from tests.helpers.windows import Driver
@@ -73,3 +75,14 @@ def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
         driver.key(PLOT_KINDS["difference"].key)
         assert any("needs two lanes" in text for text in driver.messages) == (lanes == 1)
         driver.close()
+
+
+def test_space_time_has_a_scale_of_its_shades(driver):
+    driver.key(pygame.K_5)
+    driver.frames(3)
+    plot = next(plot for plot in driver.page.board.plots if isinstance(plot, StripPlot))
+    x = plot.area.right + round(6 * plot.unit) + 3
+    column = [sum(driver.app.surface.get_at((x, y))[:3]) for y in range(plot.area.top + 2, plot.area.bottom - 2)]
+    assert column[0] < 200  # the greatest force is dark
+    assert column[-1] > 700
+    assert all(b >= a - 3 for a, b in pairwise(column))

@@ -1,0 +1,119 @@
+"""What is laid over live plots: measured numbers as rings, and the picture of a measured kymograph."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import pygame
+from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.motion import Array
+from softcradle.sandbox.session.history_slices import history_slices
+from softcradle.sandbox.session.measured_data import MeasuredData
+from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.plots.live_plots import Plot
+
+TABLES = (".csv", ".tsv", ".txt")
+PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")
+RING = 3.6  # design pixels, the radius of a ring
+PICTURE_OPACITY = 150  # of 255
+
+
+class Overlaid(Protocol):
+    """What lies over a plot."""
+
+    def paint(self, surface: pygame.Surface, plot: Plot) -> None:
+        """Draw it inside the axes of the plot."""
+
+
+@dataclass(frozen=True, eq=False)
+class NumbersOverlay:
+    """Measured numbers; column k belongs to curve k."""
+
+    data: MeasuredData
+
+    def paint(self, surface: pygame.Surface, plot: Plot) -> None:
+        """Draw a ring for each number that the axes show."""
+        area, unit = plot.area, plot.unit
+        surface.set_clip(area)
+        across = np.array([plot.span.x(time) for time in self.data.time.tolist()]) + area.left
+        for k in range(min(self.data.values.shape[1], len(plot.content.colours))):
+            values = self.data.values[:, k]
+            shown = np.isfinite(values) & (across >= area.left) & (across <= area.right)
+            down = area.top + plot.y(plot.axis.on(values[shown]))
+            colour = mix(plot.content.colours[k], tones.foreground, 0.35)
+            for place in zip(across[shown].tolist(), down.tolist(), strict=True):
+                pygame.draw.aacircle(surface, colour, place, RING * unit, max(1, round(1.4 * unit)))
+        surface.set_clip(None)
+
+    def differences(self, plot: Plot) -> Array:
+        """(m,) measured less computed numbers, at all times that the history of the plot has."""
+        parts = list(history_slices(plot.history, plot.lane, plot.history.first, plot.history.last))
+        found = []
+        for part in parts:
+            values = plot.content.values(part)
+            for k in range(min(values.shape[1], self.data.values.shape[1])):
+                inside = (self.data.time >= part.time[0]) & (self.data.time <= part.time[-1])
+                computed = np.interp(self.data.time[inside], part.time, values[:, k])
+                found.append(self.data.values[inside, k] - computed)
+        joined = np.concatenate(found) if found else np.zeros(0)
+        return joined[np.isfinite(joined)]
+
+
+@dataclass(frozen=True, eq=False)
+class PictureOverlay:
+    """A picture whose edges are at known times [s] and places on the axis: left, right, top, bottom."""
+
+    picture: pygame.Surface
+    edges: tuple[float, float, float, float]
+
+    def paint(self, surface: pygame.Surface, plot: Plot) -> None:
+        """Draw it pale over the plot, where the axes show it."""
+        begin, end, top, bottom = self.edges
+        area = plot.area
+        left, right = (area.left + plot.span.x(time) for time in (begin, end))
+        high, low = (area.top + float(_place(plot, value)) for value in (top, bottom))
+        rect = pygame.Rect(
+            round(left), round(min(high, low)), max(1, round(right - left)), max(1, round(abs(low - high)))
+        )
+        seen = rect.clip(area)
+        if not seen.width or not seen.height:
+            return
+        sx, sy = self.picture.get_width() / rect.width, self.picture.get_height() / rect.height
+        source = pygame.Rect(
+            int((seen.left - rect.left) * sx),
+            int((seen.top - rect.top) * sy),
+            max(1, int(seen.width * sx)),
+            max(1, int(seen.height * sy)),
+        ).clip(self.picture.get_rect())
+        image = pygame.transform.scale(self.picture.subsurface(source), seen.size)
+        image.set_alpha(PICTURE_OPACITY)
+        surface.blit(image, seen)
+
+
+def _place(plot: Plot, value: float) -> float:
+    """Pixel of a value, also far beyond the axis."""
+    share = (value - plot.axis.low) / (plot.axis.high - plot.axis.low)
+    return (plot.area.height - 1) * (1.0 - share)
+
+
+def load_picture(path: Path) -> pygame.Surface:
+    """A picture. UserError where there is none."""
+    try:
+        return pygame.image.load(str(path)).convert()
+    except (OSError, pygame.error) as error:
+        raise UserError(f"{path}: not a picture that can be read ({str(error).lower()})") from None
+
+
+def edges_of(text: str) -> tuple[float, float, float, float]:
+    """Four numbers that were typed: times at the left and right edge, places at the top and bottom. ValueError else."""
+    parts = text.replace(",", " ").split()
+    try:
+        begin, end, top, bottom = map(float, parts)
+    except ValueError:
+        raise ValueError(f"{text!r}: four numbers are needed: t left, t right, x top, x bottom") from None
+    if not (np.isfinite([begin, end, top, bottom]).all() and end > begin and top != bottom):
+        raise ValueError(f"{text!r}: t right must be later than t left, and x top another place than x bottom")
+    return begin, end, top, bottom

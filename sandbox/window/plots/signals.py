@@ -1,0 +1,94 @@
+"""The signals of a session: every number that a bead, a contact or the chain has, to be plotted against any other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from softcradle.sandbox.draw.number_format import subscript
+from softcradle.sandbox.motion import Array, Motion
+
+BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
+
+
+class Quantity(NamedTuple):
+    """What a letter means: name, symbol, unit, whose it is, and (T, k) values of a motion."""
+
+    name: str
+    symbol: str
+    unit: str
+    owner: str
+    values: Callable[[Motion], Array]
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "t": Quantity("time", "t", "s", CHAIN, lambda motion: motion.time[:, None]),
+    "x": Quantity("position", "x", "m", BEAD, lambda motion: motion.position),
+    "v": Quantity("velocity", "v", "m/s", BEAD, lambda motion: motion.velocity),
+    "p": Quantity("momentum", "p", "N s", BEAD, lambda motion: motion.momentum),
+    "e": Quantity("kinetic energy", "E", "J", BEAD, lambda motion: motion.kinetic),
+    "d": Quantity("overlap", "δ", "m", CONTACT, lambda motion: motion.overlap),
+    "r": Quantity("rate of the overlap", "dδ/dt", "m/s", CONTACT, lambda motion: motion.rate),
+    "f": Quantity("force", "f", "N", CONTACT, lambda motion: motion.force),
+    "s": Quantity("stored energy", "S", "J", CHAIN, lambda motion: motion.stored[:, None]),
+}
+KEY = (
+    "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"
+)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One number over time: a letter of QUANTITIES, and the bead or the contact, counted from the left."""
+
+    letter: str
+    index: int = 0
+
+    @property
+    def quantity(self) -> Quantity:
+        """What it is."""
+        return QUANTITIES[self.letter]
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit."""
+        owner = self.quantity.owner
+        index = {BEAD: subscript(self.index), CONTACT: subscript(self.index, self.index + 1), CHAIN: ""}[owner]
+        return f"{self.quantity.symbol}{index} ({self.quantity.unit})"
+
+    def values(self, motion: Motion) -> Array:
+        """(T,) its values in a motion; nan where the motion has no such bead or contact."""
+        columns = self.quantity.values(motion)
+        if self.index >= columns.shape[1]:
+            return np.full(len(motion.time), np.nan)
+        column: Array = columns[:, self.index]
+        return column
+
+    def __str__(self) -> str:
+        return self.letter if self.quantity.owner == CHAIN else f"{self.letter}{self.index}"
+
+
+def signal_of(text: str, beads: int) -> Signal:
+    """The signal that is written as v0, f1 or t, of a lane with so many beads. ValueError in a sentence else."""
+    found = re.fullmatch(r"([a-z])_?(\d*)(?:-\d+)?", text.strip().lower())
+    if found is None or found[1] not in QUANTITIES:
+        raise ValueError(f"{text.strip()!r} is no signal; there are {', '.join(QUANTITIES)}, with a number: v0, f1")
+    letter, digits = found[1], found[2]
+    owner = QUANTITIES[letter].owner
+    if owner == CHAIN:
+        return Signal(letter)
+    count = beads if owner == BEAD else beads - 1
+    if not digits or int(digits) >= count:
+        raise ValueError(f"{text.strip()!r}: the {owner}s of this lane are numbered 0 to {count - 1}")
+    return Signal(letter, int(digits))
+
+
+def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
+    """The signals of "f0 against d0": the vertical one, and the horizontal one. ValueError in a sentence else."""
+    parts = re.split(r"\s+against\s+|\s*,\s*|\s+", text.strip())
+    if len(parts) != 2:
+        raise ValueError(f"{text!r}: write two signals, as f0 against d0")
+    return signal_of(parts[0], beads), signal_of(parts[1], beads)
