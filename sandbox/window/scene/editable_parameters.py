@@ -83,28 +83,25 @@ def _of_bead(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
 
 
 def _of_drive(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
-    """The drive of a bead, where the scene or an edit has one in this lane."""
+    """The steady force on a bead."""
     drives = session.scene.lanes[pick.lane].chain().drive, lane.chain.drive
-    if not any(drives):
-        return []
-    most = 2.0 * max(LEAST, *(abs(force) for drive in drives for force in drive or (0.0,)))
+    given = max(abs(force) for drive in drives for force in drive or (0.0,))
+    most = 2.0 * (given or max(LEAST, _impact_force(lane, min(pick.index, lane.chain.contacts - 1))))
     force = (lane.chain.drive or (0.0,) * len(lane.chain.mass))[pick.index]
     edit = partial(SetDrive, pick.lane, pick.index)
     return [Parameter("drive", "steady force", "N", -most, most, False, force, edit)]
 
 
 def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
-    """The friction of the bed, where the scene or an edit has it in this lane."""
+    """The friction of the bed of the lane."""
     friction = lane.chain.friction
-    if not (session.scene.lanes[pick.lane].chain().friction or friction):
-        return []
     most = max(MOST_FRICTION, friction)
     edit = partial(SetFriction, pick.lane)
     return [Parameter("friction", "friction of the bed", "", 0.0, most, False, friction, edit)]
 
 
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
-    law, length = lane.chain.contact[pick.index], session.scene.view.length
+    law, length = lane.chain.power_laws[pick.index], session.scene.view.length
     force = max(2.0 * law.preload, 2.0 * _impact_force(lane, pick.index))
     gap = max(0.0, -float(lane.state.overlap[pick.index]))
 
@@ -135,7 +132,7 @@ def _stiffness_names(law: Contact) -> tuple[tuple[str, str], str]:
 
 def _stiffness_range(session: Session, pick: Pick, present: float) -> tuple[float, float]:
     """Ends of the slider of the stiffness: around the scene's own, and wide enough for the present one."""
-    laws = session.scene.lanes[pick.lane].chain().contact
+    laws = session.scene.lanes[pick.lane].chain().power_laws
     low, high = _decades_around(laws[min(pick.index, len(laws) - 1)].stiffness or present)
     return min(low, present), max(high, present)
 
@@ -147,13 +144,19 @@ def _decades_around(value: float) -> tuple[float, float]:
 def _impact_force(lane: LiveLane, contact: int) -> float:
     """Force [N] of a contact that is struck at the scene's speed."""
     depth = contact_scales(lane.chain, [0.0] * lane.chain.contacts + [lane.setup.speed])[0][contact]
-    return float(lane.chain.contact[contact].force(float(depth)))
+    return float(lane.chain.power_laws[contact].force(float(depth)))
 
 
 def number(text: str) -> float:
-    """A typed number: 0.1, 1e-3, 1/14, also with a comma or a minus sign of typography. ValueError where it is none."""
+    """A typed number: 0.1, 1e-3, 1/14, also with a comma or a minus sign of typography.
+
+    ValueError where it is none, or not finite: a wall is made by its button, not by 1e999.
+    """
     cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
     numerator, slash, denominator = cleaned.partition("/")
     if slash and float(denominator) == 0.0:
         raise ValueError(f"{text!r} divides by zero")
-    return float(numerator) / float(denominator) if slash else float(cleaned)
+    value = float(numerator) / float(denominator) if slash else float(cleaned)
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is not finite")
+    return value

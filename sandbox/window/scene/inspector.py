@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import pygame
 import pygame_gui
-from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
+from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.number_format import subscript
-from softcradle.sandbox.draw.palette import FOREGROUND, MUTED, bead_colours
+from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.session.contact_conversion import kind_of
@@ -19,25 +18,16 @@ from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.scene.about_scene import paint_about
-from softcradle.sandbox.window.scene.editable_parameters import Parameter, number, parameters
+from softcradle.sandbox.window.scene.editable_parameters import number, parameters
+from softcradle.sandbox.window.scene.parameter_control import Control, parameter_control
 from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.scene.scene_editor import SceneEditor
+from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
+from softcradle.sandbox.window.scene.sweep_board import SweepBoard
 from softcradle.sandbox.window.window_page import Host
 
-ROW = 45.0  # design pixels of a parameter
-ENTRY = 92.0  # design pixels of its number
+ROW = 40.0  # design pixels of a parameter
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
 KIND_NAMES = {"power": "power law", "gear": "draft gear", "hard": "hard"}
-
-
-@dataclass
-class Control:
-    """The widgets of one parameter."""
-
-    parameter: Parameter
-    slider: UIHorizontalSlider
-    entry: UITextEntryLine
-    shown: float
 
 
 class Inspector:
@@ -56,6 +46,8 @@ class Inspector:
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
         self._seconds = 0.0  # since the numbers were last read
+        self._last = ""  # key of the parameter that was changed last
+        self.actions: dict[str, Callable[[], None]] = {"sweep": self.sweep}
 
     def build(self, rect: pygame.Rect) -> None:
         """Make the widgets in a page that is built anew: the old ones are gone."""
@@ -65,8 +57,7 @@ class Inspector:
     def remake(self) -> None:
         """Make the widgets again: the selection, or the kind of the contact, has changed."""
         for control in self.controls.values():
-            control.slider.kill()
-            control.entry.kill()
+            control.kill()
         for button in self.buttons:
             button.kill()
         self.controls, self.buttons = {}, []
@@ -84,25 +75,18 @@ class Inspector:
         for parameter in parameters(self.session, self.pick):
             if y + ROW * unit > self.rect.bottom - 34 * unit:
                 break
-            self.controls[parameter.key] = self._control(parameter, y)
+            sweep = partial(self.sweep, parameter.key)
+            self.controls[parameter.key] = parameter_control(self.host, self.rect, parameter, y, sweep)
             y += ROW * unit
         if self.pick.kind == "contact":
             self._make_contact_buttons(self.pick, y + 4 * unit)
         else:
             self._make_bead_buttons(self.pick, y + 4 * unit)
 
-    def _control(self, parameter: Parameter, y: float) -> Control:
-        unit, manager, left, right = self.host.unit, self.host.manager, self.rect.left, self.rect.right
-        place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
-        entry = UITextEntryLine(place, manager, initial_text=_text(parameter.value))
-        bar = pygame.Rect(left, round(y + 27 * unit), right - left, round(13 * unit))
-        slider = UIHorizontalSlider(bar, parameter.share(), (0.0, 1.0), manager)
-        return Control(parameter, slider, entry, parameter.value)
-
     def _make_kinds(self, pick: Pick, y: float) -> None:
         """Three buttons: power law, draft gear, hard."""
         unit, wide = self.host.unit, self.rect.width / 3
-        present = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index])
+        present = kind_of(self.session.lanes[pick.lane].chain.power_laws[pick.index])
         for k, (kind, name) in enumerate(KIND_NAMES.items()):
             place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
             convert = partial(self.editor.apply, SetKind(pick.lane, pick.index, kind))
@@ -147,8 +131,28 @@ class Inspector:
 
     def _copy_to_all(self) -> None:
         if self.pick is not None:
-            law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
+            law = self.session.lanes[self.pick.lane].chain.power_laws[self.pick.index]
             self.editor.apply(SetContact(self.pick.lane, None, law))
+
+    def sweep(self, key: str = "") -> None:
+        """Show nine values of a parameter side by side: the one with that key, else the one changed last, else the first."""
+        if self.pick is None:
+            self.host.messages.show("select a bead or a contact: its sliders can be swept")
+            return
+        if self.editor.preparing:
+            self.host.messages.show(PREPARING)
+            return
+        found = parameters(self.session, self.pick)
+        wanted = key or self._last
+        parameter = next((one for one in found if one.key == wanted), found[0])
+
+        def take(value: float) -> None:
+            self.editor.apply(parameter.edit(value))
+
+        try:
+            self.host.put_over(SweepBoard(self.host, self.session, self.pick, parameter, take))
+        except ValueError as error:
+            self.host.messages.show(f"this cannot be swept: {error}", warning=True)
 
     def handle(self, event: pygame.Event) -> bool:
         """Sliders and typed numbers."""
@@ -160,16 +164,33 @@ class Inspector:
         if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED:
             for control in self.controls.values():
                 if event.ui_element is control.entry:
+                    control.typed = False
+                    self.host.manager.set_focus_set(None)  # keys are keys of the window again
                     self._type(control, event.text)
                     return True
         return False
+
+    def cancel_typing(self) -> None:
+        """Drop what is being typed."""
+        for control in self.controls.values():
+            control.typed = False
+        self.host.manager.set_focus_set(None)
+        self.refresh(force=True)
+
+    def _take_left_entries(self) -> None:
+        """Apply a number whose entry was left by a click elsewhere."""
+        for control in list(self.controls.values()):
+            text = control.left_text()
+            if text is not None:
+                self._type(control, text)
+                return
 
     def _type(self, control: Control, text: str) -> None:
         try:
             value = number(text)
         except ValueError:
             self.host.messages.show(f"{control.parameter.name}: {text!r} is not a number", warning=True)
-            control.entry.set_text(_text(control.parameter.value))
+            self.refresh(force=True)
             return
         self._set(control, value, typed=True)
 
@@ -179,12 +200,14 @@ class Inspector:
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             item = None
-        accepted = item is not None and self.editor.apply(item)
+        self._last = control.parameter.key
+        accepted = item is not None and self.editor.apply(item, gesture=not typed)
         if control.parameter.key in self.controls:  # the widgets may have been made again
             self.refresh(force=True, but=None if typed or not accepted else control)
 
     def update(self, seconds: float) -> None:
         """Follow the selection, and the numbers slowly enough to be read."""
+        self._take_left_entries()
         if self.editor.selection != self.pick:
             self.remake()
         self._seconds += seconds
@@ -200,12 +223,7 @@ class Inspector:
             control = self.controls.get(parameter.key)
             if control is None:
                 continue
-            control.parameter = parameter
-            if (parameter.value != control.shown or force) and not control.entry.is_focused:
-                control.entry.set_text(_text(parameter.value))
-                if control is not but and not control.slider.has_moved_recently and not _grabbed(control.slider):
-                    control.slider.set_current_value(parameter.share())
-                control.shown = parameter.value
+            control.show(parameter, force, with_slider=control is not but)
 
     @property
     def typing(self) -> bool:
@@ -215,7 +233,7 @@ class Inspector:
     @property
     def busy(self) -> bool:
         """Whether a widget is in use and must not be made again."""
-        return self.typing or any(_grabbed(control.slider) for control in self.controls.values())
+        return self.typing or any(control.grabbed for control in self.controls.values())
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the names of the parameters; without a selection, the text of the scene."""
@@ -228,27 +246,20 @@ class Inspector:
         self._title(surface, self.pick)
         for control in self.controls.values():
             parameter, y = control.parameter, control.entry.rect.centery
-            end = write(surface, parameter.name, (rect.left, y), 13 * unit, FOREGROUND, align=(0, 0.5)).right
+            end = write(surface, parameter.name, (rect.left, y), 13 * unit, tones.foreground, align=(0, 0.5)).right
             if parameter.unit:
-                write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, MUTED, align=(0, 0.5))
+                write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, tones.muted, align=(0, 0.5))
 
     def _title(self, surface: pygame.Surface, pick: Pick) -> None:
         unit, rect, lane = self.host.unit, self.rect, self.session.lanes[pick.lane]
+        label = self.session.label(pick.lane)
         colours = bead_colours(lane.chain.contacts + 1)
         if pick.kind == "bead":
             title, colour = f"Bead {pick.index}", colours[pick.index]
         else:
             title, colour = f"Contact {subscript(pick.index, pick.index + 1)}", colours[pick.index + 1]
-        if len(self.session.lanes) > 1 and lane.label:
-            title = f"{title} · {lane.label}"
+        if len(self.session.lanes) > 1 and label:
+            title = f"{title} · {label}"
         draw_marker(surface, pick.index, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
         title = shortened(title, 16 * unit, rect.width - 22 * unit, bold=True)
-        write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, FOREGROUND, bold=True)
-
-
-def _grabbed(slider: UIHorizontalSlider) -> bool:
-    return bool(slider.sliding_button is not None and slider.sliding_button.held)
-
-
-def _text(value: float) -> str:
-    return f"{value:.5g}"
+        write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pygame
 import pygame_gui
-from pygame_gui.elements import UIDropDownMenu
+from pygame_gui.elements import UIButton, UIDropDownMenu
 from softcradle.physics import METHODS
-from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, GOOD, MUTED, Colour, mix
+from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
+from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.session import health
 from softcradle.sandbox.session.health import Health
 from softcradle.sandbox.session.inputs import SetMethod
+from softcradle.sandbox.session.run_verdict import Finding
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
 from softcradle.sandbox.window.scene.scene_editor import AUTO
 from softcradle.sandbox.window.window_page import Host
 
-RED: Colour = (176, 18, 38)
-AMBER: Colour = (158, 98, 0)
-TINTS = {health.GOOD: GOOD, health.FAIR: AMBER, health.BAD: RED}
-HEIGHT = 186.0  # design pixels of the only card
-HEIGHT_OF_TWO = 137.0  # design pixels of each of two cards
+HEIGHT = 246.0  # design pixels of the only card
+HEIGHT_OF_TWO = 180.0  # design pixels of each of two cards
+HEIGHT_COMPACT = 84.0  # design pixels of a card without numbers
+GAP = 8.0  # design pixels below a card
+ROOM = 300.0  # design pixels that the inspector needs below the cards
 SECONDS_BETWEEN_READINGS = 0.2
 SUMMARIES = {method.name: method.summary for method in METHODS}
 
@@ -31,26 +34,40 @@ class LaneCards:
     """The cards of all lanes.
 
     Attributes:
-        rects: their rectangles.
+        rects: their rectangles; none where they make room for the selection.
         menus: their menus of methods.
+        verdicts: their buttons that say what was wrong in the whole run, and go there.
+        checks: of their velocities.
         health: what was last read of each lane.
+        tight: whether there is not room for both cards and inspector.
+        crowded_out: whether the cards have made room.
     """
 
     def __init__(self, host: Host, session: Session) -> None:
         self.host, self.session = host, session
         self.rects: list[pygame.Rect] = []
         self.menus: list[UIDropDownMenu] = []
+        self.verdicts: list[UIButton] = []
         self.health: list[Health] = []
+        self.checks = [VelocityCheck(session, lane) for lane in range(len(session.lanes))]
+        self.tight = self.crowded_out = self.compact = False
         self._seconds = math.inf  # since the health was last read
 
-    def build(self, rect: pygame.Rect) -> pygame.Rect:
-        """Make the menus at the top of `rect`; returns what is left of it."""
-        unit = self.host.unit
-        height = round((HEIGHT if len(self.session.lanes) == 1 else HEIGHT_OF_TWO) * unit)
-        pitch = height + round(8 * unit)
-        lanes = range(len(self.session.lanes)) if rect.width else range(0)
+    def build(self, rect: pygame.Rect, selected: bool) -> pygame.Rect:
+        """Make the widgets at the top of `rect`; returns what is left of it, all where something `selected` needs it."""
+        unit, count = self.host.unit, len(self.session.lanes)
+        full = HEIGHT if count == 1 else HEIGHT_OF_TWO
+        room = rect.height / unit - ROOM
+        self.compact = room < count * (full + GAP)
+        self.tight = bool(rect.width) and room < count * (HEIGHT_COMPACT + GAP)
+        self.crowded_out = self.tight and selected
+        height = round((HEIGHT_COMPACT if self.compact else full) * unit)
+        pitch = height + round(GAP * unit)
+        lanes = range(count) if rect.width and not self.crowded_out else range(0)
         self.rects = [pygame.Rect(rect.left, rect.top + k * pitch, rect.width, height) for k in lanes]
         self.menus = [self._menu(k) for k in lanes]
+        self.verdicts = [self._verdict(k) for k in lanes]
+        self._seconds = math.inf
         used = len(self.rects) * pitch
         return pygame.Rect(rect.left, rect.top + used, rect.width, rect.height - used)
 
@@ -59,6 +76,19 @@ class LaneCards:
         width = round(132 * unit)
         place = pygame.Rect(rect.right - width - round(8 * unit), rect.top + round(8 * unit), width, round(26 * unit))
         return UIDropDownMenu([AUTO, *SUMMARIES], self.method(lane), place, self.host.manager)
+
+    def _verdict(self, lane: int) -> UIButton:
+        unit, rect = self.host.unit, self.rects[lane]
+        high, margin = round(24 * unit), round(6 * unit)
+        place = pygame.Rect(rect.left + margin, rect.bottom - high - margin // 2, rect.width - 2 * margin, high)
+        show = partial(self.show_fault, lane)
+        return UIButton(place, "", self.host.manager, object_id="#chip", tool_tip_text="of the whole run", command=show)
+
+    def show_fault(self, lane: int) -> None:
+        """Scrub to where the worst fault of the run begins."""
+        worst = _worst(self.session.findings(lane))
+        if worst is not None:
+            self.session.scrub_frame(max(worst.first, self.session.history.first))
 
     def method(self, lane: int) -> str:
         """The present entry of the menu."""
@@ -79,9 +109,32 @@ class LaneCards:
     def update(self, seconds: float) -> None:
         """Read the health of every lane now and then."""
         self._seconds += seconds
-        if self._seconds >= SECONDS_BETWEEN_READINGS:
-            self._seconds = 0.0
-            self.health = [self.session.health(lane) for lane in range(len(self.session.lanes))]
+        if self._seconds < SECONDS_BETWEEN_READINGS:
+            return
+        self._seconds = 0.0
+        self._check_velocities()
+        self.health = [self.session.health(lane, check.error()) for lane, check in enumerate(self.checks)]
+        for lane, button in enumerate(self.verdicts):
+            text = self._verdict_text(lane)
+            if button.text != text:
+                button.set_text(text)
+
+    def _check_velocities(self) -> None:
+        """Let an accurate run follow each lane, on the thread behind the window."""
+        for check, lane in zip(self.checks, self.session.lanes, strict=True):
+            if self.host.warmup.is_warm(METHOD, lane.chain.dissipative):
+                job = check.job()
+                if job is not None:
+                    self.host.warmup.submit(partial(check.take, check.base), job)
+
+    def _verdict_text(self, lane: int) -> str:
+        worst = _worst(self.session.findings(lane))
+        if worst is None:
+            return "whole run: no fault"
+        size, name = time_unit(max(self.session.span[1], 1e-9))
+        first, last = (fixed(time / size, 2) for time in (worst.begin, worst.end))
+        room = self.rects[lane].width - 24 * self.host.unit
+        return shortened(f"{worst.cause}, {first} to {last} {name}", 12 * self.host.unit, room)
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the badges."""
@@ -89,30 +142,38 @@ class LaneCards:
             self._card(surface, rect, state, number)
 
     def _card(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, number: int) -> None:
-        unit, tint = self.host.unit, TINTS[state.level]
-        fill = mix(BACKGROUND, tint, 0.16 if state.level == health.BAD else 0.05)
+        unit, tint = self.host.unit, getattr(tones, state.level)
+        fill = mix(tones.background, tint, 0.16 if state.level == health.BAD else 0.05)
         pygame.draw.rect(surface, fill, rect, border_radius=6)
-        border = FAINT if state.level == health.GOOD else tint
+        border = tones.faint if state.level == health.GOOD else tint
         pygame.draw.rect(surface, border, rect, max(1, round(1.5 * unit)), border_radius=6)
-        y = self._method_lines(surface, rect, number)
-        y = self._numbers(surface, rect, _numbers(state), y)
+        if self.compact:
+            self._title(surface, rect, number)
+            y: float = rect.top + 38 * unit
+        else:
+            y = self._method_lines(surface, rect, number)
+            y = self._numbers(surface, rect, _numbers(state), y)
         self._sentence(surface, rect, state, y)
+
+    def _title(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> None:
+        unit, label = self.host.unit, self.session.label(number)
+        title = label if len(self.session.lanes) > 1 and label else "method"
+        title = shortened(title, 14 * unit, rect.width - 160 * unit, bold=True)
+        write(surface, title, (rect.left + 10 * unit, rect.top + 12 * unit), 14 * unit, tones.foreground, bold=True)
 
     def _method_lines(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> float:
         """The title, method and step, and on the only card a summary; returns where the next line is."""
         unit, lane = self.host.unit, self.session.lanes[number]
+        self._title(surface, rect, number)
         x, y = rect.left + 10 * unit, rect.top + 12 * unit
-        title = lane.label if len(self.session.lanes) > 1 and lane.label else "method"
-        title = shortened(title, 14 * unit, rect.width - 160 * unit, bold=True)
-        write(surface, title, (x, y), 14 * unit, FOREGROUND, bold=True)
         step = lane.setup.step_for(self.session.setup.frame_time)
         method = lane.setup.method
         line = f"{method}, step {scientific(step)} s" if step else f"{method}, adaptive"
-        write(surface, line, (x, y + 26 * unit), 12 * unit, MUTED)
+        write(surface, line, (x, y + 26 * unit), 12 * unit, tones.muted)
         y += 43 * unit
         if len(self.rects) == 1:
             summary = shortened(SUMMARIES[method], 12 * unit, rect.width - 20 * unit)
-            write(surface, summary, (x, y), 12 * unit, MUTED)
+            write(surface, summary, (x, y), 12 * unit, tones.muted)
             y += 19 * unit
         return y
 
@@ -123,28 +184,35 @@ class LaneCards:
         for k, (name, text) in enumerate(numbers):
             x = rect.left + 10 * unit + (k % columns) * width
             short = name.split()[0] if columns == 2 else name
-            write(surface, short, (x, y), 12.5 * unit, MUTED)
+            write(surface, short, (x, y), 12.5 * unit, tones.muted)
             right = x + width - (8 * unit if columns == 2 and k % 2 == 0 else 0)
-            write(surface, text, (right, y), 12.5 * unit, FOREGROUND, align=(1, 0))
+            write(surface, text, (right, y), 12.5 * unit, tones.foreground, align=(1, 0))
             y += 16.5 * unit if k % columns == columns - 1 else 0.0
         return y
 
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
-        """A mark and as many lines of the sentence as there is room for."""
-        unit, tint, x = self.host.unit, TINTS[state.level], rect.left + 10 * self.host.unit
+        """A mark and as many lines of the sentence as there is room for above the button."""
+        unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left + 10 * self.host.unit
         mark = "✓" if state.level == health.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         room = rect.width - 34 * unit
         lines = wrapped(state.sentence, 12 * unit, room)
-        most = int((rect.bottom - y) // (15 * unit))
+        most = max(1, int((rect.bottom - 28 * unit - y) // (15 * unit)))
         for k, line in enumerate(lines[:most]):
             text = shortened(line + " …", 12 * unit, room) if k == most - 1 < len(lines) - 1 else line
             write(surface, text, (x + 15 * unit, y + (2 + 15 * k) * unit), 12 * unit, tint)
 
 
+def _worst(found: list[Finding]) -> Finding | None:
+    """The first of the gravest findings."""
+    gravest = sorted(found, key=lambda one: (-health.LEVELS.index(one.level), one.first))
+    return gravest[0] if gravest else None
+
+
 def _numbers(state: Health) -> list[tuple[str, str]]:
     """Names and values of the badge."""
     return [
+        ("velocity error", "not known" if state.velocity_error is None else _error(state.velocity_error)),
         ("energy error", _error(state.energy_error)),
         ("momentum error", _error(state.momentum_error)),
         ("chatter", f"{state.chatter:.1f}" if state.chatter < 1e4 else scientific(state.chatter)),

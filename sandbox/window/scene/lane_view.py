@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,10 +11,11 @@ from softcradle.physics import Chain
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
-from softcradle.sandbox.draw.palette import FOREGROUND, WARNING
+from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
+from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.session.live_lane import LiveLane
+from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.scenes import View
 
@@ -46,14 +46,15 @@ class SessionLanes:
     view: View
 
     @classmethod
-    def of(cls, lanes: Sequence[LiveLane], view: View) -> SessionLanes:
-        """The present `lanes`."""
-        return cls(tuple(map(_session_lane, lanes)), view)
+    def of(cls, session: Session) -> SessionLanes:
+        """The present lanes of a session."""
+        return cls(tuple(_session_lane(session, k) for k in range(len(session.lanes))), session.scene.view)
 
 
-def _session_lane(lane: LiveLane) -> SessionLane:
+def _session_lane(session: Session, number: int) -> SessionLane:
+    lane = session.lanes[number]
     locked = tuple(law is not None for law in lane.setup.locked)
-    return SessionLane(lane.label, tuple(lane.velocity.tolist()), lane.chain, locked)
+    return SessionLane(session.label(number), tuple(session.approach(number).tolist()), lane.chain, locked)
 
 
 class LaneView:
@@ -97,10 +98,25 @@ class LaneView:
         self.edges = left + self.drawing.scale * edges
         self.contacts = self.drawing.paint(surface, motion, 0, left)
         self._padlocks(surface)
+        self._outside(surface)
         if self.insets is not None:
             self.insets.paint(surface, motion, 0, self.contacts)
         if self.energy_bars is not None:
             self.energy_bars.paint(surface, motion, 0)
+
+    def _outside(self, surface: pygame.Surface) -> None:
+        """At each end an arrow with the number of beads that are beyond it."""
+        rect, unit = self.drawing.rect, self.unit
+        beyond = int((self.edges + self.drawing.bead < rect.left).sum()), int((self.edges > rect.right).sum())
+        y, size = self.drawing.ground - 14 * unit, 7 * unit
+        for count, x, side in zip(beyond, (rect.left + 6 * unit, rect.right - 6 * unit), (-1, 1), strict=True):
+            if count:
+                points = [(x, y), (x - side * size, y - size), (x - side * size, y + size)]
+                pygame.draw.polygon(surface, tones.warning, points)
+                place = (x - side * (size + 4 * unit), y)
+                write(
+                    surface, str(count), place, 13 * unit, tones.warning, bold=True, align=(0 if side < 0 else 1, 0.5)
+                )
 
     def _padlocks(self, surface: pygame.Surface) -> None:
         """A padlock on the ground below every locked piston."""
@@ -109,32 +125,43 @@ class LaneView:
             if self.drawing.rect.left < x < self.drawing.rect.right:
                 body = pygame.Rect(0, 0, round(size), round(0.8 * size))
                 body.midtop = (round(x), round(self.drawing.ground + 6 * self.unit))
-                pygame.draw.rect(surface, FOREGROUND, body, border_radius=2)
+                pygame.draw.rect(surface, tones.foreground, body, border_radius=2)
                 ring = pygame.Rect(0, 0, round(0.64 * size), round(0.9 * size))
                 ring.midbottom = (body.centerx, body.top + round(0.45 * size))
-                pygame.draw.arc(surface, FOREGROUND, ring, 0.0, math.pi, max(1, round(1.5 * self.unit)))
+                pygame.draw.arc(surface, tones.foreground, ring, 0.0, math.pi, max(1, round(1.5 * self.unit)))
 
     def paint_grip(self, surface: pygame.Surface, bead: int, pointer: tuple[int, int], spring: bool) -> None:
-        """Draw a ring about the bead that the pointer holds, and a line to the pointer where a `spring` pulls."""
+        """Draw a line about the bead that the pointer holds, and one to the pointer where a `spring` pulls."""
         centre, thickness = self.centre(bead), max(2, round(2 * self.unit))
-        pygame.draw.aacircle(surface, WARNING, centre, 0.5 * self.drawing.bead + 3 * self.unit, thickness)
+        self._outline(surface, bead, tones.warning)
         if spring:
-            pygame.draw.aaline(surface, WARNING, centre, pointer, thickness)
-            pygame.draw.aacircle(surface, WARNING, pointer, 4 * self.unit)
+            pygame.draw.aaline(surface, tones.warning, centre, pointer, thickness)
+            pygame.draw.aacircle(surface, tones.warning, pointer, 4 * self.unit)
+
+    def _outline(self, surface: pygame.Surface, bead: int, colour: Colour) -> None:
+        """Draw a line around a body, of the body's own shape."""
+        (rect, corner), gap = self.drawing.body_shape(bead, float(self.edges[bead])), round(4 * self.unit)
+        thickness = max(2, round(2 * self.unit))
+        if 2.0 * corner >= rect.width:
+            pygame.draw.aacircle(surface, colour, rect.center, corner + gap, thickness)
+        else:
+            frame = rect.inflate(2 * gap, 2 * gap)
+            pygame.draw.rect(surface, colour, frame, thickness, border_radius=round(corner + gap))
 
     def paint_pick(self, surface: pygame.Surface, pick: Pick) -> None:
         """Mark the selected bead or contact."""
-        thickness, drawing = max(2, round(2 * self.unit)), self.drawing
+        drawing = self.drawing
         surface.set_clip(drawing.rect)
         if pick.kind == "bead" and pick.index < len(self.edges):
-            radius = 0.5 * drawing.bead + 4 * self.unit
-            pygame.draw.aacircle(surface, FOREGROUND, self.centre(pick.index), radius, thickness)
+            self._outline(surface, pick.index, tones.foreground)
         elif pick.kind == "contact" and pick.index < len(self.contacts):
             x, foot = round(float(self.contacts[pick.index])), round(drawing.ground + 3 * self.unit)
             half = round(6 * self.unit)
-            pygame.draw.polygon(surface, FOREGROUND, [(x, foot), (x - half, foot + half), (x + half, foot + half)])
+            pygame.draw.polygon(
+                surface, tones.foreground, [(x, foot), (x - half, foot + half), (x + half, foot + half)]
+            )
             top = drawing.bar_base + 3 * self.unit
-            pygame.draw.line(surface, FOREGROUND, (x, round(top)), (x, foot), 1)
+            pygame.draw.line(surface, tones.foreground, (x, round(top)), (x, foot), 1)
         surface.set_clip(None)
 
     def centre(self, bead: int) -> tuple[float, float]:

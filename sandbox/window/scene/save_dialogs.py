@@ -1,75 +1,151 @@
-"""Save dialogs: the scene, the session, the export of its history, and screenshots."""
+"""Save dialogs: the scene, the session, its history, a page to share, a film, a screenshot; no file is replaced unasked."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
-import pygame
+from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.page import write_page
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.messages import Messages
+from softcradle.sandbox.window.scene.file_names import free_path, shown_path, typed_path
+from softcradle.sandbox.window.scene.window_film import FILM_ENDINGS, WindowFilm
 from softcradle.sandbox.window.window_page import Host
 
-LONGEST_STEM = 40  # characters of a file name that is made from a title
+REOPENED = (".toml", ".npz")  # endings of files that the window opens
+
+
+class Saving(NamedTuple):
+    """One kind of file: what the dialog says, the end of the proposed name, the endings, what writes it, and which files."""
+
+    title: str
+    note: str
+    proposed: str
+    endings: tuple[str, ...]
+    write: Callable[[Path], object]
+    files: Callable[[Path], list[Path]] = lambda path: [path]
+
+
+def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
+    """The files that come from a session."""
+
+    def reporting(write: Callable[[Path], object]) -> Callable[[Path], None]:
+        return lambda path: report(messages, partial(write, path), f"saved {shown_path(path)}")
+
+    return {
+        "save_scene": Saving(
+            "Save the scene",
+            "a .toml file with all edits, to be opened here, rendered or run",
+            "-edited.toml",
+            (".toml",),
+            reporting(session.save_scene),
+        ),
+        "save_session": Saving(
+            "Save the session",
+            "an .npz file: drop it here to replay the session",
+            "-session.npz",
+            (".npz",),
+            reporting(session.save_recording),
+        ),
+        "export": Saving(
+            "Export the history",
+            ".csv (a table) or .npz (everything); a file a lane",
+            ".csv",
+            (".csv", ".npz"),
+            reporting(session.export),
+            session.export_paths,
+        ),
+        "share_page": Saving(
+            "Share as a page",
+            "an .html file: any browser plays what was recorded, no network needed",
+            ".html",
+            (".html", ".htm"),
+            reporting(partial(share_page, session)),
+        ),
+    }
 
 
 class SaveDialogs:
-    """Files that come from a session."""
+    """Dialogs for the files of a page: its own `savings`, a film and a screenshot, named after its `title`."""
 
-    def __init__(self, host: Host, session: Session) -> None:
-        self.host, self.session = host, session
+    def __init__(self, host: Host, title: str, film: WindowFilm, savings: dict[str, Saving]) -> None:
+        self.host, self.title, self.film = host, title, film
+        note = "a .mp4, .gif or .webp file; it records from now on until Stop"
+        self.savings = {**savings, "film": Saving("Film the window", note, ".mp4", FILM_ENDINGS, film.begin)}
         self.actions: dict[str, Callable[[], None]] = {
-            "save_scene": self.ask_scene,
-            "save_session": self.ask_session,
-            "export": self.ask_export,
+            **{name: partial(self.ask, name) for name in self.savings},
+            "film": self.toggle_film,
             "screenshot": self.screenshot,
         }
 
-    def _ask(self, title: str, note: str, suffix: str, take: Callable[[str], None]) -> None:
-        self.host.ask(title, note, str(free_path(self.session, suffix)), take)
+    def ask(self, name: str) -> None:
+        """Ask for the path of a kind of file."""
+        saving = self.savings[name]
+        proposed = str(free_path(self.title, saving.proposed))
+        self.host.ask(saving.title, f"{saving.note}, in {shown_path(Path())}", proposed, partial(self.save, name))
 
-    def _save(self, work: Callable[[], object], done: str) -> None:
-        report(self.host.messages, work, done)
+    def save(self, name: str, text: str) -> None:
+        """Write that kind of file to the path `text`; ask first where there is a file already."""
+        saving = self.savings[name]
+        path = typed_path(text, saving.endings)
+        taken = [file for file in saving.files(path) if file.exists()]
+        if not taken:
+            self._write(saving, path)
+            return
+        names = " and ".join(shown_path(file) for file in taken)
+        self.host.choose(
+            "Replace it?",
+            f"There is already {names}.",
+            {
+                "Another name ...": partial(self.ask, name),
+                "Replace": partial(self._write, saving, path),
+                "Cancel": lambda: None,
+            },
+        )
 
-    def ask_scene(self) -> None:
-        """Save the scene with all edits."""
-        self._ask("Save the scene", "a .toml file, to be opened here, rendered or run", "-edited.toml", self.save_scene)
+    def _write(self, saving: Saving, path: Path) -> None:
+        """Write it, and remember it among the recent files where it can be opened again."""
+        saving.write(path)
+        if path.suffix in REOPENED:
+            self.host.settings.remember(path)
 
-    def save_scene(self, path: str) -> None:
-        """Write the scene file."""
-        path = path if path.endswith(".toml") else f"{path}.toml"
-        self._save(lambda: self.session.save_scene(path), f"saved {path}")
-
-    def ask_session(self) -> None:
-        """Save the session."""
-        note = "an .npz file: drop it here to replay the session"
-        self._ask("Save the session", note, "-session.npz", self.save_session)
-
-    def save_session(self, path: str) -> None:
-        """Write the recording."""
-        path = path if path.endswith(".npz") else f"{path}.npz"
-        self._save(lambda: self.session.save_recording(path), f"saved {path}")
-
-    def ask_export(self) -> None:
-        """Export the history."""
-        self._ask("Export the history", ".npz (everything) or .csv (a table); a file a lane", ".csv", self.export)
-
-    def export(self, path: str) -> None:
-        """Write the trajectories."""
-        self._save(lambda: self.session.export(path), f"saved the history to {path}")
+    def toggle_film(self) -> None:
+        """Begin a film, or end the one that is recorded."""
+        if self.film.film is not None:
+            self.film.end()
+        else:
+            self.ask("film")
 
     def screenshot(self) -> None:
         """Write the window as it is, as a PNG file in the working folder."""
-        path = free_path(self.session, ".png")
+        path = free_path(self.title, ".png")
 
         def work() -> None:
             with output_file(path) as temporary:
-                pygame.image.save(self.host.surface, str(temporary))
+                write_png(self.host.surface, temporary)
 
-        self._save(work, f"saved {path}")
+        report(self.host.messages, work, f"saved {shown_path(path)}")
+
+
+def share_page(session: Session, path: Path) -> None:
+    """Write what a session has recorded, up to the frame shown, as a page that plays it.
+
+    Raises:
+        UserError: nothing has been recorded since the chain was last changed, or the page cannot be written.
+    """
+    found = [session.trajectory(lane) for lane in range(len(session.lanes))]
+    if any(trajectory.time.size < 2 for trajectory in found):
+        raise UserError("nothing has been recorded yet: let the scene run, then share it")
+    try:
+        scene = session.to_scene()
+    except ValueError as error:
+        raise UserError(f"this cannot be shared: {error}") from None
+    write_page(found, scene, path)
 
 
 def report(messages: Messages, work: Callable[[], object], done: str) -> None:
@@ -80,14 +156,3 @@ def report(messages: Messages, work: Callable[[], object], done: str) -> None:
         messages.show(str(error), warning=True)
     else:
         messages.show(done)
-
-
-def free_path(session: Session, suffix: str) -> Path:
-    """A path named after the scene; with a number before its last suffix where there is such a file already."""
-    stem = re.sub(r"[^a-z0-9]+", "-", session.scene.title.lower()).strip("-")[:LONGEST_STEM] or "scene"
-    path = free = Path(f"{stem}{suffix}")
-    number = 1
-    while free.exists():
-        number += 1
-        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
-    return free

@@ -28,7 +28,7 @@ class SceneEditor:
 
     def __init__(self, host: Host, session: Session) -> None:
         self.host, self.session = host, session
-        self.selection: Pick | None = None
+        self._selection: Pick | None = None
         self.preparing = False
         self.check_kernels()
         self.actions: dict[str, Callable[[], None]] = {
@@ -36,17 +36,35 @@ class SceneEditor:
             "select_right": partial(self.select_neighbour, 1),
             "add_bead": self.add_bead,
             "remove_bead": self.remove_bead,
+            "undo": partial(self._go, self.session.undo, "undone", "nothing to undo"),
+            "redo": partial(self._go, self.session.redo, "done again", "nothing to redo"),
             "lock": self.lock,
             "law": self.convert,
             "law_all": self.convert_all,
         }
 
+    @property
+    def selection(self) -> Pick | None:
+        """The selected bead or contact; where it has been removed, the last one of its kind."""
+        pick = self._selection
+        if pick is None:
+            return None
+        last = self.session.lanes[pick.lane].chain.contacts - (0 if pick.kind == "bead" else 1)
+        return pick if pick.index <= last else Pick(pick.lane, pick.kind, last)
+
+    @selection.setter
+    def selection(self, pick: Pick | None) -> None:
+        self._selection = pick
+
     def check_kernels(self) -> None:
         """Read whether the kernels of the session's methods are loaded."""
         self.preparing = not self.host.warmup.can_move(self.session.lanes)
 
-    def apply(self, item: Input) -> bool:
-        """Apply an input to the session; whether it was accepted. The reason of a refusal is shown."""
+    def apply(self, item: Input, gesture: bool = False) -> bool:
+        """Apply an input to the session; whether it was accepted. The reason of a refusal is shown.
+
+        Inputs of one `gesture` are one undo step.
+        """
         if self.preparing:
             self.host.messages.show(PREPARING)
             return False
@@ -55,7 +73,7 @@ class SceneEditor:
             self.host.rebuild()  # the menu goes back to the present method
             return False
         try:
-            self.session.apply(item)
+            self.session.apply(item, gesture)
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return False
@@ -66,8 +84,16 @@ class SceneEditor:
 
     def _apply_to_lanes(self, edit: Callable[[int], LaneInput]) -> bool:
         """Apply an edit to every lane; whether all were accepted."""
-        accepted = [self.apply(edit(lane)) for lane in range(len(self.session.lanes))]
+        accepted = [self.apply(edit(lane), gesture=True) for lane in range(len(self.session.lanes))]
         return all(accepted)
+
+    def _go(self, step: Callable[[], str], done: str, nothing: str) -> None:
+        """Undo or redo, and say what."""
+        name = step()
+        if name:
+            self.host.messages.show(f"{done}: {name}, at t = {self.session.time:.4g} s")
+        else:
+            self.host.messages.show(nothing)
 
     # ---- edits that have keys
 
@@ -123,12 +149,12 @@ class SceneEditor:
             text = "select a contact: click between two beads, on its force bar or on its magnified inset"
             self.host.messages.show(text)
             return
-        law = self.session.lanes[pick.lane].chain.contact[pick.index]
+        law = self.session.lanes[pick.lane].chain.power_laws[pick.index]
         self.apply(SetKind(pick.lane, pick.index, "power" if kind_of(law) == "gear" else "gear"))
 
     def convert_all(self) -> None:
         """Convert all contacts into power laws or draft gears."""
-        gears = all(kind_of(law) == "gear" for lane in self.session.lanes for law in lane.chain.contact)
+        gears = all(kind_of(law) == "gear" for lane in self.session.lanes for law in lane.chain.power_laws)
         kind = "power" if gears else "gear"
         if self._apply_to_lanes(lambda lane: SetKind(lane, None, kind)):
             self.host.messages.show(f"all contacts are {PLURALS[kind]} now")

@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import pygame
-from softcradle.sandbox.draw.palette import MUTED, WARNING
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.lessons.lesson_runner import LessonRunner
+from softcradle.sandbox.window.page_geometry import narrow
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
-from softcradle.sandbox.window.scene.impact_clicks import ImpactClicks
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
-from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
-from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs
+from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, session_savings
+from softcradle.sandbox.window.scene.scene_clock import SceneClock
 from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
+from softcradle.sandbox.window.scene.scene_sound import SceneSound
+from softcradle.sandbox.window.scene.scene_tools import SceneTools
 from softcradle.sandbox.window.scene.scene_view import SceneView
 from softcradle.sandbox.window.scene.time_controls import TimeControls
 from softcradle.sandbox.window.scene.timeline import Timeline
-from softcradle.sandbox.window.scene.toolbar import build_toolbar
+from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.scene.view_keys import ViewKeys
 from softcradle.sandbox.window.scene.window_film import WindowFilm
 from softcradle.sandbox.window.window_page import Host
+from softcradle.scenes import Scene
 
 
 class ScenePage:
@@ -40,65 +43,65 @@ class ScenePage:
         self.inspector = Inspector(host, session, self.editor)
         self.view = SceneView(host, session, self.editor, self.board, self.inspector)
         self.timeline = Timeline(session)
-        self.time_controls = TimeControls(host, session, self.board)
-        self.pointer = PointerTool(host, session, self.editor, self.view, self.time_controls)
-        self.dialogs = SaveDialogs(host, session)
-        self.film = WindowFilm(host, session)
-        self.clicks = ImpactClicks(host, session)
+        self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay)
+        self.time_controls = TimeControls(host, session, self.board, self.clock.activity)
+        self.clock.controls = self.time_controls
+        self.pointer = PointerTool(host, session, self.editor, self.view)
+        self.film = WindowFilm(host)
+        self.toolbar = Toolbar(host, self.film, session.undo_stack)
+        savings = session_savings(host.messages, session)
+        self.dialogs = SaveDialogs(host, session.scene.title, self.film, savings)
+        self.sound = SceneSound(host, session)
+        self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene)
+        self.lessons = LessonRunner(host, session, self.clock)
         self.actions: dict[str, Callable[[], None]] = {
-            **self._time_actions(),
+            "lesson": self.lessons.ask,
+            **self.tools.actions,
+            **self.inspector.actions,
+            "tools": lambda: self.tools.show_menu(self.toolbar.buttons["tools"].rect, self.actions),
+            **self.clock.actions,
             **ViewKeys(host, self.editor, self.board, self.view, self.cards).actions,
             **self.editor.actions,
             **self.dialogs.actions,
-            "film": self.film.toggle,
-            "sound": self.clicks.toggle,
-            "undo": lambda: host.show(ScenePage(host, Session(session.scene), leave)),
+            "sound": self.sound.toggle,
             "help": host.toggle_help,
             "leave": self.escape,
         }
 
-    def _time_actions(self) -> dict[str, Callable[[], None]]:
-        session = self.session
-        return {
-            "play_pause": self.play_pause,
-            "forward": partial(self.step, 1),
-            "back": partial(self.step, -1),
-            "slower": partial(self.time_controls.step_slow, 1),
-            "faster": partial(self.time_controls.step_slow, -1),
-            "restart": self.restart,
-            "first": lambda: session.scrub_frame(session.history.first),
-            "last": lambda: session.scrub_frame(session.history.last),
-            "previous_event": partial(self.timeline.scrub_to_event, -1),
-            "next_event": partial(self.timeline.scrub_to_event, 1),
-        }
+    def show_scene(self, scene: Scene) -> None:
+        """Show another scene in place of this page."""
+        self.host.show(ScenePage(self.host, Session(scene), self.leave))
+
+    @property
+    def title(self) -> str:
+        """That of the scene."""
+        return self.session.scene.title
 
     @property
     def typing(self) -> bool:
         """Whether a number is being typed."""
         return self.inspector.typing
 
-    def play_pause(self) -> None:
-        """Play or pause."""
-        if self.session.playing:
-            self.session.pause()
-        elif self.editor.preparing:
-            self.host.messages.show(PREPARING)
-        else:
-            self.time_controls.apply_slow()
-            self.session.play()
+    def cancel_typing(self) -> None:
+        """Drop the number that is being typed."""
+        self.inspector.cancel_typing()
 
-    def step(self, by: int) -> None:
-        """Go `by` frames on."""
-        if not self.editor.preparing:
-            self.session.step_frames(by)
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are edits that are not saved."""
+        return self.session.undo_stack.unsaved
 
-    def restart(self) -> None:
-        """Back to the start with all edits; plays on if it was playing."""
-        playing = self.session.playing
-        self.session.restart()
-        self.view.reset_camera()
-        if playing:
-            self.session.play()
+    @property
+    def moving(self) -> bool:
+        """Whether the next picture differs from this one though nobody does anything."""
+        return (
+            self.clock.activity() != "paused"
+            or self.editor.preparing
+            or self.film.film is not None
+            or self.pointer.grip is not None
+            or self.view.follower.pending
+            or not self.board.complete
+        )
 
     def escape(self) -> None:
         """Deselect; with nothing selected, back to the gallery."""
@@ -113,47 +116,51 @@ class ScenePage:
         self.view.arrange()
         places, margin = self.view.places, round(12 * unit)
         panel = places.panel.inflate(-2 * margin, -2 * round(7 * unit)) if self.view.panel_shown else places.panel
-        self.view.title_room = build_toolbar(self.host, places.toolbar, self.actions, self.leave)
+        self.toolbar.build(places.toolbar, self.actions, self.leave)
+        self.view.title_room = self.toolbar.title_room
         left, top, width = places.footer.left, places.footer.top, places.footer.width
-        line = pygame.Rect(left + 2 * margin, top + round(12 * unit), width - 4 * margin, round(22 * unit))
-        self.timeline.build(line, unit)
+        self.timeline.place(places.footer, unit)
         below = pygame.Rect(left + margin, top + round(42 * unit), width - 2 * margin, round(46 * unit))
-        self.time_controls.build(below, self.actions)
-        self.inspector.build(self.cards.build(panel))
+        second = below.move(0, round(40 * unit)) if narrow(width, unit) else below
+        self.time_controls.build(below, second, self.actions)
+        self.inspector.build(self.cards.build(panel, self.editor.selection is not None))
         self.view.rebuild()
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
+        if event.type in (pygame.MOUSEBUTTONUP, pygame.KEYDOWN):
+            self.session.end_gesture()
         chosen = self.cards.handle(event)
         if chosen is not None:
-            self.editor.apply(chosen)
+            if self.editor.apply(chosen):
+                self.host.rebuild()  # a menu that keys have moved does not redraw itself
             return True
         if self.time_controls.handle(event) or self.inspector.handle(event):
             return True
-        return self.timeline.handle(event) or self.pointer.handle(event)
+        return self.tools.handle(event) or self.timeline.handle(event) or self.pointer.handle(event)
+
+    def take_file(self, path: str, point: tuple[int, int]) -> bool:
+        """Tables and pictures are laid over a plot."""
+        return self.tools.data.take_file(path, point)
 
     def update(self, seconds: float) -> None:
         """Let time pass."""
         self._notice_kernels()
+        self._follow_edits()
         self.pointer.update()
         if not self.editor.preparing:
-            self._tick(seconds)
-        if self.session.setup is not self._setup:
-            self._notice_edit(self._setup, self.session.setup)
+            self.clock.tick(seconds)
+        self._follow_edits()
         self.view.update(seconds)
         self.board.update()
         self.timeline.update()
         self.cards.update(seconds)
+        self.toolbar.update()
+        if self.cards.crowded_out != (self.cards.tight and self.editor.selection is not None):
+            self.host.rebuild()  # cards make room for the selection, or come back
         self.inspector.update(seconds)
-        self.clicks.update()
-
-    def _tick(self, seconds: float) -> None:
-        if self.replay is None or self.replay.done:
-            self.session.tick(seconds)
-        elif not self.session.scrubbed:
-            self.replay.tick(seconds)
-            if self.replay.done:
-                self.host.messages.show(self.replay.sentence, warning=self.replay.diverged is not None)
+        self.sound.update(self.view.scales.scales.force)
+        self.lessons.update()
 
     def _notice_kernels(self) -> None:
         """Go on where the kernels have been loaded."""
@@ -166,6 +173,11 @@ class ScenePage:
             self.view.look_ahead()
             self.view.rebuild()
 
+    def _follow_edits(self) -> None:
+        """Let what is drawn be of the present lanes."""
+        if self.session.setup is not self._setup:
+            self._notice_edit(self._setup, self.session.setup)
+
     def _notice_edit(self, before: Setup, now: Setup) -> None:
         """Follow another setup: after an edit, or at a frame from before one."""
         self._setup = now
@@ -175,23 +187,15 @@ class ScenePage:
         self.editor.check_kernels()  # an edit may have brought friction or loss, which take kernels of their own
         old, new = ([(lane.chain, lane.locked) for lane in setup.lanes] for setup in (before, now))
         if old != new:
-            self._reselect()
             self.view.rebuild()
-
-    def _reselect(self) -> None:
-        """Let the selection exist, and its widgets be of the right kind."""
-        pick = self.editor.selection
-        if pick is None:
-            return
-        count = self.session.lanes[pick.lane].chain.contacts + (1 if pick.kind == "bead" else 0)
-        if pick.index >= count:
-            self.editor.selection = Pick(pick.lane, pick.kind, count - 1)
-        elif not self.inspector.busy:
-            self.inspector.remake()
+            self.view.follower.notice()
+            if self.editor.selection is not None and not self.inspector.busy:
+                self.inspector.remake()  # its widgets may be of another kind now
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
         self.view.paint(surface)
+        self.tools.paint(surface)
         self.timeline.paint(surface)
         self.cards.paint(surface)
 
@@ -202,13 +206,15 @@ class ScenePage:
         self.pointer.paint(surface)
         right = places.panel.left - (20 if self.view.panel_shown else 60) * unit
         self.film.paint(surface, right, places.toolbar.bottom)
-        self.board.paint_reading(surface, point)
+        if not self.tools.covers_plots:
+            self.board.paint_reading(surface, point)
+        self.tools.paint_over(surface)
         self.timeline.paint_reading(surface, point)
         if self.editor.preparing or self.replay is not None:
             text = PREPARING if self.replay is None else self.replay.sentence
             bad = self.replay is not None and self.replay.diverged is not None
             place = (places.lanes[0].centerx, places.lanes[0].top + 30 * unit)
-            write(surface, text, place, 15 * unit, WARNING if bad else MUTED, bold=bad, align=(0.5, 0.5))
+            write(surface, text, place, 15 * unit, tones.warning if bad else tones.muted, bold=bad, align=(0.5, 0.5))
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
         """Record the finished picture, if a film is being made."""
@@ -217,4 +223,4 @@ class ScenePage:
     def close(self) -> None:
         """Close the film and the sound."""
         self.film.end()
-        self.clicks.close()
+        self.sound.close()

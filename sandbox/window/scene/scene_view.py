@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND
+from softcradle.sandbox.draw.bead_arrows import ARROWS
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.look_ahead import motions_ahead
-from softcradle.sandbox.window.page_geometry import Geometry, geometry
+from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
 from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated_scales
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
 from softcradle.sandbox.window.scene.camera import Camera
+from softcradle.sandbox.window.scene.edit_follower import EditFollower
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
+from softcradle.sandbox.window.scene.toolbar import TITLE_LEFT
 from softcradle.sandbox.window.window_page import Host
 
 
@@ -25,11 +28,13 @@ class SceneView:
 
     Attributes:
         scales: of beads and plots.
+        follower: lets scales follow edits.
         camera: which part of the line is shown.
         lanes: the beads, a LaneView for each lane.
         motions: the lanes now, one row each.
         places: rectangles of the page.
         panel_shown: whether the panel on the right is there.
+        rows: lane and kinds of each row of plots that is shown: of `row_count`, those from `first_row` on.
         title_room: width for the title [pixels].
     """
 
@@ -39,14 +44,18 @@ class SceneView:
         self.host, self.session, self.editor, self.board, self.inspector = host, session, editor, board, inspector
         self.lanes: list[LaneView] = []
         self.panel_shown, self.title_room = True, 0.0
+        self.first_row = self.row_count = 0
+        self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
+        self._frame = -1  # whose collision the marks are of
         self._backdrop: pygame.Surface | None = None
-        self._backdrop_pick: Pick | None = None
+        self._backdrop_key: tuple[Pick | None, bool] = (None, False)
         self.look_ahead()
 
     def look_ahead(self) -> None:
         """Take scales and camera from a run ahead, as a film does; estimate them before the physics is ready."""
         self.scales = LiveScales(self._first_scales(), self.session.lanes)
+        self.follower = EditFollower(self.host, self.session, self.scales, self.rebuild)
         self.camera = Camera.of(self.scales.scales)
         self.motions = [lane.motion for lane in self.session.lanes]
 
@@ -60,8 +69,46 @@ class SceneView:
         return estimated_scales(scene, self.session)
 
     def _geometry(self) -> Geometry:
-        rows = [len(row) for row in self.board.rows()]
-        return geometry(self.host.size, self.host.unit, len(self.session.lanes), rows, self.panel_shown)
+        size, unit = self.host.size, self.host.unit
+        rows = self.board.rows(plots_width(size, unit, self.panel_shown))
+        most = most_plot_rows(size, unit)
+        self.row_count = len(rows)
+        self.first_row = min(max(self.first_row, 0), max(0, len(rows) - most))
+        self.rows = rows[self.first_row : self.first_row + most]
+        counts = [len(names) for _, names in self.rows]
+        return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown)
+
+    def plots_area(self) -> pygame.Rect:
+        """The rectangle of all plots."""
+        places = [rect for row in self.places.plots for rect in row]
+        return places[0].unionall(places)
+
+    def next_arrows(self) -> None:
+        """Let arrows show the next of ARROWS."""
+        names = list(ARROWS)
+        self.arrows = names[(names.index(self.arrows) + 1) % len(names)]
+        self.rebuild()
+
+    def scroll_plots(self, point: tuple[int, int], by: int) -> bool:
+        """Show the rows of plots that are `by` lower, if `point` is on plots that do not all fit."""
+        if len(self.rows) == self.row_count or not self.rows or not self.plots_area().collidepoint(point):
+            return False
+        self.first_row += by
+        self.arrange()
+        self.rebuild()
+        return True
+
+    def _paint_scroll_bar(self, surface: pygame.Surface) -> None:
+        """A bar beside plots that do not all fit: which of their rows are shown."""
+        if len(self.rows) == self.row_count or not self.rows:
+            return
+        first, last = self.places.plots[0][0], self.places.plots[-1][-1]
+        track = pygame.Rect(last.right + 2, first.top, max(4, round(5 * self.host.unit)), last.bottom - first.top)
+        pygame.draw.rect(surface, tones.grid, track, border_radius=3)
+        pitch = track.height / self.row_count
+        bar = track.move(0, round(self.first_row * pitch))
+        bar.height = round(len(self.rows) * pitch)
+        pygame.draw.rect(surface, tones.muted, bar, border_radius=3)
 
     def arrange(self) -> None:
         """Find the places for the host's size and unit and the plots that are shown."""
@@ -72,22 +119,46 @@ class SceneView:
         self.camera = Camera.of(self.scales.scales)
         self.rebuild()
 
-    def zoom(self, steps: int) -> None:
-        """Zoom in by `steps`, out if negative."""
+    def zoom(self, steps: float, point: tuple[int, int] | None = None) -> None:
+        """Zoom in by `steps`, out if negative, about `point`."""
+        place = None if point is None else self.metres_at(point)
+        self.camera.width = max(self.camera.width, self._visible())  # beads have a greatest size
         self.camera.zoom(steps)
         self.rebuild()
+        if point is not None and place is not None:
+            self.camera.centre += place - self.metres_at(point)
+
+    def pan(self, pixels: float) -> None:
+        """Move what is shown by so many pixels to the right."""
+        self.camera.pan(-self.lanes[0].metres(pixels))
+
+    def fit(self) -> None:
+        """Show all beads, now and later."""
+        self.camera.fit(self.session.lanes, self.session.scene.view.length)
+        self.rebuild()
+
+    def metres_at(self, point: tuple[int, int]) -> float:
+        """The place on the line [m] at `point`."""
+        lane = self.lanes[0]
+        return self.camera.centre + lane.metres(point[0] - lane.drawing.rect.centerx)
+
+    def _visible(self) -> float:
+        """Metres that the lanes are wide."""
+        return self.lanes[0].metres(self.lanes[0].drawing.rect.width)
 
     def rebuild(self) -> None:
         """Make beads and plots anew: scales, camera, lanes or places have changed."""
         lanes, unit, places = self.session.lanes, self.host.unit, self.places
         self.scales.reset_lanes(lanes)
         scales = self.camera.window(self.scales.scales)
-        drawn = SessionLanes.of(lanes, self.session.scene.view)
+        drawn = SessionLanes.of(self.session)
         self.lanes = [
             LaneView(k, (rect, places.insets, places.energy_bars), unit, drawn, scales)
             for k, rect in enumerate(places.lanes)
         ]
-        self.board.build(places.plots, unit, scales)
+        for lane in self.lanes:
+            lane.drawing.arrows = self.arrows
+        self.board.build(self.rows, places.plots, unit, scales)
         self.redraw()
 
     def redraw(self) -> None:
@@ -97,10 +168,25 @@ class SceneView:
     def update(self, seconds: float) -> None:
         """Follow the lanes."""
         lanes = self.session.lanes
-        self.camera.follow(lanes, self.session.scene.view.length, seconds)
+        if not self.editor.preparing:
+            self.follower.update(seconds)
         self.motions = [lane.motion for lane in lanes]
-        if self.scales.fit(self.motions):
+        self._follow_collisions()
+        length = self.session.scene.view.length
+        widened = self.camera.keep_in_sight(lanes, length, self._visible())
+        if self.scales.fit(self.motions) or widened:
             self.rebuild()
+
+    def _follow_collisions(self) -> None:
+        """Let marks of rigid clusters be those of the collision that is under way."""
+        for k, (view, lane) in enumerate(zip(self.lanes, self.session.lanes, strict=True)):
+            same = len(view.drawing.chain.mass) == len(lane.chain.mass)
+            if same and self.session.frame != self._frame and (lane.state.force > 0.0).any():
+                had = any(view.drawing.rigid)
+                view.drawing.take_approach(self.session.approach(k).tolist())
+                if any(view.drawing.rigid) != had:
+                    self.redraw()
+        self._frame = self.session.frame
 
     def on_a_lane(self, point: tuple[int, int]) -> bool:
         """Whether `point` is where beads are drawn."""
@@ -113,27 +199,38 @@ class SceneView:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw it."""
         pick = self.editor.selection
-        if self._backdrop is None or pick != self._backdrop_pick:
-            self._backdrop, self._backdrop_pick = self._drawn_backdrop(surface.get_size()), pick
+        key = pick, self.session.undo_stack.unsaved
+        if self._backdrop is None or key != self._backdrop_key:
+            self._backdrop, self._backdrop_key = self._drawn_backdrop(surface.get_size()), key
         surface.blit(self._backdrop, (0, 0))
         for lane, motion in zip(self.lanes, self.motions, strict=True):
             lane.paint(surface, motion, self.camera.centre)
         if pick is not None:
             self.lanes[pick.lane].paint_pick(surface, pick)
         self.board.paint(surface)
+        self._paint_scroll_bar(surface)
 
     def _drawn_backdrop(self, size: tuple[int, int]) -> pygame.Surface:
         unit, places = self.host.unit, self.places
         backdrop = pygame.Surface(size, 0, 32)
-        backdrop.fill(BACKGROUND)
+        backdrop.fill(tones.background)
         for lane in self.lanes:
             lane.backdrop(backdrop)
         self.board.backdrop(backdrop)
         self.inspector.backdrop(backdrop)
         for y in (places.toolbar.bottom - 1, places.footer.top):
-            backdrop.fill(FAINT, (0, y, size[0], 1))
+            backdrop.fill(tones.faint, (0, y, size[0], 1))
         if self.panel_shown:
-            backdrop.fill(FAINT, (places.panel.left, places.panel.top, 1, places.panel.height))
-        title = shortened(self.session.scene.title, 19 * unit, self.title_room, bold=True)
-        write(backdrop, title, (110 * unit, places.toolbar.centery), 19 * unit, FOREGROUND, bold=True, align=(0, 0.5))
+            backdrop.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
+        mark = "• " if self.session.undo_stack.unsaved else ""
+        title = shortened(mark + self.session.scene.title, 19 * unit, self.title_room, bold=True)
+        write(
+            backdrop,
+            title,
+            (TITLE_LEFT * unit, places.toolbar.centery),
+            19 * unit,
+            tones.foreground,
+            bold=True,
+            align=(0, 0.5),
+        )
         return backdrop

@@ -7,22 +7,43 @@ from collections.abc import Callable, Mapping
 
 import pygame
 import pygame_gui
-from pygame_gui.elements import UIButton, UIHorizontalSlider
+from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.number_format import fixed, time_unit
-from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, MUTED, WARNING
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.icons import draw_icon
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.slider import Slider
 from softcradle.sandbox.window.window_page import Host
 
 SLOWEST = 1000.0  # wall seconds for one second of the model
-SLOW_MOTIONS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST)  # by keys
-BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart")
+FASTEST = 0.01  # wall seconds for one second of the model
+SLOW_MOTIONS = (
+    FASTEST,
+    0.02,
+    0.05,
+    0.1,
+    0.2,
+    0.5,
+    1.0,
+    2.0,
+    5.0,
+    10.0,
+    20.0,
+    50.0,
+    100.0,
+    200.0,
+    500.0,
+    SLOWEST,
+)  # by keys
+BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
 LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 TOGGLE_MARGIN = 16.0  # design pixels of a toggle button beside its name
+
+MOVING = ("playing", "replaying")  # activities that can be paused
 
 Actions = Mapping[str, Callable[[], None]]
 
@@ -30,12 +51,13 @@ Actions = Mapping[str, Callable[[], None]]
 class TimeControls:
     """Buttons of time, the slider of slow motion, toggle buttons of the plots."""
 
-    def __init__(self, host: Host, session: Session, board: PlotBoard) -> None:
+    def __init__(self, host: Host, session: Session, board: PlotBoard, activity: Callable[[], str]) -> None:
+        self.activity = activity
         self.host, self.session, self.board = host, session, board
         self.rect = pygame.Rect(0, 0, 1, 1)
         self.buttons: dict[str, UIButton] = {}
         self.toggles: dict[str, UIButton] = {}
-        self.slider: UIHorizontalSlider | None = None
+        self.slider: Slider | None = None
         self._wanted: float | None = None  # slow motion that is applied when the scene plays on
 
     @property
@@ -43,23 +65,16 @@ class TimeControls:
         """The slow motion: the present one, or the one that is applied when the scene plays on."""
         return self.session.slow if self._wanted is None else self._wanted
 
-    def build(self, rect: pygame.Rect, actions: Actions) -> None:
-        """Make the widgets inside `rect`; they do the page's `actions`."""
+    def build(self, rect: pygame.Rect, second: pygame.Rect, actions: Actions) -> None:
+        """Make the widgets inside `rect`, those of plots at the right of `second`; they do the page's `actions`."""
         self.rect, unit, manager = rect, self.host.unit, self.host.manager
-        side, x = round(34 * unit), rect.left
-        for name in BUTTONS:
-            wide = side + (round(16 * unit) if name == "play_pause" else 0)
-            place = pygame.Rect(x, rect.centery - side // 2, wide, side)
-            style = "#primary" if name == "play_pause" else None
-            self.buttons[name] = UIButton(
-                place, "", manager, object_id=style, tool_tip_text=hint(name), command=actions[name]
-            )
-            x += wide + round(5 * unit)
-        self.slow_left = x + round(14 * unit)
+        self.buttons = time_buttons(self.host, rect, actions)
+        self.slow_left = self.buttons[BUTTONS[-1]].rect.right + round(19 * unit)
         place = pygame.Rect(self.slow_left, rect.centery + round(2 * unit), round(190 * unit), round(14 * unit))
-        self.slider = UIHorizontalSlider(place, self._share(), (0.0, 1.0), manager)
+        self.slider = Slider(place, self._share(), (0.0, 1.0), manager)
+        self.slider.name = "slow motion"
         self.clock_left = place.right + round(22 * unit)
-        self._build_toggles(rect, actions)
+        self._build_toggles(second, actions)
 
     def _build_toggles(self, rect: pygame.Rect, actions: Actions) -> None:
         """A toggle button for each plot, from the right end of `rect`."""
@@ -83,19 +98,19 @@ class TimeControls:
 
     def _share(self) -> float:
         """Place of the slow motion on the slider."""
-        return min(max(math.log(self.slow) / math.log(SLOWEST), 0.0), 1.0)
+        return min(max(math.log(self.slow / FASTEST) / math.log(SLOWEST / FASTEST), 0.0), 1.0)
 
     def handle(self, event: pygame.Event) -> bool:
         """The slider."""
         if event.type == pygame_gui.UI_HORIZONTAL_SLIDER_MOVED and event.ui_element is self.slider:
-            slow = SLOWEST**event.value
+            slow = FASTEST * (SLOWEST / FASTEST) ** event.value
             self.set_slow(float(f"{slow:.3g}"))
             return True
         return False
 
     def set_slow(self, slow: float) -> None:
         """Set the slow motion; 1 is real time. While scrubbed it is not yet applied: an edit would drop later frames."""
-        self._wanted = min(max(slow, 1.0), SLOWEST)
+        self._wanted = min(max(slow, FASTEST), SLOWEST)
         if not self.session.scrubbed:
             self.apply_slow()
         if self.slider is not None:
@@ -114,18 +129,15 @@ class TimeControls:
         if direction > 0:
             self.set_slow(next((s for s in SLOW_MOTIONS if s > slow * 1.001), SLOWEST))
         else:
-            self.set_slow(next((s for s in reversed(SLOW_MOTIONS) if s < slow * 0.999), 1.0))
+            self.set_slow(next((s for s in reversed(SLOW_MOTIONS) if s < slow * 0.999), FASTEST))
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw the icons on the buttons, and the numbers beside them."""
         unit = self.host.unit
-        for name, button in self.buttons.items():
-            icon = ("pause" if self.session.playing else "play") if name == "play_pause" else name
-            colour = BACKGROUND if name == "play_pause" else FOREGROUND
-            draw_icon(surface, icon, button.rect.center, 14 * unit, colour)
+        paint_icons(surface, self.buttons, self.activity() in MOVING, unit)
         slow = self.slow
-        text = "real time" if slow <= 1.0 else f"slow motion 1/{slow:.4g}"
-        write(surface, text, (self.slow_left, self.rect.centery - 17 * unit), 13 * unit, FOREGROUND)
+        text = speed_text(slow)
+        write(surface, text, (self.slow_left, self.rect.centery - 17 * unit), 13 * unit, tones.foreground)
         self._clock(surface)
 
     def _clock(self, surface: pygame.Surface) -> None:
@@ -133,17 +145,51 @@ class TimeControls:
         size, name = time_unit(self.board.span.seconds)
         decimals = max(0, 3 - math.floor(math.log10(self.board.span.seconds / size)))
         place = (self.clock_left, self.rect.centery - 17 * unit)
-        write(surface, f"t = {fixed(session.time / size, decimals)} {name}", place, 16 * unit, FOREGROUND, bold=True)
+        write(
+            surface, f"t = {fixed(session.time / size, decimals)} {name}", place, 16 * unit, tones.foreground, bold=True
+        )
         ratio = session.pacer.clock_ratio
         below = (self.clock_left, self.rect.centery + 4 * unit)
         if session.playing and ratio < LATE:
-            write(surface, f"late: clock at {100 * ratio:.0f} %", below, 12 * unit, WARNING, bold=True)
+            write(surface, f"late: clock at {100 * ratio:.0f} %", below, 12 * unit, tones.warning, bold=True)
         elif session.scrubbed:
-            write(surface, "looking back", below, 12 * unit, MUTED)
+            write(surface, "looking back", below, 12 * unit, tones.muted)
         else:
-            write(surface, "playing" if session.playing else "paused", below, 12 * unit, MUTED)
+            write(surface, self.activity(), below, 12 * unit, tones.muted)
+
+
+def time_buttons(host: Host, rect: pygame.Rect, actions: Actions) -> dict[str, UIButton]:
+    """The buttons of time for which there are `actions`, side by side from the left end of `rect`."""
+    unit, found = host.unit, {}
+    side, x = round(34 * unit), rect.left
+    for name in BUTTONS:
+        if name not in actions:
+            continue
+        wide = side + (round(16 * unit) if name == "play_pause" else 0)
+        place = pygame.Rect(x, rect.centery - side // 2, wide, side)
+        style = "#primary" if name == "play_pause" else None
+        found[name] = UIButton(
+            place, "", host.manager, object_id=style, tool_tip_text=hint(name), command=actions[name]
+        )
+        x += wide + round(5 * unit)
+    return found
+
+
+def paint_icons(surface: pygame.Surface, buttons: Mapping[str, UIButton], moving: bool, unit: float) -> None:
+    """Draw the icons on the buttons of time."""
+    for name, button in buttons.items():
+        icon = ("pause" if moving else "play") if name == "play_pause" else name
+        colour = tones.on_accent if name == "play_pause" else tones.foreground
+        draw_icon(surface, icon, button.rect.center, 14 * unit, colour)
 
 
 def toggle_width(name: str) -> float:
     """Design pixels of the toggle button `name`."""
     return width(name, 12.0) + TOGGLE_MARGIN
+
+
+def speed_text(slow: float) -> str:
+    """How fast the clock is, for `slow` wall seconds for one of the model."""
+    if abs(slow - 1.0) < 0.005:
+        return "real time"
+    return f"slow motion 1/{slow:.4g}" if slow > 1.0 else f"{1.0 / slow:.3g} times as fast"

@@ -23,7 +23,8 @@ class ViewKeys:
             **{name: partial(self.toggle_plot, name) for name in PLOT_KINDS},
             "logarithmic": self.toggle_logarithmic,
             "plots": self.toggle_plots,
-            "fit": self.toggle_follow,
+            "fit": view.fit,
+            "arrows": view.next_arrows,
             "zoom_in": partial(view.zoom, 1),
             "zoom_out": partial(view.zoom, -1),
             "method": self.next_method,
@@ -52,12 +53,6 @@ class ViewKeys:
         """Give overlaps a logarithmic axis or a linear one."""
         self.board.logarithmic = not self.board.logarithmic
         self.view.rebuild()
-
-    def toggle_follow(self) -> None:
-        """Let the camera follow the beads, or stand still."""
-        camera = self.view.camera
-        camera.following = not camera.following
-        self.host.messages.show("the camera follows the beads" if camera.following else "the camera stands still")
 
     def toggle_panel(self) -> None:
         """Show or hide the panel on the right."""

@@ -1,79 +1,100 @@
-"""A film of the window: every other picture, from one press of the key to the next."""
+"""A film of the window: every other picture, from one press of the button to the next."""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import pygame
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
-from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window.scene.lane_cards import RED
-from softcradle.sandbox.window.scene.save_dialogs import free_path, report
+from softcradle.sandbox.window.scene.file_names import shown_path
 from softcradle.sandbox.window.window_page import Host
 
+FILM_ENDINGS = (".mp4", ".gif", ".webp")
 FRAME_RATE = 30.0  # frames a second of the film: every other picture of the window
 MOST_DUE = 2.0  # frames: after a late picture the film does not catch up
 
 
 class WindowFilm:
-    """The film that is being recorded, if there is one."""
+    """The film that is being recorded, if there is one.
 
-    def __init__(self, host: Host, session: Session) -> None:
-        self.host, self.session = host, session
+    Attributes:
+        film: it; None where nothing is recorded.
+        seconds: how long it is.
+    """
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
         self.film: Any = None
-        self.path = ""
+        self.path, self.seconds = Path(), 0.0
+        self._size = (0, 0)
         self._stack: ExitStack | None = None
         self._due = 0.0
 
-    def toggle(self) -> None:
-        """Begin a film, or end it."""
-        if self._stack is not None:
-            self.end()
-        else:
-            self.begin(str(free_path(self.session, ".mp4")))
-
-    def begin(self, path: str) -> None:
-        """Record from now on."""
+    def begin(self, path: Path) -> None:
+        """Record from now on, in the window's present size."""
         from softcradle.sandbox.film.writer import open_film
 
         width, height = self.host.size
+        self._size = width - width % 2, height - height % 2
         stack = ExitStack()
         try:
-            self.film = stack.enter_context(open_film(path, (width - width % 2, height - height % 2), FRAME_RATE))
+            self.film = stack.enter_context(open_film(path, self._size, FRAME_RATE))
         except (UserError, OSError) as error:
             self.host.messages.show(str(error), warning=True)
             return
-        self._stack, self.path, self._due = stack, path, 0.0
-        self.host.messages.show(f"recording to {path}: the same key ends it")
+        self._stack, self.path, self._due, self.seconds = stack, path, 0.0, 0.0
+        self.host.rebuild()  # the button says Stop now
 
     def end(self) -> None:
         """Write what was recorded."""
         stack, self._stack, self.film = self._stack, None, None
-        if stack is not None:
-            report(self.host.messages, stack.close, f"saved {self.path}")
+        if stack is None:
+            return
+        try:
+            stack.close()
+        except (UserError, OSError, ValueError) as error:
+            self.host.messages.show(f"the film is lost: {error}", warning=True)
+        else:
+            self.host.messages.show(f"saved {self.seconds:.0f} s to {shown_path(self.path)}")
 
     def record(self, surface: pygame.Surface, seconds: float) -> None:
         """Add the finished picture to the film, if one is due after `seconds` more."""
         if self.film is None:
             return
+        self.seconds += seconds
         self._due = min(self._due + seconds * FRAME_RATE, MOST_DUE)
         if self._due < 1.0:
             return
         self._due -= 1.0
         try:
             frame = self.film.free_surface()
-            frame.blit(surface, (0, 0))
+            _copy_whole(surface, frame)
             self.film.add(frame)
         except (UserError, OSError, ValueError, pygame.error) as error:
             self.film = None
             self.host.messages.show(f"the film stopped: {error}", warning=True)
 
     def paint(self, surface: pygame.Surface, right: float, top: float) -> None:
-        """Draw a red dot while recording, left of `right` and below `top`."""
+        """Draw a red dot and the time while recording, left of `right` and below `top`."""
         if self.film is not None:
             unit = self.host.unit
             x, y = right, top + 14 * unit
-            pygame.draw.circle(surface, RED, (x, y), 6 * unit)
-            write(surface, "rec", (x - 10 * unit, y), 12 * unit, RED, bold=True, align=(1, 0.5))
+            pygame.draw.circle(surface, tones.bad, (x, y), 6 * unit)
+            text = f"rec {int(self.seconds) // 60}:{int(self.seconds) % 60:02d}"
+            write(surface, text, (x - 10 * unit, y), 12 * unit, tones.bad, bold=True, align=(1, 0.5))
+
+
+def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
+    """Copy all of `surface` onto `frame`, scaled into its middle where the window has another size now."""
+    (width, height), (wide, high) = surface.get_size(), frame.get_size()
+    if width - width % 2 == wide and height - height % 2 == high:
+        frame.blit(surface, (0, 0))
+        return
+    scale = min(wide / width, high / height)
+    image = pygame.transform.smoothscale(surface, (round(width * scale), round(height * scale)))
+    frame.fill(tones.background)
+    frame.blit(image, image.get_rect(center=frame.get_rect().center))

@@ -49,7 +49,7 @@ def test_a_number_that_is_refused_is_explained(driver: Driver) -> None:
     driver.type("-1")
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[2] == 1.0
-    assert any("mass must be > 0" in text for text in driver.messages)
+    assert any("must be a finite number > 0" in text for text in driver.messages)
 
 
 def test_keys_do_nothing_while_a_number_is_typed(driver: Driver) -> None:
@@ -68,14 +68,13 @@ def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path:
     (tmp_path / "dissipative.toml").write_text(SCENE)
     driver = Driver(str(tmp_path / "dissipative.toml"))
     driver.click(driver.bead(0))
-    controls = driver.page.inspector.controls
     for key, value in (("friction", 0.25), ("drive", 0.75)):
+        controls = driver.page.inspector.controls
         driver.click(controls[key].entry.rect.center)
         controls[key].entry.set_text(f"{value}")
         driver.key(pygame.K_RETURN)
     chain = driver.session.lanes[0].chain
     assert (chain.friction, chain.drive) == (0.25, (0.75, 0.0, 0.0))
-    driver.key(pygame.K_ESCAPE)  # out of the entry
     driver.key(pygame.K_RIGHT)
     assert driver.page.editor.selection == Pick(0, "contact", 0)
     slider = driver.page.inspector.controls["loss"].slider.sliding_button.rect
@@ -89,9 +88,18 @@ def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path:
     driver.close()
 
 
-def test_a_bead_without_friction_and_drive_has_no_slider_for_them(driver: Driver) -> None:
+def test_friction_and_drive_can_be_given_to_any_scene(driver: Driver) -> None:
     driver.click(driver.bead(0))
-    assert set(driver.page.inspector.controls) == {"mass", "velocity"}
+    for key, value in (("friction", 0.25), ("drive", 0.75)):
+        control = driver.page.inspector.controls[key]
+        driver.click(control.entry.rect.center)
+        control.entry.set_text(f"{value}")
+        driver.key(pygame.K_RETURN)
+    chain = driver.session.lanes[0].chain
+    assert (chain.friction, chain.drive) == (0.25, (0.75, 0.0, 0.0, 0.0, 0.0))
+    driver.key(pygame.K_SPACE)
+    driver.frames(30)
+    assert driver.session.health(0).level == "good"
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pygame
 import pytest
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.session.inputs import SetStep
-from softcradle.sandbox.window.scene.lane_cards import RED
 
 from tests.helpers.windows import Driver
 
@@ -35,5 +35,5 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit() -> None:
     assert driver.session.lanes[0].setup.method == "euler"
     assert health.level == "bad"
     card = driver.page.cards.rects[0]
-    assert driver.app.surface.get_at((card.centerx, card.top))[:3] == RED
+    assert driver.app.surface.get_at((card.centerx, card.top))[:3] == tones.bad
     driver.close()

@@ -8,8 +8,10 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.scene.scene_tools import MENU
 
 from tests.helpers.windows import Driver
+from tests.sandbox.page.conftest import page_data
 
 CTRL = pygame.KMOD_CTRL
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -19,10 +21,10 @@ def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> No
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
     driver.key(pygame.K_s, CTRL)
-    assert driver.app.prompt is not None
-    driver.app.prompt.entry.set_text("mine.toml")
+    assert driver.app.dialog is not None
+    driver.app.dialog.entry.set_text("mine.toml")
     driver.key(pygame.K_RETURN)
-    assert driver.messages == ["saved mine.toml"]
+    assert driver.messages == [f"saved {tmp_path / 'mine.toml'}"]
     masses = driver.session.lanes[0].chain.mass
     driver.key(pygame.K_ESCAPE)
     driver.key(pygame.K_ESCAPE)
@@ -39,7 +41,7 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits(driver: Driver, tm
     driver.release((x + 80, y))
     driver.frames(20)
     state, last = driver.session.lanes[0].state.copy(), driver.session.history.last
-    driver.page.dialogs.save_session("played")
+    driver.page.dialogs.save("save_session", "played")
     driver.drop_file(tmp_path / "played.npz")
     replay = driver.page.replay
     assert replay is not None
@@ -55,12 +57,37 @@ def test_the_history_is_exported(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(60)
     driver.key(pygame.K_e, CTRL)
-    driver.app.prompt.entry.set_text("motion.csv")
+    driver.app.dialog.entry.set_text("motion.csv")
     driver.key(pygame.K_RETURN)
     rows = (tmp_path / "motion.csv").read_text().splitlines()
     assert len(rows) > 60
-    driver.page.dialogs.export("motion.doc")
-    assert any("motion.doc" in text for text in driver.messages)
+    driver.page.dialogs.save("export", "motion.doc")
+    assert (tmp_path / "motion.doc.csv").exists()
+
+
+def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> None:
+    driver.key(pygame.K_h, CTRL)
+    driver.key(pygame.K_RETURN)
+    assert driver.messages == ["nothing has been recorded yet: let the scene run, then share it"]
+    assert list(tmp_path.glob("*.html")) == []
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    driver.key(pygame.K_SPACE)
+    driver.key(pygame.K_F10)
+    row = MENU.index("share_page")
+    driver.click(driver.app.dialog.buttons[row].rect.center)
+    assert driver.app.dialog is not None
+    driver.key(pygame.K_RETURN)
+    page = tmp_path / "one-bead-on-four.html"
+    text = page.read_text(encoding="utf-8")
+    assert f"saved {page}" in driver.messages
+    assert "default-src 'none'" in text  # it loads nothing
+    assert page.stat().st_size < 1_000_000
+    (lane,) = page_data(text)["members"][0]["lanes"]
+    recorded = driver.session.trajectory(0)
+    assert recorded.time[-1] == driver.session.time > 0.0
+    assert f"{recorded.chain.contacts + 1}" in text
+    assert 2 <= lane["rows"] <= recorded.time.size + 2  # and free flight before the start
 
 
 def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> None:
@@ -71,6 +98,7 @@ def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> 
     assert picture.get_size() == (1280, 720)
     driver.key(pygame.K_SPACE)
     driver.key(pygame.K_r, CTRL)
+    driver.key(pygame.K_RETURN)
     driver.frames(40)
     driver.key(pygame.K_r, CTRL)
     with av.open(str(tmp_path / "one-bead-on-four.mp4")) as film:

@@ -86,14 +86,16 @@ def test_late_physics_slows_the_clock_and_is_shown(driver: Driver) -> None:
 
 
 def test_sound_is_off_until_it_is_turned_on(driver: Driver) -> None:
-    assert driver.page.clicks.clicks is None
+    assert driver.page.sound.clicks is None
     assert pygame.mixer.get_init() is None
     driver.key(pygame.K_n)
-    if driver.page.clicks.clicks is None:
+    if driver.page.sound.clicks is None:
         assert any("no sound" in text for text in driver.messages)
         return
     driver.key(pygame.K_SPACE)
     driver.frames(150)
+    driver.key(pygame.K_n)  # and tones of the forces
+    assert pygame.mixer.get_init() is not None
     driver.key(pygame.K_n)
     assert pygame.mixer.get_init() is None
 

@@ -1,0 +1,119 @@
+"""The tool for data of one's own: measured numbers and pictures over the plots, and signals chosen for a plot."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pygame
+from softcradle.sandbox.draw.number_format import scientific
+from softcradle.sandbox.session.measured_data import load_measured
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.plots.data_overlay import (
+    PICTURES,
+    TABLES,
+    NumbersOverlay,
+    PictureOverlay,
+    edges_of,
+    load_picture,
+)
+from softcradle.sandbox.window.plots.live_plots import Plot
+from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.plots.plot_kinds import KYMOGRAPH, OWN, VELOCITIES
+from softcradle.sandbox.window.plots.signals import KEY, pair_of
+from softcradle.sandbox.window.scene.file_names import shown_path
+from softcradle.sandbox.window.window_page import Host
+
+
+class DataTool:
+    """Files that are laid over the plots of a page, and its plot of chosen signals."""
+
+    def __init__(self, host: Host, session: Session, board: PlotBoard) -> None:
+        self.host, self.session, self.board = host, session, board
+        self.actions = {"data": self.ask, "signals": self.ask_signals}
+
+    def ask(self) -> None:
+        """Ask for the path of a file to lay over the plots; nothing typed removes what lies there."""
+        if any(self.board.overlays.values()):
+            self.board.overlays.clear()
+            self.host.messages.show("measured data removed")
+            return
+        note = f"a table ({', '.join(TABLES)}: time in s, then a column a curve) or a picture of a kymograph"
+        self.host.ask("Measured data over a plot", note, "", self._take_typed)
+
+    def _take_typed(self, text: str) -> None:
+        if not self.take_file(text, (-1, -1)):
+            self.host.messages.show(f"{text}: needs the ending {', '.join((*TABLES, *PICTURES))}", warning=True)
+
+    def take_file(self, text: str, point: tuple[int, int]) -> bool:
+        """Lay a file over the plot at `point`, or over the usual one; whether it is a table or a picture."""
+        path = Path(text).expanduser()
+        ending = path.suffix.lower()
+        if ending not in (*TABLES, *PICTURES):
+            return False
+        try:
+            if ending in TABLES:
+                self._lay_numbers(path, point)
+            else:
+                self._ask_edges(path)
+        except UserError as error:
+            self.host.messages.show(str(error), warning=True)
+        return True
+
+    def _plot(self, kind: str, point: tuple[int, int] = (-1, -1)) -> tuple[tuple[str, int], Plot]:
+        """The kind and lane of the plot at `point`, else of that kind, which is shown for it."""
+        under = self.board.plot_at(point)
+        if under is not None and under.timed:
+            return self.board.keys[self.board.plots.index(under)], under
+        if self.board.hidden or kind not in self.board.shown:
+            self.board.shown = [*self.board.shown, kind] if kind not in self.board.shown else self.board.shown
+            self.board.hidden = False
+            self.host.rebuild()
+        where = next(k for k, key in enumerate(self.board.keys) if key[0] == kind)
+        return self.board.keys[where], self.board.plots[where]
+
+    def _lay_numbers(self, path: Path, point: tuple[int, int]) -> None:
+        data = load_measured(path)
+        key, plot = self._plot(VELOCITIES, point)
+        curves = len(plot.content.colours)
+        if len(data.columns) > curves:
+            raise UserError(f"{path}: has {len(data.columns)} columns after the time, and the plot has {curves} curves")
+        laid = NumbersOverlay(data)
+        self.board.overlays[key] = [laid]
+        text = f"{len(data.time)} times from {shown_path(path)} over {plot.content.title}"
+        differences = laid.differences(plot)
+        if differences.size:
+            text += f"; they differ by {scientific(float(np.sqrt(np.mean(differences**2))), 1)} (root mean square)"
+        self.host.messages.show(text)
+
+    def _ask_edges(self, path: Path) -> None:
+        picture = load_picture(path)
+        key, plot = self._plot(KYMOGRAPH)
+        begin, end = max(0.0, plot.span.time(0)), plot.span.time(plot.area.width)
+        proposed = f"{begin:.4g} {end:.4g} {plot.axis.high:.4g} {plot.axis.low:.4g}"
+        note = "where its edges lie: time at the left and right [s], place at the top and bottom [m]"
+        self.host.ask("A picture over the kymograph", note, proposed, partial(self._lay_picture, picture, key))
+
+    def _lay_picture(self, picture: pygame.Surface, key: tuple[str, int], text: str) -> None:
+        try:
+            self.board.overlays[key] = [PictureOverlay(picture, edges_of(text))]
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+
+    def ask_signals(self) -> None:
+        """Ask which signal is plotted against which."""
+        vertical, horizontal = self.board.pair
+        self.host.ask("A signal against another", KEY, f"{vertical} against {horizontal}", self._take_signals)
+
+    def _take_signals(self, text: str) -> None:
+        try:
+            self.board.pair = pair_of(text, self.session.lanes[0].chain.contacts + 1)
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        if OWN not in self.board.shown:
+            self.board.toggle(OWN)
+        self.board.hidden = False
+        self.host.rebuild()

@@ -1,0 +1,98 @@
+"""The clock of the page: what plays, pauses, steps and restarts a session or a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from softcradle.sandbox.session.replay import Replay
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.scene.end_of_motion import EndOfMotion
+from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
+from softcradle.sandbox.window.scene.scene_view import SceneView
+from softcradle.sandbox.window.scene.time_controls import TimeControls
+from softcradle.sandbox.window.scene.timeline import Timeline
+from softcradle.sandbox.window.window_page import Host
+
+
+class SceneClock:
+    """Moves a session; `replay` runs it where it is a recorded one.
+
+    Attributes:
+        end: pauses at the end of the motion.
+        controls: the slow motion that is applied when the scene plays on.
+        actions: those that have keys.
+    """
+
+    controls: TimeControls
+
+    def __init__(
+        self,
+        host: Host,
+        session: Session,
+        editor: SceneEditor,
+        view: SceneView,
+        timeline: Timeline,
+        replay: Replay | None,
+    ) -> None:
+        self.host, self.session, self.editor, self.view, self.replay = host, session, editor, view, replay
+        self.end = EndOfMotion(host, session)
+        self.actions: dict[str, Callable[[], None]] = {
+            "play_pause": self.play_pause,
+            "forward": partial(self.step, 1),
+            "back": partial(self.step, -1),
+            "slower": lambda: self.controls.step_slow(1),
+            "faster": lambda: self.controls.step_slow(-1),
+            "restart": self.restart,
+            "first": lambda: session.scrub_frame(session.history.first),
+            "last": lambda: session.scrub_frame(session.history.last),
+            "previous_event": partial(timeline.scrub_to_event, -1),
+            "next_event": partial(timeline.scrub_to_event, 1),
+            "pause_at_end": self.end.toggle,
+        }
+
+    @property
+    def _running(self) -> Replay | None:
+        """The replay that has not ended, unless an earlier frame is looked at."""
+        replay = self.replay
+        return None if replay is None or replay.done or self.session.scrubbed else replay
+
+    def activity(self) -> str:
+        """What the clock does: 'playing', 'replaying' or 'paused'."""
+        if self._running is not None:
+            return "replaying" if self._running.playing else "paused"
+        return "playing" if self.session.playing else "paused"
+
+    def play_pause(self) -> None:
+        """Play or pause."""
+        if self._running is not None:
+            self._running.playing = not self._running.playing
+        elif self.session.playing:
+            self.session.pause()
+        elif self.editor.preparing:
+            self.host.messages.show(PREPARING)
+        else:
+            self.controls.apply_slow()
+            self.session.play()
+
+    def step(self, by: int) -> None:
+        """Go `by` frames on."""
+        if not self.editor.preparing:
+            self.session.step_frames(by)
+
+    def restart(self) -> None:
+        """Back to the start with all edits; plays on if it was playing."""
+        playing = self.session.playing
+        self.session.restart()
+        self.view.reset_camera()
+        if playing:
+            self.session.play()
+
+    def tick(self, seconds: float) -> None:
+        """Let time pass."""
+        if self.replay is None or self.replay.done:
+            self.end.update(self.session.tick(seconds))
+        elif self._running is not None:
+            self._running.tick(seconds)
+            if self.replay.done:
+                self.host.messages.show(self.replay.sentence, warning=self.replay.diverged is not None)

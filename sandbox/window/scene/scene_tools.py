@@ -1,0 +1,106 @@
+"""The tools of the page: table of values, sharing, comparison, stopwatch and ruler, and the menu that lists them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pygame
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.menu import Menu
+from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.scene.data_tool import DataTool
+from softcradle.sandbox.window.scene.scene_editor import SceneEditor
+from softcradle.sandbox.window.scene.scene_view import SceneView
+from softcradle.sandbox.window.scene.sharing import Sharing, beside_itself
+from softcradle.sandbox.window.scene.stopwatch import Ruler, Stopwatch
+from softcradle.sandbox.window.scene.values_board import ValuesBoard
+from softcradle.sandbox.window.window_page import Host
+from softcradle.scenes import Scene
+
+MENU = (
+    *(
+        "lesson",
+        "tell",
+        "arrows",
+        "values",
+        "copy_values",
+        "copy_scene",
+        "share_page",
+        "compare",
+        "stopwatch",
+        "ruler",
+        "data",
+        "signals",
+    ),
+    *("fit", "pause_at_end", "sound", "logarithmic", "inspector"),
+)  # actions in the menu
+
+
+class SceneTools:
+    """Tools of one page; `open_scene` shows another scene in its place."""
+
+    def __init__(
+        self,
+        host: Host,
+        session: Session,
+        editor: SceneEditor,
+        view: SceneView,
+        board: PlotBoard,
+        open_scene: Callable[[Scene], None],
+    ) -> None:
+        self.host, self.session, self.view, self.board, self.open_scene = host, session, view, board, open_scene
+        self.values = ValuesBoard(session, editor)
+        self.stopwatch = Stopwatch(host, session)
+        self.ruler = Ruler(host, session, view)
+        self.data = DataTool(host, session, board)
+        sharing = Sharing(host, session)
+        self.actions: dict[str, Callable[[], None]] = {
+            "values": self.toggle_values,
+            "copy_values": sharing.copy_values,
+            "copy_scene": sharing.copy_scene,
+            "tell": sharing.tell,
+            "compare": self.compare,
+            "stopwatch": self.stopwatch.press,
+            "ruler": self.ruler.toggle,
+            **self.data.actions,
+        }
+
+    def show_menu(self, button: pygame.Rect, actions: dict[str, Callable[[], None]]) -> None:
+        """Show the menu of `actions` below its button."""
+        self.host.put_over(Menu(self.host, button.bottomright, MENU, actions))
+
+    def toggle_values(self) -> None:
+        """Show the table of values in place of the plots, or the plots."""
+        self.values.toggle()
+        if not self.view.places.plots:
+            self.board.hidden, self.board.shown = False, self.board.shown or self.board.available()[:1]
+            self.host.rebuild()
+
+    def compare(self) -> None:
+        """Open the scene beside a copy of itself."""
+        try:
+            scene = beside_itself(self.session.to_scene())
+        except ValueError as error:
+            self.host.messages.show(f"this cannot be compared: {error}", warning=True)
+        else:
+            self.open_scene(scene)
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Take an event on the table or the ruler."""
+        return self.values.handle(event) or self.ruler.handle(event)
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw the table in place of the plots."""
+        if self.covers_plots:
+            self.values.paint(surface, self.view.plots_area(), self.host.unit)
+
+    @property
+    def covers_plots(self) -> bool:
+        """Whether the table lies on the plots."""
+        return self.values.shown and bool(self.view.places.plots)
+
+    def paint_over(self, surface: pygame.Surface) -> None:
+        """Draw ruler and stopwatch."""
+        rect, unit = self.view.places.lanes[0], self.host.unit
+        self.ruler.paint(surface)
+        self.stopwatch.paint(surface, (rect.left + 120 * unit, rect.bottom - 14 * unit))

@@ -1,0 +1,51 @@
+"""Sharing: values as CSV and the scene as text on the clipboard, and the scene beside a copy of itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pygame
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.shared_text import shared_text
+from softcradle.sandbox.session.summary_text import summary_text
+from softcradle.sandbox.session.values_table import values_csv
+from softcradle.sandbox.window.window_page import Host
+from softcradle.scenes import Scene
+
+
+class Sharing:
+    """What goes from a session to the clipboard."""
+
+    def __init__(self, host: Host, session: Session) -> None:
+        self.host, self.session = host, session
+
+    def copy_values(self) -> None:
+        """Put all values at the frame shown on the clipboard as CSV."""
+        self._copy(lambda: values_csv(self.session), "the values are on the clipboard, as CSV")
+
+    def tell(self) -> None:
+        """Show what has happened in words; it can be copied, to be read aloud."""
+        text = summary_text(self.session)
+        self.host.choose(
+            "What happened", text, {"Close": lambda: None, "Copy": lambda: self._copy(lambda: text, "copied")}
+        )
+
+    def copy_scene(self) -> None:
+        """Put the scene with all edits on the clipboard as text."""
+        done = "the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V"
+        self._copy(lambda: shared_text(self.session.to_scene()), done)
+
+    def _copy(self, text: Callable[[], str], done: str) -> None:
+        try:
+            pygame.scrap.put_text(text())
+        except (ValueError, pygame.error) as error:
+            self.host.messages.show(f"nothing was copied: {error}", warning=True)
+        else:
+            self.host.messages.show(done)
+
+
+def beside_itself(scene: Scene) -> Scene:
+    """The first lane of a scene beside a copy of it, to be edited and compared."""
+    lane = scene.lanes[0].model_dump()
+    lanes = [lane, {**lane, "label": f"{lane['label']}, the other".removeprefix(", ")}]
+    return Scene.model_validate({**scene.model_dump(), "title": f"{scene.title}, compared", "lanes": lanes})

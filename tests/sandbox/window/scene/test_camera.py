@@ -1,0 +1,79 @@
+"""The camera: beads stay in sight, the wheel zooms about the pointer, a drag pans, and the clock stops at the end."""
+
+from __future__ import annotations
+
+import pygame
+import pytest
+from softcradle.sandbox.session.inputs import SetVelocity
+
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def in_sight(driver: Driver) -> bool:
+    lane = driver.page.view.lanes[0]
+    rect = lane.drawing.rect
+    return bool((lane.edges >= rect.left).all() and (lane.edges + lane.drawing.bead <= rect.right + 1).all())
+
+
+def wheel(driver: Driver, point: tuple[int, int], turn: int) -> None:
+    driver.move(point)
+    pygame.event.post(pygame.Event(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False))
+    driver.frames(2)
+
+
+def test_beads_stay_in_sight_by_themselves(driver: Driver) -> None:
+    driver.page.clock.end.toggle()
+    driver.session.apply(SetVelocity(0, 0, 4.0))
+    driver.key(pygame.K_SPACE)
+    for _ in range(20):
+        driver.frames(30)
+        assert in_sight(driver)
+    assert driver.session.time > 4.0
+
+
+def test_wheel_and_drag_take_the_view_and_fit_gives_it_back(driver: Driver) -> None:
+    rect = driver.page.view.lanes[0].drawing.rect
+    point = (rect.left + rect.width // 4, rect.top + 30)
+    driver.frames(2)
+    place = driver.page.view.metres_at(point)
+    slow = driver.session.slow
+    for turn in (-1, -1, -1, 1):
+        wheel(driver, point, turn)
+        assert driver.page.view.metres_at(point) == pytest.approx(place, abs=1e-6)
+    assert driver.session.slow == slow
+    before = float(driver.page.view.lanes[0].edges[0])
+    driver.drag(point, (point[0] + 2 * rect.width, point[1]))
+    driver.release((point[0] + 2 * rect.width, point[1]))
+    assert driver.page.view.lanes[0].edges[0] == pytest.approx(before + 2 * rect.width, abs=3)
+    assert not in_sight(driver)
+    driver.click(driver.page.time_controls.buttons["fit"].rect.center)
+    driver.frames(2)
+    assert in_sight(driver)
+
+
+def test_the_clock_pauses_once_when_all_contacts_are_open_for_good(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    for _ in range(900):
+        if driver.session.playing:
+            driver.frames()
+    assert not driver.session.playing
+    assert (driver.session.lanes[0].state.overlap < 0.0).all()
+    assert any("open for good" in text for text in driver.messages)
+    stopped = driver.session.time
+    driver.key(pygame.K_SPACE)
+    driver.frames(100)
+    assert driver.session.playing
+    assert driver.session.time > stopped
+
+
+def test_the_clock_can_be_faster_than_real_time(driver: Driver) -> None:
+    for _ in range(20):
+        driver.key(pygame.K_EQUALS)
+    assert driver.session.slow == 0.01
+    driver.key(pygame.K_MINUS)
+    assert driver.session.slow == 0.02
+    driver.key(pygame.K_SPACE)
+    driver.frames(10)
+    assert driver.session.time > 5.0

@@ -1,0 +1,134 @@
+"""Data of one's own over the plots, and signals chosen for a plot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.session.history_slices import history_slices
+from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay, edges_of
+from softcradle.sandbox.window.plots.phase_plot import PhasePlot
+from softcradle.sandbox.window.plots.signals import QUANTITIES, Signal, pair_of, signal_of
+
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+@pytest.fixture
+def played(driver: Driver) -> Driver:
+    """A session in the middle of its collision."""
+    driver.session.step_frames(300)
+    driver.frames(3)
+    return driver
+
+
+def own_motion(driver: Driver, path: Path, error: float = 0.0) -> None:
+    """Write what the session itself did as if it had been measured with an `error` [m/s]."""
+    parts = list(history_slices(driver.session.history, 0, 0, 300))
+    time, velocity = np.concatenate([p.time for p in parts]), np.concatenate([p.velocity for p in parts])
+    rows = ["t," + ",".join(f"v{k}" for k in range(5))]
+    rows += [
+        ",".join(map(repr, [t, *(row + error)])) for t, row in zip(time[::20].tolist(), velocity[::20], strict=True)
+    ]
+    path.write_text("\n".join(rows).replace("np.float64(", "").replace(")", ""))
+
+
+def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_path: Path) -> None:
+    file = tmp_path / "track.csv"
+    own_motion(played, file, error=0.25)
+    plot = played.page.board.plots[0]
+    before = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area))
+    played.move(plot.area.center)
+    played.drop_file(file)
+    assert "differ by 0.25 (root mean square)" in played.messages[-1]
+    after = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area))
+    assert (before != after).any(axis=2).sum() > 200
+    overlay = played.page.board.overlays["velocities", 0][0]
+    assert isinstance(overlay, NumbersOverlay)
+    assert overlay.differences(plot) == pytest.approx(0.25)
+    x = round(plot.area.left + plot.span.x(float(overlay.data.time[3])))
+    y = round(plot.area.top + float(plot.y(overlay.data.values[3, 1])))
+    ring = pygame.surfarray.array3d(played.app.surface)[x - 5 : x + 6, y - 5 : y + 6].astype(int)
+    assert (np.ptp(ring, axis=2) > 40).any()  # in the colour of the bead
+    played.key(pygame.K_x)
+    assert not played.page.board.overlays
+
+
+def test_a_table_that_does_not_fit_is_refused(played: Driver, tmp_path: Path) -> None:
+    file = tmp_path / "many.csv"
+    file.write_text("t,a,b,c,d,e,f\n0,1,1,1,1,1,1\n1,1,1,1,1,1,1\n")
+    played.drop_file(file)
+    assert "has 6 columns after the time, and the plot has 5 curves" in played.messages[-1]
+    assert not played.page.board.overlays
+
+
+def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played: Driver, tmp_path: Path) -> None:
+    picture = pygame.Surface((40, 20))
+    picture.fill((255, 0, 0))
+    pygame.image.save(picture, str(tmp_path / "camera.png"))
+    played.drop_file(tmp_path / "camera.png")
+    dialog = played.app.dialog
+    dialog.entry.set_text("0.5 1.5 4 2")
+    played.key(pygame.K_RETURN)
+    played.frames(2)
+    overlay = played.page.board.overlays["kymograph", 0][0]
+    assert isinstance(overlay, PictureOverlay)
+    plot = played.page.board.plots[played.page.board.keys.index(("kymograph", 0))]
+
+    def redness(time: float, place: float) -> int:
+        x, y = plot.area.left + plot.span.x(time), plot.area.top + float(plot.y(np.array(place)))
+        red, green, _, _ = played.app.surface.get_at((round(x), round(y)))
+        return red - green
+
+    assert redness(1.0, 3.4) > 60
+    assert redness(2.0, 3.0) < 60
+    assert redness(1.0, 5.9) < 60
+
+
+@pytest.mark.parametrize("text", ["", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"])
+def test_edges_that_are_none_are_refused(text):
+    with pytest.raises(ValueError, match=r"four numbers|t right"):
+        edges_of(text)
+
+
+def test_any_signal_is_plotted_against_any(played: Driver) -> None:
+    played.key(pygame.K_8, pygame.KMOD_SHIFT)
+    played.app.dialog.entry.set_text("p1 against s")
+    played.key(pygame.K_RETURN)
+    played.frames(3)
+    board = played.page.board
+    plot = board.plots[board.keys.index(("x-y", 0))]
+    assert isinstance(plot, PhasePlot)
+    assert board.pair == (Signal("p", 1), Signal("s"))
+    motion = played.session.lanes[0].motion
+    assert plot.values_at(300).tolist() == pytest.approx([motion.momentum[0, 1], motion.stored[0]])
+    assert len(plot.points()) > 200
+    drawn = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area)).astype(int)
+    assert (np.ptp(drawn, axis=2) > 60).sum() > 50
+    played.key(pygame.K_8, pygame.KMOD_SHIFT)
+    played.app.dialog.entry.set_text("f9 against q")
+    played.key(pygame.K_RETURN)
+    assert "the contacts of this lane are numbered 0 to 3" in played.messages[-1]
+
+
+def test_signals_are_read_and_refused():
+    assert [str(signal_of(str(signal_of(letter + "0", 3)), 3)) for letter in "xvpedrf"] == [f"{k}0" for k in "xvpedrf"]
+    assert pair_of("f1, d1", 3) == (Signal("f", 1), Signal("d", 1))
+    assert set(QUANTITIES) == set("txvpedrfs")
+    for text in ("f0", "f0 d0 e0", "g0 against t", "v3 against t", "v against t"):
+        with pytest.raises(ValueError, match=r"two signals|is no signal|numbered 0 to 2"):
+            pair_of(text, 3)
+
+
+def test_a_plot_of_beads_that_were_removed_shows_what_is_left(played: Driver) -> None:
+    played.page.board.pair = Signal("v", 4), Signal("t")
+    played.key(pygame.K_8)
+    for _ in range(2):
+        played.key(pygame.K_RIGHT)
+    played.key(pygame.K_DELETE)
+    played.frames(4)
+    assert len(played.session.lanes[0].chain.mass) in {4, 5}
+    assert ("x-y", 0) in played.page.board.keys

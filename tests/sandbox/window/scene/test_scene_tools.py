@@ -1,0 +1,149 @@
+"""The tools of the page: arrows, values, sharing, comparison, stopwatch, ruler, and their menu by keys."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import pygame
+import pytest
+from softcradle.sandbox.draw.bead_arrows import ARROWS
+from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.session.shared_text import scene_from_text, shared_text
+from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.scene.scene_tools import MENU
+
+from softcradle import scenes
+from tests.helpers.windows import Driver
+
+CTRL = pygame.KMOD_CTRL
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+@pytest.fixture
+def clipboard(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What was copied last; the driver without a screen has no clipboard."""
+    held = [""]
+    monkeypatch.setattr(pygame.scrap, "put_text", lambda text: held.__setitem__(0, text))
+    monkeypatch.setattr(pygame.scrap, "get_text", lambda: held[0])
+    return held
+
+
+def test_arrows_show_what_is_chosen(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(260)
+    driver.key(pygame.K_SPACE)
+    lane, seen = driver.page.view.lanes[0], {}
+    for name in ARROWS:
+        lane = driver.page.view.lanes[0]
+        assert lane.drawing.arrows == name
+        shares = ARROWS[name](driver.page.view.motions[0], 0, lane.scales)
+        assert (abs(shares) <= 1.0).all()
+        seen[name] = shares
+        driver.key(pygame.K_v)
+    force = driver.session.lanes[0].state.force
+    assert seen["net force"][0] < 0.0 < seen["net force"][4]
+    assert seen["net force"][4] == pytest.approx(force[3] / lane.scales.force)
+    assert not seen["none"].any()
+
+
+def test_the_table_of_values_is_shown_selected_from_and_copied(driver: Driver, clipboard: list[str]) -> None:
+    driver.key(pygame.K_t)
+    driver.frames()
+    rows = driver.page.tools.values._rows
+    assert [pick for _, pick in rows] == [Pick(0, "bead", k) for k in range(5)] + [
+        Pick(0, "contact", k) for k in range(4)
+    ]
+    driver.click(rows[2][0].center)
+    assert driver.page.editor.selection == Pick(0, "bead", 2)
+    driver.key(pygame.K_c)
+    table = list(csv.reader(io.StringIO(clipboard[0])))
+    assert table[0] == ["time (s)", "0.0"]
+    assert table[2][:3] == ["alpha = 1/10", "0", "1.0"]
+    assert float(table[2][4]) == 1.0  # velocity of the striker
+    assert len(table) == 1 + 6 + 5
+    driver.key(pygame.K_b)  # no plots: the table has no place
+    driver.frames()
+    driver.key(pygame.K_t)
+    driver.key(pygame.K_t)
+    driver.frames()
+
+
+def test_a_scene_is_copied_as_text_and_pasted(driver: Driver, clipboard: list[str]) -> None:
+    driver.session.apply(SetMass(0, 1, 2.5))
+    driver.key(pygame.K_c, CTRL)
+    assert clipboard[0].startswith("softcradle:")
+    driver.session.undo()
+    driver.key(pygame.K_v, CTRL)
+    assert driver.session.lanes[0].chain.mass[1] == 2.5
+    page = driver.app.page
+    clipboard[0] = clipboard[0][:-20]
+    driver.key(pygame.K_v, CTRL)
+    assert driver.app.page is page
+    assert any("not a whole scene" in text for text in driver.messages)
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_every_scene_is_a_text_that_reads_back(name: str) -> None:
+    scene = scenes.load(name)
+    text = shared_text(scene)
+    assert scene_from_text("\n ".join(text[k : k + 60] for k in range(0, len(text), 60))) == scene
+    assert len(text) < 2000
+
+
+def test_a_scene_is_compared_with_a_copy(driver: Driver) -> None:
+    driver.key(pygame.K_d, CTRL)
+    assert [lane.chain for lane in driver.session.lanes] == [driver.session.lanes[0].chain] * 2
+    driver.session.apply(SetMass(1, 1, 3.0))
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    assert driver.session.lanes[0].chain.mass[1] == 1.0
+
+
+def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
+    driver.key(pygame.K_k)
+    begin = driver.session.time
+    driver.key(pygame.K_SPACE)
+    driver.frames(30)
+    driver.key(pygame.K_k)
+    elapsed = driver.page.tools.stopwatch.elapsed
+    driver.frames(10)
+    assert driver.page.tools.stopwatch.elapsed == elapsed
+    assert 0.0 < elapsed < driver.session.time - begin
+    driver.key(pygame.K_k)
+    assert driver.page.tools.stopwatch.elapsed is None
+    driver.key(pygame.K_u)
+    ruler = driver.page.tools.ruler
+    first, last = ruler.points()
+    driver.drag(first, (last[0], first[1] + 5))
+    driver.release((last[0], first[1] + 5))
+    assert ruler.distance == pytest.approx(0.0, abs=0.02)
+    driver.key(pygame.K_u)
+    assert ruler.ends is None
+
+
+def test_the_menu_does_its_actions_by_keys_and_clicks(driver: Driver) -> None:
+    for k, name in enumerate(MENU):
+        driver.app.act("tools")
+        driver.frames()
+        for _ in range(k):
+            driver.key(pygame.K_DOWN)
+        menu = driver.app.dialog
+        assert menu.names[menu.focus] == name
+        if name in ("compare", "copy_values", "copy_scene", "sound", "tell", "lesson"):
+            driver.key(pygame.K_ESCAPE)
+        else:
+            driver.key(pygame.K_RETURN)
+        assert not menu.open
+    driver.app.act("tools")
+    driver.frames()
+    driver.click(driver.app.dialog.buttons[MENU.index("arrows")].rect.center)
+    assert not driver.app.dialog.open
+
+
+def test_what_happened_is_told_and_copied(driver: Driver, clipboard: list[str]) -> None:
+    driver.key(pygame.K_w)
+    assert "Bead 0 goes to the right at 1 metres a second." in driver.app.dialog.note
+    driver.key(pygame.K_LEFT)
+    driver.key(pygame.K_RETURN)
+    assert clipboard[0].startswith("At 0 seconds.")
