@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +14,9 @@ from hypothesis import HealthCheck, settings
 if TYPE_CHECKING:
     from tests.helpers.windows import Driver
 
+os.environ["SOFTCRADLE_CONFIG"] = tempfile.mkdtemp(
+    prefix="softcradle-settings-"
+)  # never those of whoever runs the tests
 settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
@@ -23,6 +28,7 @@ def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder and a cache of one's own, for what the window writes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("SOFTCRADLE_CONFIG", str(tmp_path / "config"))
 
 
 @pytest.fixture

@@ -7,25 +7,28 @@ from collections.abc import Callable, Iterable
 from functools import partial
 
 import pygame
+from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window import theme
-from softcradle.sandbox.window.display import open_display
+from softcradle.sandbox.window import main_loop, theme
+from softcradle.sandbox.window.dialog import Choices, Dialog, PathDialog
+from softcradle.sandbox.window.display import not_too_small, open_display, toggle_fullscreen
+from softcradle.sandbox.window.event_router import EventRouter
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.hanging.hanging_page import HANGING_NAME, HangingPage
 from softcradle.sandbox.window.help_overlay import paint_help
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
-from softcradle.sandbox.window.keys import action_of
+from softcradle.sandbox.window.keyboard_focus import KeyboardFocus
 from softcradle.sandbox.window.messages import Messages
-from softcradle.sandbox.window.path_prompt import PathPrompt
+from softcradle.sandbox.window.opening import page_of
+from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
+from softcradle.sandbox.window.settings import Settings
 from softcradle.sandbox.window.widget_cleanup import collect_garbage
-from softcradle.sandbox.window.window_page import Page
-from softcradle.scenes import SceneError, load
+from softcradle.sandbox.window.window_page import Modal, Page
+from softcradle.scenes import SceneError
 
 DESIGN = (1280, 720)  # pixels of a window whose unit is 1
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
-FRAMES_A_SECOND = 60
-LONGEST_FRAME = 0.25  # seconds of wall time: a window that was suspended does not catch up
+LEAST = (850, 500)  # design pixels into which every page fits: a larger scale is cut to what fits
 
 
 class App:
@@ -38,10 +41,16 @@ class App:
 
     def __init__(self, size: tuple[int, int] = DESIGN, start: str | None = None) -> None:
         self.surface = open_display(size)
-        self.size = self.surface.get_size()
+        self.reader = ScreenReader("softcradle")
+        self.size = self._window_size = self.surface.get_size()
         self.scale, self.running, self.help = 1.0, True, False
-        self.messages, self.warmup = Messages(), KernelWarmup()
-        self.prompt: PathPrompt | None = None
+        self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
+        use_theme(self.settings.theme)
+        self.dialog: Modal | None = None
+        self.gallery: GalleryPage | None = None
+        self.minimised, self._quiet = False, 0.0
+        self.focus = KeyboardFocus(self)
+        self.router = EventRouter(self)
         self.warmup.start()
         self.unit = self._unit()
         self.manager = theme.manager(self.size, self.unit)
@@ -52,26 +61,36 @@ class App:
             "larger": partial(self.rescale, 1),
             "smaller": partial(self.rescale, -1),
             "normal": partial(self.rescale, 0),
-            "quit": self.quit,
+            "quit": partial(self.ask_before_loss, self.quit),
             "open": self.ask_path,
+            "paste": self.paste,
+            "theme": self.toggle_theme,
+            "next_control": partial(self.focus.move, 1),
+            "previous_control": partial(self.focus.move, -1),
         }
-        self.page: Page = self._gallery()
+        self.page: Page = self._first_page(start)
         self._build()
-        if start is not None:
-            self.open(start)
+
+    def _first_page(self, start: str | None) -> Page:
+        page = None if start is None else self._opened(start)
+        return self._gallery() if page is None else page
 
     def _gallery(self) -> GalleryPage:
-        return GalleryPage(self, self.open)
+        """The gallery, which stays as it was left."""
+        if self.gallery is None:
+            self.gallery = GalleryPage(self, self.open)
+        return self.gallery
 
     def _unit(self) -> float:
         fitting = min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1])
-        return self.scale * min(max(fitting, 0.75), 2.5)
+        largest = min(self.size[0] / LEAST[0], self.size[1] / LEAST[1])
+        return min(self.scale * min(max(fitting, 0.75), 2.5), largest)
 
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
         if page is not self.page:
             self.page.close()
-        self.prompt = None
+        self.dialog = self.focus.place = None
         self.page = page
         clear_cached_surfaces()
         self.rebuild()
@@ -90,9 +109,20 @@ class App:
             self.manager.set_window_resolution(self.size)
         else:
             self.manager = theme.manager(self.size, self.unit)
+        pygame.display.set_caption(f"{self.page.title} - softcradle" if self.page.title else "softcradle")
         self.page.build()
-        if self.prompt is not None and self.prompt.open:
-            self.prompt.build()
+        if self.dialog is not None and self.dialog.open:
+            self.dialog.build()
+
+    def toggle_theme(self) -> None:
+        """Draw everything in the other theme, now and after the next start."""
+        names = list(THEMES)
+        self.settings.theme = names[(names.index(self.settings.theme) + 1) % len(names)]
+        self.settings.save()
+        use_theme(self.settings.theme)
+        clear_cached_surfaces()
+        self.unit = 0.0  # no widget keeps its drawing
+        self.rebuild()
 
     def show_gallery(self) -> None:
         """Back to the gallery."""
@@ -100,36 +130,48 @@ class App:
 
     def open(self, name_or_path: str) -> None:
         """Open a scene by name, or a scene or session file; what is wrong with it is shown."""
+        page = self._opened(name_or_path)
+        if page is not None:
+            self.settings.remember(name_or_path)
+            self.ask_before_loss(partial(self.show, page))
+
+    def _opened(self, name_or_path: str) -> Page | None:
         try:
-            page = self._opened(name_or_path)
+            return page_of(self, name_or_path, partial(self.ask_before_loss, self.show_gallery))
         except (SceneError, UserError, ValueError, OSError) as error:
             self.messages.show(str(error), warning=True)
-            return
-        self.show(page)
+            return None
 
-    def _opened(self, name_or_path: str) -> Page:
-        from softcradle.sandbox.window.scene.scene_page import ScenePage
-
-        if name_or_path == HANGING_NAME:
-            return HangingPage(self, self.show_gallery)
-        if name_or_path.lower().endswith(".npz"):
-            from softcradle.sandbox.session.replay import Replay
-
-            replay = Replay.load(name_or_path)
-            return ScenePage(self, replay.session, self.show_gallery, replay)
-        from softcradle.sandbox.session.session import Session
-
-        return ScenePage(self, Session(load(name_or_path)), self.show_gallery)
+    def paste(self) -> None:
+        """Open the scene or the path that is on the clipboard."""
+        self.open(pygame.scrap.get_text().strip())
 
     def ask_path(self) -> None:
         """Ask for the path of a file to open."""
-        self.ask("Open", "a scene (.toml), a session (.npz), or the name of a scene", "", self.open)
+        note = "a scene (.toml), a session (.npz), or the name of a scene"
+        self.put_over(PathDialog(self, "Open", note, "", self.open, self.settings.recent))
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask for a line of text in a box over the page."""
-        if self.prompt is not None and self.prompt.open:
-            self.prompt.close()
-        self.prompt = PathPrompt(self, title, note, text, take)
+        self.put_over(PathDialog(self, title, note, text, take))
+
+    def choose(self, title: str, note: str, choices: Choices) -> None:
+        """Ask a question with a button for each of the choices."""
+        self.put_over(Dialog(self, title, note, choices))
+
+    def put_over(self, modal: Modal) -> None:
+        """Put a dialog or a menu over the page, in place of the present one."""
+        if self.dialog is not None and self.dialog.open:
+            self.dialog.close()
+        self.dialog = modal
+
+    def ask_before_loss(self, go_on: Callable[[], object]) -> None:
+        """Do `go_on`, which leaves the page; ask first where edits would be lost."""
+        if not self.page.unsaved:
+            go_on()
+            return
+        choices = {"Save ...": self.page.actions["save_scene"], "Discard them": go_on, "Stay": lambda: None}
+        self.choose("Keep the edits?", "This scene has edits that are not saved.", choices)
 
     def quit(self) -> None:
         """End at the end of this frame."""
@@ -141,8 +183,9 @@ class App:
 
     def toggle_fullscreen(self) -> None:
         """Switch between the full screen and a window."""
-        pygame.display.toggle_fullscreen()
-        self._fit(pygame.display.get_surface())
+        if not pygame.display.is_fullscreen():
+            self._window_size = self.size
+        self.fit(toggle_fullscreen(self._window_size))
 
     def rescale(self, by: int) -> None:
         """Take the next larger or smaller scale; 0 is the normal one."""
@@ -153,12 +196,7 @@ class App:
 
     def run(self) -> None:
         """Frames until the user quits."""
-        clock = pygame.time.Clock()
-        seconds = 1.0 / FRAMES_A_SECOND
-        while self.running:
-            self.frame(seconds)
-            seconds = min(clock.tick(FRAMES_A_SECOND) / 1000.0, LONGEST_FRAME)
-        self.close()
+        main_loop.run(self)
 
     def close(self) -> None:
         """Close the page, the thread and the display."""
@@ -167,14 +205,35 @@ class App:
         gc.unfreeze()
         pygame.display.quit()
 
+    @property
+    def still(self) -> bool:
+        """Whether no frame need be drawn before the next event."""
+        return self.minimised or (not self.page.moving and not self.page.typing and self._quiet > main_loop.SETTLED)
+
+    def pass_time(self, seconds: float) -> None:
+        """Let time pass without a frame: only messages end, and results of the thread come in."""
+        shown = len(self.messages.visible)
+        self.messages.update(seconds)
+        if self.warmup.deliver() or len(self.messages.visible) != shown:
+            self._quiet = 0.0
+
     def frame(self, seconds: float, events: Iterable[pygame.Event] | None = None) -> None:
         """One frame: take the events (those of the queue if None), let `seconds` pass, draw, show."""
+        self._quiet += seconds
         for event in pygame.event.get() if events is None else events:
-            self.take(event)
+            self._quiet = 0.0
+            self.router.take(event)
+        if self.minimised:
+            return
+        self.warmup.deliver()
         self.page.update(seconds)
         self.messages.update(seconds)
-        self.manager.update(seconds)
+        if self.dialog is not None and self.dialog.open:
+            self.dialog.update(seconds)
+        else:
+            self.manager.update(seconds)
         self.paint()
+        self.reader.tell(spoken_by(self))
         pygame.display.flip()
         self.page.after_frame(self.surface, seconds)
         self.frames += 1
@@ -185,51 +244,14 @@ class App:
     def paint(self) -> None:
         """Draw the whole window."""
         self.page.paint(self.surface)
-        if self.prompt is None or not self.prompt.open:
-            self.manager.draw_ui(self.surface)
-            self.page.paint_over(self.surface)
-        else:
-            self.page.paint_over(self.surface)
-            self.prompt.paint(self.surface)
-            self.manager.draw_ui(self.surface)
+        self.manager.draw_ui(self.surface)
+        self.page.paint_over(self.surface)
+        self.focus.paint(self.surface)
+        if self.dialog is not None and self.dialog.open:
+            self.dialog.paint(self.surface)
         self.messages.paint(self.surface, self.size[1] - 84 * self.unit, self.unit)
         if self.help:
             paint_help(self.surface, self.unit)
-
-    def take(self, event: pygame.Event) -> None:
-        """Pass one event on: to the window, the help, the messages, or the page."""
-        if event.type == pygame.QUIT:
-            self.quit()
-        elif event.type in (pygame.VIDEORESIZE, pygame.WINDOWSIZECHANGED):
-            self._fit(pygame.display.get_surface())
-        elif event.type == pygame.DROPFILE:
-            self.open(event.file)
-        elif self.help:
-            self._take_in_help(event)
-        elif not self.messages.handle(event):
-            self._take_in_page(event)
-
-    def _take_in_help(self, event: pygame.Event) -> None:
-        if event.type == pygame.MOUSEBUTTONDOWN:
-            self.help = False
-        elif event.type == pygame.KEYDOWN:
-            action = action_of(event.key, event.mod)
-            if action in ("help", "leave"):
-                self.help = False
-            elif action == "quit":
-                self.quit()
-
-    def _take_in_page(self, event: pygame.Event) -> None:
-        prompt = self.prompt if self.prompt is not None and self.prompt.open else None
-        if prompt is not None and prompt.handle(event):
-            return
-        if self.page.typing and event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE:
-            self.manager.set_focus_set(None)
-            return
-        if self.manager.process_events(event) or self.page.handle(event) or self.page.typing:
-            return
-        if event.type == pygame.KEYDOWN:
-            self.act(action_of(event.key, event.mod))
 
     def act(self, action: str | None) -> None:
         """Do an action of the table of keys, if the page or the window has it."""
@@ -237,10 +259,11 @@ class App:
         if perform is not None:
             perform()
 
-    def _fit(self, surface: pygame.Surface | None) -> None:
+    def fit(self, surface: pygame.Surface | None) -> None:
+        """Follow a new size of the display."""
         if surface is None:
             return
-        self.surface = surface
+        self.surface = surface = not_too_small(surface)
         if surface.get_size() != self.size:
             self.size = surface.get_size()
             self.rebuild()

@@ -3,9 +3,30 @@
 from __future__ import annotations
 
 import os
+import sys
 
 import pygame
 from softcradle.sandbox.resources import resource
+from softcradle.sandbox.user_error import UserError
+
+CHOSEN = ("SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")  # variables that choose a driver on purpose
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
+UNSEEN = ("offscreen", "dummy")  # drivers whose windows nobody sees
+
+SMALLEST = (640, 400)  # pixels of a window
+
+
+def require_display() -> None:
+    """Raise UserError where a window would open that nobody could see, which would look as if the program hung."""
+    if any(map(os.environ.get, CHOSEN)):
+        return
+    unset = sys.platform.startswith("linux") and not any(map(os.environ.get, DISPLAYS))
+    if not unset:
+        pygame.display.init()
+    if unset or pygame.display.get_driver() in UNSEEN:
+        raise UserError(
+            "cannot open a window: there is no display; softcradle render writes films and pictures without one"
+        )
 
 
 def open_display(size: tuple[int, int]) -> pygame.Surface:
@@ -19,3 +40,18 @@ def open_display(size: tuple[int, int]) -> pygame.Surface:
     surface = pygame.display.set_mode(size, pygame.RESIZABLE)
     pygame.key.set_repeat(350, 45)
     return surface
+
+
+def toggle_fullscreen(size: tuple[int, int]) -> pygame.Surface:
+    """Fill the screen, or go back to a window of `size`; returns the surface to draw on."""
+    if pygame.display.is_fullscreen():
+        return pygame.display.set_mode(size, pygame.RESIZABLE)
+    return pygame.display.set_mode((0, 0), pygame.FULLSCREEN)
+
+
+def not_too_small(surface: pygame.Surface) -> pygame.Surface:
+    """The surface of a window, made larger where it is smaller than SMALLEST."""
+    (width, height), (wide, high) = surface.get_size(), SMALLEST
+    if width >= wide and height >= high:
+        return surface
+    return pygame.display.set_mode((max(width, wide), max(height, high)), pygame.RESIZABLE)

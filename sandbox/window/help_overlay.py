@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, FAINT, FOREGROUND, LANE_BACKGROUND, MUTED
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.window.keys import Binding, groups
 
 LINE = 21.0  # design pixels
+KEYS = 126.0  # design pixels of the keys
+COLUMN = 362.0  # design pixels
 TITLE = 27.0  # design pixels
 MOUSE = (
     ("drag a bead", "pull it by a spring; release to throw"),
     ("drag it, paused", "place it"),
     ("click", "select a bead or a contact"),
-    ("wheel", "slow motion, over the beads"),
+    ("wheel", "zoom, over the beads"),
+    ("drag beside beads", "move the view; F frames all beads"),
     ("drag the timeline", "scrub; playing on starts a new branch"),
     ("over a plot", "read values at the cursor"),
-    ("drop a file", "open a scene or a session"),
+    ("drop a file", "open it; a table or a picture: over a plot"),
 )
-COLUMNS = (("Time", "Mouse"), ("Beads", "Window"), ("Plots", "View", "Save"))
+COLUMNS = (("Time", "Mouse", "Save"), ("Beads", "Window", "View"), ("Plots", "Tools"))
 
 
 def paint_help(surface: pygame.Surface, unit: float) -> None:
     """Draw the overlay over all of `surface`."""
     size = surface.get_size()
     shade = pygame.Surface(size)
-    shade.fill(FOREGROUND)
+    shade.fill(tones.shadow)
     shade.set_alpha(130)
     surface.blit(shade, (0, 0))
     blocks = {name: [(_keys(b), b.text) for b in bindings] for name, bindings in groups().items()}
@@ -34,10 +37,17 @@ def paint_help(surface: pygame.Surface, unit: float) -> None:
     unit = min(unit, size[1] / (rows + 100), size[0] / 1230)
     board = pygame.Rect(0, 0, round(1190 * unit), round((rows + 78) * unit))
     board.center = (size[0] // 2, size[1] // 2)
-    pygame.draw.rect(surface, BACKGROUND, board, border_radius=round(10 * unit))
-    write(surface, "Keys and mouse", (board.left + 26 * unit, board.top + 16 * unit), 22 * unit, FOREGROUND, bold=True)
+    pygame.draw.rect(surface, tones.background, board, border_radius=round(10 * unit))
+    write(
+        surface,
+        "Keys and mouse",
+        (board.left + 26 * unit, board.top + 16 * unit),
+        22 * unit,
+        tones.foreground,
+        bold=True,
+    )
     place = (board.right - 26 * unit, board.top + 22 * unit)
-    write(surface, "Esc or a click closes this", place, 13.5 * unit, MUTED, align=(1, 0))
+    write(surface, "Esc or a click closes this", place, 13.5 * unit, tones.muted, align=(1, 0))
     for k, column in enumerate(COLUMNS):
         x, y = board.left + (26 + k * 388) * unit, board.top + 58 * unit
         for name in column:
@@ -53,12 +63,12 @@ def _block(
 ) -> float:
     """Draw one group; returns where the next begins."""
     x, y = place
-    write(surface, name, (x, y), 15 * unit, FOREGROUND, bold=True)
-    surface.fill(FAINT, (round(x), round(y + 21 * unit), round(362 * unit), max(1, round(unit))))
+    write(surface, name, (x, y), 15 * unit, tones.foreground, bold=True)
+    surface.fill(tones.faint, (round(x), round(y + 21 * unit), round(COLUMN * unit), max(1, round(unit))))
     y += TITLE * unit
     for keys, text in rows:
         _cap(surface, keys, (x, y), unit)
-        write(surface, text, (x + 128 * unit, y + 1 * unit), 13 * unit, FOREGROUND)
+        write(surface, text, (x + (KEYS + 2) * unit, y + 1 * unit), 13 * unit, tones.foreground)
         y += LINE * unit
     return y + 10 * unit
 
@@ -68,8 +78,10 @@ def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: f
     x, y = place
     for text in keys.split("  "):
         wide = width(text, 12 * unit, bold=True) + 10 * unit
+        if x + wide > place[0] + KEYS * unit and x > place[0]:
+            return  # no room for another key that does the same
         plate = pygame.Rect(round(x), round(y), round(wide), round(18 * unit))
-        pygame.draw.rect(surface, LANE_BACKGROUND, plate, border_radius=round(4 * unit))
-        pygame.draw.rect(surface, FAINT, plate, 1, border_radius=round(4 * unit))
-        write(surface, text, plate.center, 12 * unit, FOREGROUND, bold=True, align=(0.5, 0.5))
+        pygame.draw.rect(surface, tones.lane_background, plate, border_radius=round(4 * unit))
+        pygame.draw.rect(surface, tones.faint, plate, 1, border_radius=round(4 * unit))
+        write(surface, text, plate.center, 12 * unit, tones.foreground, bold=True, align=(0.5, 0.5))
         x += wide + 4 * unit

@@ -7,13 +7,12 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
+from softcradle.physics.warm_up import WITHOUT_KERNELS, call_kernels
 from softcradle.sandbox.window import look_ahead
 
 if TYPE_CHECKING:
     from softcradle.physics.methods import Method
     from softcradle.sandbox.session.live_lane import LiveLane
-
-WITHOUT_KERNELS = ("pymunk", "scipy")  # methods that are loaded when they are chosen
 
 
 class KernelWarmup:
@@ -30,8 +29,8 @@ class KernelWarmup:
         self.complete = threading.Event()
         self.problem: str | None = None
         self._warm: set[tuple[str, bool]] = set()
-        self._jobs: queue.SimpleQueue[tuple[Any, Callable[[], Any]] | None] = queue.SimpleQueue()
-        self._results: queue.SimpleQueue[tuple[Any, Any]] = queue.SimpleQueue()
+        self._jobs: queue.SimpleQueue[tuple[Callable[[Any], None], Callable[[], Any]] | None] = queue.SimpleQueue()
+        self._results: queue.SimpleQueue[tuple[Callable[[Any], None], Any]] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
 
     def start(self) -> None:
@@ -42,16 +41,18 @@ class KernelWarmup:
         """End the thread after its present job."""
         self._jobs.put(None)
 
-    def submit(self, key: Any, job: Callable[[], Any]) -> None:
-        """Queue `job`; its result, or the exception it raised, comes out of :meth:`next_result` under `key`."""
-        self._jobs.put((key, job))
+    def submit(self, take: Callable[[Any], None], job: Callable[[], Any]) -> None:
+        """Queue `job`; :meth:`deliver` hands its result, or the exception that it raised, to `take`."""
+        self._jobs.put((take, job))
 
-    def next_result(self) -> tuple[Any, Any] | None:
-        """The next (key, result), or None where none is finished; never waits."""
+    def deliver(self) -> bool:
+        """Hand over the next result where one is finished; whether there was one. It never waits."""
         try:
-            return self._results.get_nowait()
+            take, result = self._results.get_nowait()
         except queue.Empty:
-            return None
+            return False
+        take(result)
+        return True
 
     def is_warm(self, method: str, dissipative: bool = False) -> bool:
         """Whether that method runs at once, on a chain with friction or loss if `dissipative`: it has kernels of its own.
@@ -94,11 +95,11 @@ class KernelWarmup:
             return True
         if task is None:
             return False
-        key, job = task
+        take, job = task
         try:
-            self._results.put((key, job()))
+            self._results.put((take, job()))
         except Exception as error:
-            self._results.put((key, error))
+            self._results.put((take, error))
         return True
 
     def _load(self, method: Method, dissipative: bool) -> None:
@@ -108,12 +109,3 @@ class KernelWarmup:
         except Exception as error:
             self.problem = f"method {method.name} cannot be loaded: {error}"
         self._warm.add((method.name, dissipative))
-
-
-def call_kernels(method: str, dissipative: bool) -> None:
-    """Call every compiled kernel of a method once, with the types that the window calls it with."""
-    from softcradle.physics import Chain, State, advance, power_law, simulate
-
-    chain, velocity = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1 if dissipative else 0.0), [1.0, 0.0, 0.0]
-    advance(chain, State.at_start(chain, velocity), 1e-3, method=method)
-    simulate(chain, velocity, duration=1e-3, method=method, samples=2)

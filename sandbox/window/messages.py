@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pygame
-from softcradle.sandbox.draw.palette import BACKGROUND, FOREGROUND, GOOD, WARNING
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
 
 MOST = 4  # on screen at once
@@ -65,12 +65,12 @@ class Messages:
         wide = max(width(line, 14 * unit) for line in lines) + 40 * unit
         rect = pygame.Rect(0, 0, round(wide), round(height))
         rect.midbottom = (surface.get_width() // 2, round(bottom))
-        tint = WARNING if message.warning else GOOD
-        pygame.draw.rect(surface, BACKGROUND, rect, border_radius=round(6 * unit))
+        tint = tones.warning if message.warning else tones.good
+        pygame.draw.rect(surface, tones.background, rect, border_radius=round(6 * unit))
         pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
         x = rect.left + 13 * unit
         write(surface, "!" if message.warning else "✓", (x, rect.top + 7 * unit), 14 * unit, tint, bold=True)
         for k, line in enumerate(lines):
-            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, FOREGROUND)
+            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, tones.foreground)
         self._places.append((rect, message))
         return height

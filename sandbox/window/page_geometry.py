@@ -9,14 +9,17 @@ from pygame import Rect
 
 TOOLBAR = 48.0  # design pixels, its height
 FOOTER = 92.0  # design pixels, its height
+SECOND_ROW = 34.0  # design pixels, which the footer of a narrow window has more
+NARROW = 1250.0  # design pixels of a window, below which time controls and plot buttons take two rows
 PANEL = 288.0  # design pixels, its width
 INSETS = 84.0  # design pixels, their height
 ENERGY_BARS = 36.0  # design pixels, their height
 GUTTER = 12.0  # design pixels between two plots
 MARGIN = 14.0  # design pixels around beads and plots
 LEAST_LANE = 120.0  # design pixels of the beads, below which insets and energy bars go
-PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6}  # of the height, for so many rows of plots
-MOST_PLOTS_SHARE = 0.62  # of the height, for more rows
+PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
+LEAST_PLOT_ROW = 66.0  # design pixels, the height of a row of plots
+MOST_PLOTS_SHARE = 0.7  # of the height, for more rows
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,8 @@ def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int
     """The page for a window of `size`; `plots` is the number of plots in each row."""
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
-    footer = Rect(0, height - round(FOOTER * unit), width, round(FOOTER * unit))
+    foot = round((FOOTER + (SECOND_ROW if narrow(width, unit) else 0.0)) * unit)
+    footer = Rect(0, height - foot, width, foot)
     panel_width = round(PANEL * unit) if panel else 0
     right = Rect(width - panel_width, toolbar.bottom, panel_width, footer.top - toolbar.bottom)
     main = Rect(0, toolbar.bottom, width - panel_width, footer.top - toolbar.bottom)
@@ -57,6 +61,23 @@ def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int
     below = Rect(main.left, above.bottom + gap, main.width, main.bottom - above.bottom - gap)
     beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2)
     return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
+
+
+def narrow(width: int, unit: float) -> bool:
+    """Whether the footer takes two rows of buttons."""
+    return width < NARROW * unit
+
+
+def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
+    """Design pixels of a row of plots."""
+    return size[0] / unit - (PANEL if panel else 0.0) - 2.0 * MARGIN
+
+
+def most_plot_rows(size: tuple[int, int], unit: float) -> int:
+    """Rows of plots for which there is room; others are scrolled to."""
+    foot = FOOTER + (SECOND_ROW if narrow(size[0], unit) else 0.0)
+    room = MOST_PLOTS_SHARE * (size[1] / unit - TOOLBAR - foot - MARGIN)
+    return max(1, int(room / LEAST_PLOT_ROW))
 
 
 def _beads(rect: Rect, unit: float, lanes: int, roomy: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:

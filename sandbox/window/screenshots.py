@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import os
 import sys
+from itertools import product
 from pathlib import Path
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 import pygame
+from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.window.app import App
+from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.scene.sweep_board import SweepBoard
+
+from softcradle import scenes
 
 FRAME = 1.0 / 60.0  # seconds
 LONGEST_WAIT = 120.0  # seconds for kernels
@@ -37,15 +44,31 @@ def save_all(folder: Path) -> None:
     app.warmup.complete.wait(LONGEST_WAIT)
     page = app.page
     assert isinstance(page, GalleryPage)
-    while len(page.pictures) < len(page.names):
+    while page.moving:
         app.frame(FRAME)
         pygame.time.wait(5)
     run_frames(app, 2)
     save(app, folder, "gallery")
     _play(app, "one-on-four", 260, Pick(0, "contact", 1))
     save(app, folder, "scene")
+    for action, name in (("values", "values"), ("tools", "tools"), ("lesson", "lesson")):
+        app.act(action)
+        run_frames(app, 2)
+        save(app, folder, name)
+        if app.dialog is not None and app.dialog.open:
+            app.dialog.close()
+    app.scale = 1.5
+    app.rebuild()
+    run_frames(app, 30)
+    save(app, folder, "scale-150")
+    app.scale = 1.0
     _play(app, "beads-against-gear", 205, None)
     save(app, folder, "two-lanes")
+    _save_sweep(app, folder)
+    app.toggle_theme()
+    run_frames(app, 30)
+    save(app, folder, "dark")
+    app.toggle_theme()
     app.toggle_help()
     run_frames(app, 1)
     save(app, folder, "help")
@@ -55,6 +78,21 @@ def save_all(folder: Path) -> None:
     run_frames(app, 72)
     save(app, folder, "hanging-cradle")
     app.close()
+
+
+def _save_sweep(app: App, folder: Path) -> None:
+    """The sweep of the exponent of a contact."""
+    _play(app, "one-on-four", 260, Pick(0, "contact", 0))
+    page = app.page
+    assert isinstance(page, ScenePage)
+    page.inspector.sweep("exponent")
+    board = app.dialog
+    while isinstance(board, SweepBoard) and board.found is None:
+        app.frame(FRAME)
+    run_frames(app, 2)
+    save(app, folder, "sweep")
+    if board is not None:
+        board.close()
 
 
 def _play(app: App, name: str, frames: int, selection: Pick | None) -> None:
@@ -69,8 +107,20 @@ def _play(app: App, name: str, frames: int, selection: Pick | None) -> None:
     run_frames(app, 30)
 
 
+def save_thumbnails() -> None:
+    """Draw the thumbnails of the catalogue that come with softcradle."""
+    for theme, name in product(THEMES, scenes.names()):
+        use_theme(theme)
+        (thumbnails.PICTURES / theme).mkdir(parents=True, exist_ok=True)
+        scene = scenes.load(name)
+        picture = thumbnails.paint(scene, motions_ahead(scene))
+        pygame.image.save(picture, str(thumbnails.PICTURES / theme / f"{name}.png"))
+
+
 def main() -> None:
     """Write them into the folder of the command line."""
+    pygame.font.init()
+    save_thumbnails()
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/window")
     folder.mkdir(parents=True, exist_ok=True)
     save_all(folder)

@@ -1,4 +1,4 @@
-"""The theme of the widgets: assets/theme.json with the project's font, and every length scaled."""
+"""The theme of the widgets: assets/theme.json with the project's font, the tones in use, and every length scaled."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import pygame_gui
 from pygame_gui.core.utility import set_default_manager
+from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.resources import resource
 
 _LENGTHS = (
@@ -18,6 +19,7 @@ _LENGTHS = (
     "text_horiz_alignment_padding",
 )
 SMALLEST_FONT = 6  # pixels
+TRANSPARENT = "#ffffff00"
 
 
 @lru_cache(maxsize=1)
@@ -39,8 +41,21 @@ def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
 def _scaled(block: dict[str, Any], unit: float) -> dict[str, Any]:
     """A block of the theme with scaled lengths."""
     scaled = {key: dict(value) for key, value in block.items()}
+    for key, value in scaled.get("colours", {}).items():
+        scaled["colours"][key] = colour_code(value)
     if "font" in scaled:
         scaled["font"]["size"] = str(max(SMALLEST_FONT, round(scaled["font"]["size"] * unit)))
     for key, value in scaled.get("misc", {}).items():
         scaled["misc"][key] = str(round(value * unit) if key in _LENGTHS else value)
     return scaled
+
+
+def colour_code(text: str) -> str:
+    """The code of a colour: the name of a tone, or two with the per cent of the second in the first: "grid 20 accent"."""
+    if text == "none":
+        return TRANSPARENT
+    first, *more = text.split()
+    colour = getattr(tones, first)
+    if more:
+        colour = mix(colour, getattr(tones, more[1]), int(more[0]) / 100.0)
+    return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -1,14 +1,16 @@
-"""The protocols between the window and its pages."""
+"""The protocols between the window, its pages, its loop and the routing of its events."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol
 
 import pygame
 import pygame_gui
+from pygame_gui.core import UIElement
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 from softcradle.sandbox.window.messages import Messages
+from softcradle.sandbox.window.settings import Settings
 
 
 class Host(Protocol):
@@ -20,6 +22,7 @@ class Host(Protocol):
         manager: of the widgets; a new one after every change of size or unit.
         messages: those on screen.
         warmup: the thread behind the window.
+        settings: what is kept from one start to the next.
         surface: what is drawn on.
     """
 
@@ -29,6 +32,7 @@ class Host(Protocol):
     manager: pygame_gui.UIManager
     messages: Messages
     warmup: KernelWarmup
+    settings: Settings
 
     def quit(self) -> None:
         """End at the end of this frame."""
@@ -45,6 +49,12 @@ class Host(Protocol):
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask the user for a line of text, beginning with `text`."""
 
+    def put_over(self, modal: Modal) -> None:
+        """Put a dialog or a menu over the page, in place of the present one."""
+
+    def choose(self, title: str, note: str, choices: Mapping[str, Callable[[], object]]) -> None:
+        """Ask the user a question with a button for each of the choices."""
+
 
 class Page(Protocol):
     """One of the window's pages. `actions` are those of the table of keys that it offers."""
@@ -52,14 +62,32 @@ class Page(Protocol):
     actions: dict[str, Callable[[], None]]
 
     @property
+    def title(self) -> str:
+        """What the frame of the window calls it; empty for the gallery."""
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether leaving it loses edits; it then has the action "save_scene"."""
+
+    @property
+    def moving(self) -> bool:
+        """Whether the next picture differs from this one though nobody does anything."""
+
+    @property
     def typing(self) -> bool:
         """Whether keys go into a text field."""
+
+    def cancel_typing(self) -> None:
+        """Drop what is being typed: keys are keys of the window again."""
 
     def build(self) -> None:
         """Make the widgets for the host's size and unit; the old ones are gone."""
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event that no widget took; whether the page used it."""
+
+    def take_file(self, path: str, point: tuple[int, int]) -> bool:
+        """Take a file that was dropped at `point`; False where it is to be opened."""
 
     def update(self, seconds: float) -> None:
         """Let `seconds` of wall time pass."""
@@ -75,3 +103,94 @@ class Page(Protocol):
 
     def close(self) -> None:
         """Close what is open: the page is being left."""
+
+
+class Modal(Protocol):
+    """What lies over a page and takes its events while it is open."""
+
+    open: bool
+
+    def build(self) -> None:
+        """Make the widgets; again when the window has changed."""
+
+    def close(self) -> None:
+        """Remove it."""
+
+    def update(self, seconds: float) -> None:
+        """Let time pass."""
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw it over the page."""
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Take an event; whether the page must not get it."""
+
+
+class Focus(Protocol):
+    """What gives keys to the control that has the focus."""
+
+    @property
+    def control(self) -> UIElement | None:
+        """The control that has the focus."""
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Give a key to the control; whether it took it."""
+
+
+class Reader(Protocol):
+    """What speaks for the window."""
+
+    def take_focus(self, focused: bool) -> None:
+        """Tell the system whether the window has the keyboard."""
+
+
+class Window(Host, Protocol):
+    """The window as its loop and the routing of its events see it.
+
+    Attributes:
+        running: whether the loop goes on.
+        minimised: whether nothing is shown.
+        help: whether the help overlay is shown.
+    """
+
+    running: bool
+    minimised: bool
+    help: bool
+
+    @property
+    def page(self) -> Page:
+        """What is on screen."""
+
+    @property
+    def reader(self) -> Reader:
+        """What speaks for the window."""
+
+    @property
+    def focus(self) -> Focus:
+        """Which control has the keyboard."""
+
+    @property
+    def dialog(self) -> Modal | None:
+        """What lies over the page."""
+
+    @property
+    def still(self) -> bool:
+        """Whether no frame need be drawn before the next event."""
+
+    def frame(self, seconds: float, events: Iterable[pygame.Event] | None = None) -> None:
+        """One frame."""
+
+    def pass_time(self, seconds: float) -> None:
+        """Let time pass without a frame."""
+
+    def open(self, name_or_path: str) -> None:
+        """Open a scene or a file."""
+
+    def act(self, action: str | None) -> None:
+        """Do an action of the table of keys."""
+
+    def fit(self, surface: pygame.Surface | None) -> None:
+        """Follow a new size of the display."""
+
+    def close(self) -> None:
+        """Close everything."""

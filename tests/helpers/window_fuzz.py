@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pygame
-from softcradle.sandbox.window.keys import Key, bindings
+from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
 from softcradle.sandbox.window.scene.scene_page import ScenePage
 
 from softcradle import scenes
@@ -43,14 +43,19 @@ class Fuzz:
     def __init__(self, seed: int, folder: Path) -> None:
         self.random, self.driver, self.folder = random.Random(seed), Driver("one-on-four"), folder
         (self.folder / "bad.toml").write_text("title = 3")
+        (self.folder / "track.csv").write_text("t,v0,v1\n0,1,0\n1,0.5,\n2,0,0.25\n")
+        pygame.image.save(pygame.Surface((8, 5)), str(self.folder / "camera.png"))
 
     def act(self) -> None:
         """One random thing, and a few frames."""
         rng, driver = self.random, self.driver
+        if driver.app.dialog is not None and driver.app.dialog.open:
+            driver.key(rng.choice((pygame.K_ESCAPE, pygame.K_RIGHT, pygame.K_RETURN)))
         if not isinstance(driver.app.page, ScenePage):
             driver.app.open(rng.choice((*scenes.names(), "hanging-cradle")))
         kind = rng.choices(
-            ("key", "click", "drag", "wheel", "play", "type", "resize", "drop"), (4, 4, 4, 1, 3, 1, 0.05, 0.1)
+            ("key", "click", "drag", "wheel", "play", "type", "undo", "batch", "resize", "drop"),
+            (4, 4, 4, 1, 3, 1, 1, 0.5, 0.05, 0.2),
         )[0]
         getattr(self, f"_{kind}")()
         driver.frames(rng.randint(1, 12))
@@ -77,6 +82,19 @@ class Fuzz:
         key = self.random.choice(fuzz_keys())
         self.driver.key(key.code, key.modifiers)
 
+    def _undo(self) -> None:
+        """Some steps back, and some of them forward again."""
+        for _ in range(self.random.randint(1, 5)):
+            self.driver.key(pygame.K_z, self.random.choice((CTRL, CTRL, CTRL | SHIFT)))
+
+    def _batch(self) -> None:
+        """Several keys and presses that arrive in one frame."""
+        for _ in range(self.random.randint(2, 6)):
+            key, place = self.random.choice(fuzz_keys()), self._point()
+            pygame.event.post(pygame.Event(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0))
+            kind = self.random.choice((pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP))
+            pygame.event.post(pygame.Event(kind, pos=place, button=1))
+
     def _play(self) -> None:
         self.driver.key(pygame.K_SPACE)
 
@@ -84,9 +102,18 @@ class Fuzz:
         self.driver.click(self._point())
 
     def _drag(self) -> None:
+        """Drag, with keys pressed and now and then the window left while the button is down."""
+        rng, driver = self.random, self.driver
         end = self._point()
-        self.driver.drag(self._point(), end, steps=self.random.randint(2, 6))
-        self.driver.release(end)
+        driver.drag(self._point(), end, steps=rng.randint(2, 6))
+        for _ in range(rng.choice((0, 1, 1, 3))):
+            self._key()
+            driver.move(self._point(), (1, 0, 0))
+        if rng.random() < 0.1:
+            pygame.event.post(pygame.Event(rng.choice((pygame.WINDOWFOCUSLOST, pygame.WINDOWMINIMIZED))))
+            pygame.event.post(pygame.Event(pygame.WINDOWRESTORED))
+        if rng.random() < 0.9:  # a release that no event tells of
+            driver.release(end)
 
     def _wheel(self) -> None:
         turn = self.random.choice((-1, 1))
@@ -109,7 +136,7 @@ class Fuzz:
         pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
 
     def _drop(self) -> None:
-        self.driver.drop_file(self.folder / "bad.toml")
+        self.driver.drop_file(self.folder / self.random.choice(("bad.toml", "track.csv", "camera.png")))
 
 
 def main() -> int:

@@ -53,6 +53,7 @@ class Driver:
     def move(self, point: tuple[float, float], buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
         place = (round(point[0]), round(point[1]))
         pygame.mouse.set_pos(place)
+        pygame.event.clear(pygame.MOUSEMOTION)  # of the system, with no button down
         self.app.manager.mouse_position = place
         pygame.event.post(pygame.Event(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=buttons))
         self.frames()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pygame
 import pytest
+from softcradle.sandbox.window.display import SMALLEST
 
 from tests.helpers.windows import Driver
 
@@ -26,6 +27,10 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
         pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
         driver.frames(3)
         assert driver.app.size == size
+    pygame.display.set_mode((300, 200), pygame.RESIZABLE)
+    pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=(300, 200), w=300, h=200))
+    driver.frames(3)
+    assert driver.app.size == SMALLEST
     for key in (pygame.K_EQUALS, pygame.K_EQUALS, pygame.K_MINUS, pygame.K_0):
         driver.key(key, CTRL)
     assert driver.app.scale == 1.0

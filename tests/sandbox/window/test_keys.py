@@ -13,6 +13,8 @@ def test_every_key_has_one_action_and_every_action_is_offered():
     assert len(keys) == len(set(keys))
     driver = Driver("one-on-four")
     offered = set(driver.app.actions) | set(driver.page.actions)
+    driver.key(pygame.K_ESCAPE)
+    offered |= set(driver.app.page.actions)
     assert {binding.action for binding in bindings()} == offered
     driver.close()
 

@@ -1,0 +1,72 @@
+"""Settings that the window keeps from one start to the next: theme, language, and the files that were open last."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+
+from softcradle.sandbox.draw.palette import THEMES
+
+FILE = "window.json"
+MOST_RECENT = 6  # files that are remembered
+
+
+def settings_path() -> Path:
+    """The file of the settings; SOFTCRADLE_CONFIG gives another folder."""
+    given = os.environ.get("SOFTCRADLE_CONFIG")
+    if given:
+        return Path(given) / FILE
+    import platformdirs
+
+    return Path(platformdirs.user_config_dir("softcradle", appauthor=False)) / FILE
+
+
+@dataclass
+class Settings:
+    """What is kept.
+
+    Attributes:
+        theme: a name of THEMES.
+        recent: paths of files, the one opened or saved last first.
+    """
+
+    theme: str = "light"
+    recent: list[str] = field(default_factory=list)
+
+    @classmethod
+    def load(cls) -> Settings:
+        """The settings of the last start; the usual ones where there are none, or none that can be read."""
+        try:
+            table = json.loads(settings_path().read_text(encoding="utf-8"))
+            known = {one.name: table[one.name] for one in fields(cls) if one.name in table}
+            loaded = cls(**known)
+            loaded.recent = [str(path) for path in loaded.recent][:MOST_RECENT]
+        except (OSError, ValueError, TypeError):
+            return cls()
+        loaded.theme = loaded.theme if loaded.theme in THEMES else cls.theme
+        return loaded
+
+    def save(self) -> None:
+        """Write them; a folder that cannot be written to keeps none."""
+        from softcradle.physics.atomic_files import output_file
+
+        path = settings_path()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with output_file(path) as temporary:
+                temporary.write_text(json.dumps(asdict(self), indent=1), encoding="utf-8")
+        except OSError:
+            return
+
+    def remember(self, path: str | Path) -> None:
+        """Put a file at the head of the recent ones, where it is a file."""
+        try:
+            found = Path(path).expanduser()
+            whole = str(found.resolve()) if found.is_file() else ""
+        except (OSError, RuntimeError, ValueError):  # a scene as text is longer than any path
+            return
+        if whole:
+            self.recent = [whole, *(other for other in self.recent if other != whole)][:MOST_RECENT]
+            self.save()

@@ -1,0 +1,91 @@
+"""The whole of a lesson without a mouse: choose, play, look back, edit by sliders and boxes, undo, save, leave."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pygame
+import pytest
+from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
+from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.slider import Slider
+
+from tests.helpers.windows import Driver
+
+CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def focus(driver: Driver, wanted) -> None:
+    """Press Tab until the control is reached."""
+    for _ in range(len(driver.app.focus.controls()) + 1):
+        driver.key(pygame.K_TAB)
+        control = driver.app.focus.control
+        if control is not None and wanted(control):
+            return
+    raise AssertionError("Tab does not reach it")
+
+
+def test_a_lesson_without_a_mouse(tmp_path: Path) -> None:
+    driver = Driver()
+    driver.key(pygame.K_f, CTRL)
+    driver.type("four")
+    driver.key(pygame.K_RETURN)
+    assert isinstance(driver.app.page, GalleryPage)
+    while driver.app.page.names[driver.app.page.selected] != "one-on-four":
+        driver.key(pygame.K_TAB)
+    driver.key(pygame.K_RETURN)
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    focus(driver, lambda one: one is driver.page.time_controls.buttons["play_pause"])
+    driver.key(pygame.K_RETURN)
+    assert not driver.session.playing
+    driver.key(pygame.K_HOME)
+    assert driver.session.scrubbed
+    driver.key(pygame.K_ESCAPE)
+    for _ in range(3):
+        driver.key(pygame.K_RIGHT)  # bead 0, contact 01, bead 1
+    focus(driver, lambda one: isinstance(one, UITextEntryLine))
+    driver.page.inspector.controls["mass"].entry.set_text("2.5")
+    driver.key(pygame.K_RETURN)
+    assert driver.session.lanes[0].chain.mass[1] == 2.5
+    driver.key(pygame.K_ESCAPE)
+    focus(driver, lambda one: isinstance(one, Slider) and one is driver.page.inspector.controls["mass"].slider)
+    driver.key(pygame.K_PAGEUP)
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.mass[1] > 2.5
+    focus(driver, lambda one: isinstance(one, UIDropDownMenu))
+    driver.key(pygame.K_DOWN)
+    driver.frames(2)
+    assert driver.session.lanes[0].setup.method == "euler"
+    focus(driver, lambda one: isinstance(one, UIButton) and one.text == "Undo")
+    for _ in range(3):
+        driver.key(pygame.K_SPACE)
+        driver.frames(2)
+    assert driver.session.lanes[0].chain.mass[1] == 1.0
+    driver.key(pygame.K_y, CTRL)
+    driver.key(pygame.K_s, CTRL)
+    driver.app.dialog.entry.set_text("mine.toml")
+    driver.key(pygame.K_RETURN)
+    assert (tmp_path / "mine.toml").exists()
+    for _ in range(4):
+        driver.key(pygame.K_ESCAPE)
+    assert isinstance(driver.app.page, GalleryPage)
+    driver.close()
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "hanging-cradle"])
+def test_tab_reaches_every_control_and_comes_back(name: str) -> None:
+    driver = Driver(name)
+    controls = driver.app.focus.controls()
+    assert len(controls) > 4
+    reached = []
+    for _ in controls:
+        driver.key(pygame.K_TAB)
+        reached.append(driver.app.focus.control)
+    assert set(reached) == set(controls)
+    driver.key(pygame.K_TAB, SHIFT)
+    assert driver.app.focus.control is reached[-2]
+    driver.click((400, 300))
+    assert driver.app.focus.control is None
+    driver.close()

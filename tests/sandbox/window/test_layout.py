@@ -1,0 +1,184 @@
+"""The layout: at six sizes and five scales no widget of any page leaves the window, overlaps another or clips its text."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+import pygame
+import pytest
+from pygame_gui.elements import UIButton, UIDropDownMenu
+from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.opening import page_of
+from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
+from softcradle.sandbox.window.scene.editable_parameters import parameters
+from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.slider import Slider
+
+from tests.helpers.drawn_text import drawn_texts
+from tests.helpers.windows import Driver
+
+pytestmark = [pytest.mark.usefixtures("own_folder"), pytest.mark.slow]
+
+SIZES = ((800, 600), (1000, 600), (1280, 720), (1366, 768), (1920, 1080), (2560, 1440))
+SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
+
+
+def _select(driver: Driver, pick: Pick | None, plots: bool = False) -> None:
+    driver.page.editor.selection = pick
+    driver.page.board.shown = driver.page.board.available() if plots else ["velocities", "forces", "overlaps"]
+    driver.app.rebuild()
+
+
+PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
+    "gallery": (None, lambda driver: None),
+    "scene": ("one-on-four", lambda driver: _select(driver, None)),
+    "a bead": ("one-on-four", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True)),
+    "a contact": ("one-on-four", lambda driver: _select(driver, Pick(0, "contact", 1))),
+    "friction and drive": ("driven-cluster", lambda driver: _select(driver, Pick(0, "bead", 1))),
+    "two lanes": ("beads-against-gear", lambda driver: _select(driver, None, plots=True)),
+    "a contact of two lanes": ("beads-against-gear", lambda driver: _select(driver, Pick(1, "contact", 0), plots=True)),
+    "cradle": ("hanging-cradle", lambda driver: None),
+    "question": (
+        "one-on-four",
+        lambda driver: driver.app.choose("Keep it?", "A note. " * 30, dict.fromkeys("abc", list)),
+    ),
+    "menu": ("one-on-four", lambda driver: driver.app.act("tools")),
+    "path": ("one-on-four", lambda driver: driver.page.dialogs.ask("export")),
+}
+
+
+def widgets(driver: Driver) -> list:
+    """The widgets of the page, or of the dialog where there is one."""
+    dialog = driver.app.dialog
+    if dialog is not None and dialog.open:
+        return dialog.widgets()
+    shown = [one for one in driver.app.manager.get_root_container().elements if one.visible]
+    own = [one.button_container for one in shown if isinstance(one, Slider)]
+    return [one for one in shown if one not in own]
+
+
+def faults(driver: Driver) -> list[str]:
+    """What is wrong with the page that is shown."""
+    window = pygame.Rect((0, 0), driver.app.size)
+    found = []
+    shown = widgets(driver)
+    for one in shown:
+        if not window.contains(one.rect):
+            found.append(f"{_name(one)} leaves the window: {one.rect}")
+        if isinstance(one, UIButton) and one.text and one.tool_tip_text is None and _clipped(one):
+            found.append(f"the text of {_name(one)} is clipped")
+    for one, other in itertools.combinations(shown, 2):
+        if one.rect.colliderect(other.rect):
+            found.append(f"{_name(one)} {one.rect} overlaps {_name(other)} {other.rect}")
+    return found
+
+
+def faults_of_texts(driver: Driver) -> list[str]:
+    """What is wrong with the texts that are drawn: they leave the window or the panel, or lie below a control."""
+    app, window = driver.app, pygame.Rect((0, 0), driver.app.size)
+    if hasattr(app.page, "view"):
+        app.page.view.redraw()
+    with drawn_texts(app.size) as texts:
+        app.paint()
+    assert texts
+    if app.dialog is not None and app.dialog.open:
+        box = app.dialog.box
+        texts = [one for one in texts if one.rect.colliderect(box) and one.text in _words(app.dialog)]
+        return [f"{one.text!r} leaves its box" for one in texts if not box.contains(one.rect)]
+    found = []
+    places = app.page.view.places if hasattr(app.page, "view") else getattr(app.page, "places", None)
+    scrolled = isinstance(app.page, GalleryPage)  # its cards leave the window below
+    for words, rect in texts:
+        shown = rect.inflate(-2, -round(0.3 * rect.height))  # without what a font has above and below its letters
+        if shown.left < 0 or shown.right > window.right or not (scrolled or window.contains(shown)):
+            found.append(f"{words!r} leaves the window: {rect}")
+        panel = places.panel if places is not None else window
+        if panel.top < shown.top < panel.bottom and shown.left < panel.left < shown.right:
+            found.append(f"{words!r} lies across the edge of the panel: {rect}")
+        under = [one for one in widgets(driver) if one.rect.colliderect(shown)]
+        if under and not scrolled:
+            found.append(f"{words!r} {rect} lies below {_name(under[0])} {under[0].rect}")
+    return found
+
+
+def _words(dialog) -> set[str]:
+    """The texts of a dialog."""
+    lines = dialog._lines() if hasattr(dialog, "_lines") else []
+    return {getattr(dialog, "title", ""), *lines}
+
+
+def _clipped(button: UIButton) -> bool:
+    return button.font.get_rect(button.text).width > button.rect.width
+
+
+def _name(one) -> str:
+    return f"{type(one).__name__} {getattr(one, 'text', '')!r}"
+
+
+def faults_of_scene(driver: Driver) -> list[str]:
+    """What is wrong with the parts of a scene's page that are no widgets."""
+    page, unit, found = driver.page, driver.app.unit, []
+    places, inspector, controls = page.view.places, page.inspector, page.time_controls
+    if page.view.title_room < 60 * unit:
+        found.append(f"room of {page.view.title_room / unit:.0f} for the title")
+    if min(lane.height for lane in places.lanes) < 45 * unit:
+        found.append(f"lanes of {[lane.height / unit for lane in places.lanes]}")
+    found += [f"card {rect} leaves {places.panel}" for rect in page.cards.rects if not places.panel.contains(rect)]
+    for plot in page.board.plots:
+        if plot.area.width < 80 * unit or plot.area.height < 14 * unit:
+            found.append(f"{plot.content.title}: axes of {plot.area.size}")
+    clock = controls.clock_left + width("t = 10000.00 ms", 16 * unit, bold=True)
+    toggles = [one.rect for one in controls.toggles.values()]
+    if any(rect.left < clock and rect.colliderect(controls.rect) for rect in toggles):
+        found.append("the clock overlaps the plot buttons")
+    pick = page.editor.selection
+    if pick is None:
+        return found
+    wanted = {parameter.key for parameter in parameters(page.session, pick)}
+    if set(inspector.controls) != wanted:
+        found.append(f"no room for {wanted - set(inspector.controls)}")
+    for control in inspector.controls.values():
+        wide = width(control.parameter.name, 13 * unit) + 6 * unit + width(control.parameter.unit, 12 * unit)
+        if inspector.rect.left + wide > control.entry.rect.left:
+            found.append(f"the name of {control.parameter.key} is below its number")
+    for button in inspector.buttons:
+        if not places.panel.contains(button.rect):
+            found.append(f"{button.text} leaves the panel")
+    return found
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_nothing_overlaps_or_is_cut(size: tuple[int, int]) -> None:
+    driver = Driver()
+    starts = dict.fromkeys(start for start, _ in PAGES.values())
+    pages = {start: driver.app.page if start is None else page_of(driver.app, start, list) for start in starts}
+    assert len(PLOT_KINDS) >= 8
+    pygame.display.set_mode(size, pygame.RESIZABLE)
+    pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
+    driver.frames()
+    found, looked_at = [], set()
+    for scale in SCALES:
+        driver.app.scale = scale
+        driver.app.rebuild()
+        if driver.app.unit in looked_at:
+            continue  # it is the largest scale that fits, and was looked at
+        looked_at.add(driver.app.unit)
+        for name, (start, prepare) in PAGES.items():
+            driver.app.show(pages[start])
+            prepare(driver)
+            driver.frames(2)
+            wrong = faults(driver) + faults_of_texts(driver)
+            wrong += faults_of_scene(driver) if start and start != "hanging-cradle" else []
+            found += [f"{name} at {scale}: {one}" for one in wrong]
+    driver.close()
+    assert len(looked_at) > 2
+    assert not found, "\n" + "\n".join(found[:40])
+
+
+def test_a_menu_shows_the_whole_name_of_every_method(driver: Driver) -> None:
+    menu = driver.page.cards.menus[0]
+    assert isinstance(menu, UIDropDownMenu)
+    room = menu.rect.width - 40 * driver.app.unit
+    assert all(width(name, 13 * driver.app.unit) < room for name in menu.options_list[0][:1] or ("conserving",))

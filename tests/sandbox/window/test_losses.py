@@ -1,0 +1,302 @@
+"""Nothing is lost: edits are undone, redone and asked for, files are not replaced unasked, drags end, films are written."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+
+from tests.helpers.windows import Driver
+
+CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def post(kind: int, **values: object) -> None:
+    pygame.event.post(pygame.Event(kind, **values))
+
+
+def edited(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    driver.key(pygame.K_a)
+
+
+def test_keys_and_buttons_undo_and_redo_and_the_motion_stays(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    driver.key(pygame.K_SPACE)
+    last = driver.session.history.last
+    assert not driver.page.toolbar.buttons["undo"].is_enabled
+    edited(driver)
+    driver.key(pygame.K_DELETE)
+    assert driver.session.lanes[0].chain.contacts == 4
+    driver.key(pygame.K_z, CTRL)
+    assert driver.session.lanes[0].chain.contacts == 5
+    driver.click(driver.page.toolbar.buttons["undo"].rect.center)
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert driver.session.history.last == last
+    driver.key(pygame.K_y, CTRL)
+    driver.click(driver.page.toolbar.buttons["redo"].rect.center)
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert not driver.page.toolbar.buttons["redo"].is_enabled
+    driver.key(pygame.K_z, CTRL | SHIFT)
+    assert "nothing to redo" in driver.messages
+
+
+def test_a_slider_that_is_dragged_is_one_undo_step(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    slider = driver.page.inspector.controls["mass"].slider
+    start = slider.sliding_button.rect.center
+    driver.drag(start, (start[0] - 60, start[1]))
+    driver.release((start[0] - 60, start[1]))
+    assert driver.session.lanes[0].chain.mass[2] < 0.5
+    driver.key(pygame.K_z, CTRL)
+    assert driver.session.lanes[0].chain.mass[2] == 1.0
+
+
+@pytest.mark.parametrize("way", ["escape", "button", "quit", "drop", "close"])
+def test_edits_are_not_lost_unasked(driver: Driver, tmp_path: Path, way: str) -> None:
+    edited(driver)
+    page = driver.app.page
+    driver.key(pygame.K_ESCAPE)
+    if way == "escape":
+        driver.key(pygame.K_ESCAPE)
+    elif way == "button":
+        driver.click((40, 24))
+        driver.frames(2)
+    elif way == "quit":
+        driver.key(pygame.K_q, CTRL)
+    elif way == "close":
+        post(pygame.QUIT)
+        driver.frames()
+    else:
+        (tmp_path / "other.toml").write_text(driver.session.scene.to_toml())
+        driver.drop_file(tmp_path / "other.toml")
+    assert driver.app.page is page
+    assert driver.app.running
+    assert driver.app.dialog is not None
+    driver.key(pygame.K_ESCAPE)  # stay
+    assert driver.app.page is page
+    driver.page.dialogs.save("save_scene", "kept")
+    driver.key(pygame.K_ESCAPE)
+    assert isinstance(driver.app.page, GalleryPage)
+    driver.key(pygame.K_ESCAPE)
+    assert driver.app.running  # Esc does not quit
+
+
+def test_the_question_saves_or_discards(driver: Driver, tmp_path: Path) -> None:
+    edited(driver)
+    driver.page.leave()
+    driver.key(pygame.K_RETURN)  # Save ...
+    driver.app.dialog.entry.set_text("mine")
+    driver.key(pygame.K_RETURN)
+    assert (tmp_path / "mine.toml").exists()
+    driver.key(pygame.K_DELETE)
+    driver.page.leave()
+    driver.key(pygame.K_LEFT)
+    driver.key(pygame.K_RETURN)  # Discard them
+    assert isinstance(driver.app.page, GalleryPage)
+
+
+def test_the_gallery_stays_where_it_was(driver: Driver) -> None:
+    driver.key(pygame.K_ESCAPE)
+    gallery = driver.app.page
+    for _ in range(12):
+        driver.key(pygame.K_RIGHT)
+    scroll = gallery.grid.scroll
+    driver.key(pygame.K_RETURN)
+    driver.key(pygame.K_ESCAPE)
+    assert (driver.app.page.selected, driver.app.page.grid.scroll) == (12, scroll)
+    assert scroll > 0
+
+
+def test_a_file_is_replaced_only_when_asked_for(driver: Driver, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text("precious")
+    driver.page.dialogs.save("save_scene", "mine")
+    assert mine.read_text() == "precious"
+    driver.key(pygame.K_ESCAPE)
+    assert mine.read_text() == "precious"
+    driver.page.dialogs.save("save_scene", "mine")
+    driver.click(driver.app.dialog.buttons["Replace"].rect.center)
+    driver.frames(2)
+    assert mine.read_text() != "precious"
+
+
+def test_a_folder_of_the_home_is_understood(driver: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    driver.page.dialogs.save("save_scene", "~/there")
+    assert (tmp_path / "there.toml").exists()
+    assert driver.messages == ["saved ~/there.toml"]
+
+
+def test_del_while_a_bead_is_dragged_lets_it_go(driver: Driver) -> None:
+    for bead in (4, 2, 0):
+        x, y = driver.bead(bead)
+        driver.drag((x, y), (x + 30, y))
+        driver.key(pygame.K_DELETE)
+        driver.frames(3)
+        assert driver.page.pointer.pressed is None
+        driver.release((x + 30, y))
+    assert driver.session.lanes[0].chain.contacts == 1
+
+
+@pytest.mark.parametrize("away", [pygame.WINDOWMINIMIZED, pygame.WINDOWFOCUSLOST, pygame.MOUSEMOTION])
+def test_a_bead_let_go_where_no_event_tells_does_not_stick(driver: Driver, away: int) -> None:
+    driver.key(pygame.K_SPACE)
+    x, y = driver.bead(4)
+    driver.drag((x, y), (x + 60, y))
+    assert driver.session.held.lane == 0.0
+    if away == pygame.MOUSEMOTION:
+        post(away, pos=(x, y), rel=(0, 0), buttons=(0, 0, 0))
+    else:
+        post(away)
+        post(pygame.WINDOWRESTORED)
+    driver.frames(2)
+    assert driver.page.pointer.pressed is None
+    assert driver.session.held.lane == -1.0
+
+
+def test_nothing_moves_while_minimised(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    post(pygame.WINDOWMINIMIZED)
+    driver.frames()
+    frame = driver.session.frame
+    driver.frames(10)
+    assert driver.session.frame == frame
+    assert driver.app.still
+    post(pygame.WINDOWRESTORED)
+    driver.frames(10)
+    assert driver.session.frame > frame
+
+
+def test_a_paused_window_needs_no_frames(driver: Driver) -> None:
+    driver.frames(150)
+    assert driver.app.still
+    driver.key(pygame.K_SPACE)
+    driver.frames(120)
+    assert not driver.app.still
+
+
+def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: Path) -> None:
+    import av
+
+    driver.page.dialogs.save("film", "mine.mp4")
+    assert driver.page.toolbar.buttons["film"].text == "Stop"
+    driver.frames(20)
+    pygame.display.set_mode((1600, 900), pygame.RESIZABLE)
+    post(pygame.VIDEORESIZE, size=(1600, 900), w=1600, h=900)
+    driver.frames(20)
+    driver.click(driver.page.toolbar.buttons["film"].rect.center)
+    driver.frames(2)
+    assert any("saved" in text and "mine.mp4" in text for text in driver.messages)
+    with av.open(str(tmp_path / "mine.mp4")) as film:
+        pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    corners = [picture[-20:, -20:] for picture in pictures]
+    assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # the foot of the page is in both
+
+
+@pytest.mark.parametrize("ending", ["gif", "webp"])
+def test_films_are_also_pictures_that_move(driver: Driver, tmp_path: Path, ending: str) -> None:
+    driver.page.dialogs.save("film", f"mine.{ending}")
+    driver.frames(8)
+    driver.page.film.end()
+    assert (tmp_path / f"mine.{ending}").stat().st_size > 1000
+
+
+def test_leaving_and_closing_write_the_film(driver: Driver, tmp_path: Path) -> None:
+    driver.page.dialogs.save("film", "one.mp4")
+    driver.frames(10)
+    driver.key(pygame.K_ESCAPE)
+    assert (tmp_path / "one.mp4").exists()
+
+
+FILMING = """
+from softcradle.sandbox.window.app import App
+app = App((640, 480), "one-on-four")
+for _ in range(20):
+    app.frame(1 / 60)
+app.page.dialogs.save("film", "mine.mp4")
+for _ in range(20):
+    app.frame(1 / 60)
+app.page.after_frame = lambda surface, seconds, record=app.page.after_frame: (
+    record(surface, seconds), print("filming", flush=True)
+)
+app.run()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_filming_keeps_the_film(tmp_path: Path, number: signal.Signals) -> None:
+    import av
+
+    command = [sys.executable, "-c", FILMING]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        while "filming" not in process.stdout.readline():
+            assert process.poll() is None
+        process.send_signal(number)
+        process.communicate(timeout=30)
+        assert process.returncode == 0
+    with av.open(str(tmp_path / "mine.mp4")) as film:
+        assert sum(1 for _ in film.decode(video=0)) >= 5
+
+
+def test_numbers_that_are_refused_or_not_taken_do_not_stay(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    for typed in ("-1", "1e999", "inf", "nan", "x"):
+        entry = driver.page.inspector.controls["mass"].entry
+        driver.click(entry.rect.center)
+        entry.set_text(typed)
+        driver.key(pygame.K_RETURN)
+        driver.frames(2)
+        assert driver.page.inspector.controls["mass"].entry.get_text() == "1"
+        assert driver.session.lanes[0].chain.mass[2] == 1.0
+        assert not driver.page.typing
+    entry = driver.page.inspector.controls["mass"].entry
+    driver.click(entry.rect.center)
+    entry.set_text("5")
+    driver.click(driver.bead(3))  # the number is taken when its box is left
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.mass[2] == 5.0
+    driver.key(pygame.K_SPACE)
+    assert driver.session.playing
+
+
+def test_a_click_on_the_track_of_a_slider_takes_the_button_there(driver: Driver) -> None:
+    slider = driver.page.time_controls.slider
+    driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))
+    driver.frames(2)
+    assert 40.0 < driver.session.slow < 80.0
+    driver.move((slider.rect.right, slider.rect.centery), (1, 0, 0))
+    driver.frames(2)
+    assert driver.session.slow == 1000.0
+    driver.release((slider.rect.right, slider.rect.centery))
+
+
+def test_a_replay_says_so_and_can_be_paused(driver: Driver, tmp_path: Path) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(60)
+    driver.session.apply(SetMass(0, 1, 2.0))
+    driver.page.dialogs.save("save_session", "played")
+    driver.drop_file(tmp_path / "played.npz")
+    driver.frames(5)
+    assert driver.page.clock.activity() == "replaying"
+    driver.key(pygame.K_SPACE)
+    frame = driver.session.frame
+    driver.frames(5)
+    assert (driver.page.clock.activity(), driver.session.frame) == ("paused", frame)
+    driver.key(pygame.K_SPACE)
+    driver.frames(120)
+    assert driver.page.replay.done
+    assert driver.page.replay.diverged is None
+    assert not driver.page.unsaved

@@ -1,0 +1,110 @@
+"""The themes: everything is drawn in the one that is chosen, and the next start has it too."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, LIGHT, THEMES, luminance, mix, text_on, use_theme
+from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
+from softcradle.sandbox.window.theme import colour_code
+
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def contrast(one, other) -> float:
+    """Ratio of luminances as the rules for readable text (WCAG) define it."""
+    high, low = sorted((luminance(one), luminance(other)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("name", THEMES)
+def test_text_can_be_read_in_every_theme(name):
+    tones = THEMES[name]
+    for ground in (tones.background, tones.lane_background):
+        assert contrast(tones.foreground, ground) > 7.0
+        for level in ("muted", "good", "fair", "bad", "warning"):
+            assert contrast(getattr(tones, level), ground) > 4.5, level
+    assert contrast(tones.on_accent, tones.accent) > 4.0
+    for colour in BEAD_COLOURS:
+        bead = mix(colour, (255, 255, 255), tones.lift)
+        assert contrast(text_on(bead), bead) > 3.0, colour
+
+
+def test_numerals_on_yellow_and_orange_are_dark():
+    assert text_on((230, 159, 0)) == text_on((190, 200, 50)) == LIGHT.foreground
+    assert text_on((0, 114, 178)) == LIGHT.background
+
+
+def mean_luminance(driver: Driver) -> float:
+    return float(np.mean(pygame.surfarray.array3d(driver.app.surface)))
+
+
+def test_the_theme_changes_every_page_and_is_kept():
+    driver = Driver()
+    assert driver.app.settings.theme == "light"
+    bright = {}
+    for page, theme in itertools.product((None, "draft-gear-one-on-three", "hanging-cradle"), ("light", "dark")):
+        if page is not None:
+            driver.app.open(page)
+        driver.frames(2)
+        bright[page, theme] = mean_luminance(driver)
+        driver.key(pygame.K_F9)
+        driver.frames(2)
+    for page in (None, "draft-gear-one-on-three", "hanging-cradle"):
+        assert bright[page, "light"] > 190, (page, bright)
+        assert bright[page, "dark"] < 80, (page, bright)
+    driver.key(pygame.K_F9)
+    driver.close()
+    assert Settings.load().theme == "dark"
+    again = Driver("one-on-four")
+    assert mean_luminance(again) < 80
+    lane = again.page.view.lanes[0].drawing.rect
+    assert again.app.surface.get_at((lane.left + 3, lane.top + 60))[:3] == DARK.lane_background
+    again.close()
+    use_theme("light")
+
+
+def test_settings_that_cannot_be_read_are_the_usual_ones():
+    settings_path().parent.mkdir(parents=True)
+    for text in ("", "[]", '{"theme": "pink", "recent": 7}', '{"theme": 3}', '{"recent": [1, 2]}'):
+        settings_path().write_text(text)
+        assert Settings.load().theme == "light"
+
+
+def test_colours_of_widgets_are_mixed_of_tones():
+    assert colour_code("accent") == "#0072b2"
+    assert colour_code("background 50 shadow") == "#{:02x}{:02x}{:02x}".format(
+        *mix(LIGHT.background, LIGHT.shadow, 0.5)
+    )
+
+
+def test_the_open_dialog_offers_the_files_of_before(tmp_path: Path):
+    driver = Driver("one-on-four")
+    for k in range(MOST_RECENT + 2):
+        driver.page.dialogs.save("save_scene", f"mine-{k}.toml")
+    newest = str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
+    assert Settings.load().recent[0] == newest
+    driver.key(pygame.K_o, pygame.KMOD_CTRL)
+    dialog = driver.app.dialog
+    assert len(dialog.rows) == MOST_RECENT
+    driver.key(pygame.K_DOWN)
+    driver.key(pygame.K_DOWN)
+    assert dialog.entry.get_text() == Settings.load().recent[1]
+    driver.click(dialog.rows[2].rect.center)
+    driver.frames(2)
+    assert not dialog.open
+    assert driver.app.settings.recent[0].endswith(f"mine-{MOST_RECENT - 1}.toml")
+    assert driver.session.scene.title == "One bead on four"
+    driver.close()
+
+
+def test_what_is_behind_a_dialog_is_dimmed(driver: Driver):
+    before = mean_luminance(driver)
+    driver.key(pygame.K_o, pygame.KMOD_CTRL)
+    assert mean_luminance(driver) < 0.75 * before
