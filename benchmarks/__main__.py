@@ -1,4 +1,7 @@
-"""All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``."""
+"""All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
+
+``python -m benchmarks scan [--help]`` is a command of its own: random chains against the reference.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import argparse
 import json
 import os
 import platform
+import sys
 from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -54,16 +58,16 @@ def callbacks() -> Iterator[Report]:
 
 
 def render() -> Iterator[Report]:
-    """Rate of rendering against that of the encoder alone."""
-    from benchmarks.render import measure
+    """Rate of rendering, in order and in segments side by side."""
+    from benchmarks.render import WAYS, measure
 
     found = measure("one-on-four", (1280, 720))
-    percent = 100 * found["share"]
-    rows = [[name, f"{found[name]:.0f}"] for name in ("drawing", "encoder", "render")]
-    rows.append(["render, % of the encoder alone", at_least(f"{percent:.0f}", percent, 60)])
-    rows.append(["first frame [s]", at_most(found["first_frame_seconds"], 3.0)])
+    rows = [[title, f"{found[way]:.0f}", f"{found[f'{way}_ms']:.2f}"] for way, title in WAYS.items()]
+    rows.append(["segments over in order", at_least(f"{found['gain']:.2f}", found["gain"], 1.7), ""])
+    rows.append(["first frame [s]", at_most(found["first_frame_seconds"], 3.0), ""])
     note = f"median of 5 rounds of {found['frames']} frames"
-    yield Report("one-on-four as mp4, 1280x720", ["", "frames a second (aim)"], rows, [note], found)
+    columns = ["", "frames a second (aim)", "processor ms a frame"]
+    yield Report("one-on-four as mp4, 1280x720", columns, rows, [note], found)
 
 
 def window() -> Iterator[Report]:
@@ -80,6 +84,20 @@ def window() -> Iterator[Report]:
     yield Report("The window, 50 beads at 1280x720", ["", ""], rows, [note], {"start": start, "frame": frame})
 
 
+def sweeps() -> Iterator[Report]:
+    """What a sweep costs beside its work."""
+    from benchmarks.sweep_cost import reports
+
+    yield from reports()
+
+
+def constants() -> Iterator[Report]:
+    """How far each constant of the adaptive methods can move; takes a quarter of an hour."""
+    from benchmarks.constants import reports
+
+    return reports()
+
+
 BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "steps": steps,
     "chain-lengths": chain_lengths,
@@ -88,21 +106,31 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "callbacks": callbacks,
     "render": render,
     "window": window,
+    "sweeps": sweeps,
+    "constants": constants,
 }
+BY_NAME_ONLY = ("constants",)  # left out where no names are given
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks of those names, or all; print tables, and write JSON if wanted."""
+    given = sys.argv[1:] if arguments is None else arguments
+    if given[:1] == ["scan"]:
+        from benchmarks.scan.command import main as scan
+
+        return scan(given[1:])
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; default: all")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; default: all; or scan, see `scan --help`"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every number there")
-    args = parser.parse_args(arguments)
+    args = parser.parse_args(given)
     unknown = [name for name in args.names if name not in BENCHMARKS]
     if unknown:
         parser.error(f"there is no benchmark {unknown[0]!r}; there are {', '.join(BENCHMARKS)}")
     console = Console()
     found: dict[str, Any] = {"versions": _versions()}
-    for name in args.names or BENCHMARKS:
+    for name in args.names or (name for name in BENCHMARKS if name not in BY_NAME_ONLY):
         data = found.setdefault(name, [])
         for report in BENCHMARKS[name]():
             report.show(console)

@@ -41,6 +41,13 @@ class Report:
             console.print(note, markup=False, highlight=False)
         console.print()
 
+    def markdown(self) -> str:
+        """The table and its notes as Markdown."""
+        rows = [self.columns, ["---"] + ["---:"] * (len(self.columns) - 1), *self.rows]
+        lines = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
+        notes = [f"* {note}" for note in self.notes]
+        return "\n".join([f"**{self.title}**", "", *lines, "", *notes]) + "\n"
+
 
 def at_most(value: float | None, aim: float | None) -> str:
     """A measured value with its aim in brackets, marked where the value is larger; a dash where there is no value."""

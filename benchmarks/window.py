@@ -27,7 +27,7 @@ SCENE = """
 title = "One on forty-nine"
 [[lanes]]
 beads = [1, 49]
-contact = {law = "power", f0 = 1.0, alpha = "1/10"}
+contact = {law = "power_law", f0 = 1.0, alpha = "1/10"}
 velocity = 1.0
 approach = 0.5
 [view]

@@ -10,7 +10,7 @@ from softcradle.physics import State
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import chain_lengths, steps
+from benchmarks import chain_lengths, steps, sweep_cost
 from benchmarks.reports import at_least, at_most
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
@@ -65,6 +65,13 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
     assert report.rows[0][3] == "- (0.7) missed"
     assert json.loads(json.dumps(report.data))["case"] == case.label
     assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
+
+
+def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():
+    found = sweep_cost.measure_traffic(count=50)
+    assert found["task_bytes"] < 100
+    assert found["work_bytes"] < 5000  # once a worker, for ten million points
+    assert 5 * 8 <= found["point_bytes"] < 100  # five velocities
 
 
 def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):

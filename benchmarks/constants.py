@@ -1,0 +1,208 @@
+"""How far each constant of the adaptive methods can move before errors leave what is promised, or the work grows.
+
+The kernels run as plain Python, so that a constant can be replaced in every module that has imported it. What no factor
+tried here moves is either a guard against motions that these cases do not have, or not needed.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
+
+from benchmarks.reports import Report
+from softcradle import physics
+
+Array = NDArray[np.float64]
+
+ROOM = Path(physics.__file__).parent / "adaptive"
+NOT_TUNED = ("step_records", "radau_tableau", "dop853_tableau")  # files of codes, indices and coefficients
+CODES = {"NONE", "NO_GUESS", "CANDIDATE"}  # marks and indices in the other files
+FACTORS = (3.0, 10.0, 100.0)  # and one over each
+TOLERANCES = (1e-4, 1e-7)
+PROMISED = 10.0  # tolerances
+MORE_WORK = 1.25  # times the steps as they are
+MOST_STEPS = 20_000  # of one case: enough for all of them
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number at the top of a module, with the comment behind it."""
+
+    module: str
+    name: str
+    value: float
+    what: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a set of constants gives on all cases.
+
+    Attributes:
+        errors: of each case and tolerance, in tolerances; inf where it gave up.
+        steps: of all together, rejected ones included.
+    """
+
+    errors: Array
+    steps: int
+
+
+def constants() -> list[Constant]:
+    """Every number that a person has chosen, file by file."""
+    found = []
+    for path in sorted(ROOM.glob("*.py")):
+        if path.stem in NOT_TUNED:
+            continue
+        source = path.read_text(encoding="utf-8")
+        for node in ast.parse(source).body:
+            if not (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)):
+                continue
+            name, value = node.targets[0].id, _number(node.value)
+            if value and name.isupper() and name not in CODES:
+                lines = source.splitlines()[node.lineno - 1 : node.end_lineno]
+                what = " ".join(line.partition("#")[2].strip() for line in lines if "#" in line)
+                found.append(Constant(path.stem, name, value, what))
+    return found
+
+
+def _number(node: ast.expr) -> float | None:
+    try:
+        value = eval(compile(ast.Expression(node), "", "eval"), {"__builtins__": {}})
+    except (NameError, TypeError):
+        return None
+    return value if isinstance(value, int | float) else None
+
+
+def cases() -> list[tuple[Any, list[float], float | None]]:
+    """Chain, start velocities and duration of every case: one at least of each kind of switch."""
+    mixed = [hooke(1.46), hooke(27.17), hertz(11.06)]
+    lossy = power_law(1.0, 0.5, loss=0.2)
+    return [
+        (one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], None),
+        (one_on(5, power_law(1.0, 1 / 14)), [1, 0, 0, 0, 0, 0], None),
+        (one_on(3, power_law(1.0, 0.02)), [1, 0, 0, 0], None),
+        (one_on(2, power_law(1.0, 0.5)), [1, 0, 0], None),
+        (one_on(8, hertz(1.0)), [1] + [0] * 8, None),
+        (one_on(3, draft_gear(0.5, 0.05)), [1, 0, 0, 0], None),
+        (one_on(3, step_force(1.0)), [1, 0, 0, 0], None),
+        (Chain([1.1, 3.1, 0.6, 0.4], mixed), [1, 1, 0, 0], None),
+        (Chain([1] * 5, [hooke(1.0), *[power_law(1.0, 0.1)] * 3]), [1, 0, 0, 0, 0], None),
+        (Chain([1] * 4, lossy, gap=[0, 0.02, 0]), [1, 0, 0, 0], None),
+        (Chain([1] * 4, power_law(1.0, 0.2), friction=0.03), [1, 0, 0, 0], 4.0),
+        (Chain([1, np.inf], hertz(1e3), gap=0.5, drive=[-9.8, 0]), [4, 0], 1.5),
+        (Chain([np.inf, 1, 1, np.inf], hooke(50.0), gap=[0.3, 0.1, 0.2]), [0, 1, -0.5, 0], 3.0),
+        (Chain([1, 2, 1], draft_gear(1.0, 0.1), drive=[0.4, 0, -0.4]), [0, 0, 0], 1.0),
+    ]
+
+
+def measure() -> dict[str, Any]:
+    """Move every constant by every factor; called in a process of its own whose kernels are plain Python."""
+    truths = [_ends(chain, velocity, duration, 1e-11)[0] for chain, velocity, duration in cases()]
+    base = _outcome(truths)
+    rows = []
+    for constant in constants():
+        reached = {sign: _reach(constant, sign, base, truths) for sign in (-1, 1)}
+        rows.append({**vars(constant), "least": reached[-1], "most": reached[1]})
+    return {"steps": base.steps, "errors": base.errors.tolist(), "constants": rows}
+
+
+def _reach(constant: Constant, sign: int, base: Outcome, truths: list[Array]) -> float:
+    """The largest factor tried (or one over it) up to which all cases are as good as with 1."""
+    reached = 1.0
+    for factor in FACTORS:
+        value = constant.value * factor**sign
+        if isinstance(constant.value, int):
+            value = max(round(value), 1)
+        with _replaced(constant, value):
+            found = _outcome(truths)
+        if (found.errors > np.maximum(PROMISED, base.errors)).any() or found.steps > MORE_WORK * base.steps:
+            break
+        reached = factor**sign
+    return reached
+
+
+@contextmanager
+def _replaced(constant: Constant, value: float) -> Iterator[None]:
+    """`constant` with another value in all modules that have it."""
+    source = sys.modules[f"softcradle.physics.adaptive.{constant.module}"]
+    holders = [
+        module
+        for name, module in sys.modules.items()
+        if name.startswith("softcradle.physics.adaptive.")
+        and hasattr(module, constant.name)
+        and (module is source or constant.name in _imported(module, constant.module))
+    ]
+    for module in holders:
+        setattr(module, constant.name, value)
+    try:
+        yield
+    finally:
+        for module in holders:
+            setattr(module, constant.name, constant.value)
+
+
+def _imported(module: Any, source: str) -> set[str]:
+    """Names that `module` imports from the file `source` of the same room."""
+    tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
+    found = (node for node in tree.body if isinstance(node, ast.ImportFrom) and str(node.module).endswith(f".{source}"))
+    return {alias.name for node in found for alias in node.names}
+
+
+def _outcome(truths: list[Array]) -> Outcome:
+    errors, steps = [], 0
+    for (chain, velocity, duration), truth in zip(cases(), truths, strict=True):
+        for tolerance in TOLERANCES:
+            end, stated, spent = _ends(chain, velocity, duration, tolerance)
+            beyond = np.maximum(np.abs(end - truth) - stated, 0.0)
+            errors.append(float(beyond.max()) / tolerance if np.isfinite(end).all() else np.inf)
+            steps += spent
+    return Outcome(np.array(errors), steps)
+
+
+def _ends(chain: Any, velocity: list[float], duration: float | None, tolerance: float) -> tuple[Array, Array, int]:
+    """Final velocities (n+1,), what the run states of their error, and its steps."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = simulate(chain, velocity, duration, tolerance=tolerance, samples=2)
+    ends = np.full(found.final_velocity.size, np.inf) if found.status.gave_up else found.final_velocity
+    return ends, found.velocity_error, found.steps
+
+
+def reports() -> Iterator[Report]:
+    """The table of all constants."""
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    command = [
+        sys.executable,
+        "-c",
+        "import json; from benchmarks.constants import measure; print(json.dumps(measure()))",
+    ]
+    told = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    data = json.loads(told.stdout.splitlines()[-1])
+    rows = [
+        [f"{one['module']}.{one['name']}", f"{one['value']:g}", _shown(one["least"]), _shown(one["most"])]
+        for one in data["constants"]
+    ]
+    idle = [one for one in data["constants"] if one["least"] == 1.0 / FACTORS[-1] and one["most"] == FACTORS[-1]]
+    notes = [
+        f"{len(rows)} constants, {len(data['errors'])} runs of {data['steps']} steps in all; factors up to which errors stay "
+        f"within what is stated and {PROMISED:g} tolerances, and steps below {MORE_WORK:g} times as many",
+        f"{len(idle)} that no factor tried moves: {', '.join(one['name'] for one in idle)}",
+    ]
+    yield Report("Constants of the adaptive methods", ["", "value", "down to", "up to"], rows, notes, data)
+
+
+def _shown(factor: float) -> str:
+    return f"x {factor:g}" if factor >= 1.0 else f"/ {1.0 / factor:g}"

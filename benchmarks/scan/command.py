@@ -1,0 +1,143 @@
+"""``python -m benchmarks scan``: solve seeded random chains, count the verdicts, keep both truths and verdicts on disk.
+
+Truths take longest: they are kept in one file and used again by every later scan. Verdicts are
+kept in another, so that a scan that was interrupted goes on where it stopped; ``--fresh`` begins anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from itertools import product
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from softcradle.physics.atomic_files import output_file
+
+from benchmarks.reports import Report
+from benchmarks.scan.families import FAMILIES, motion
+from benchmarks.scan.truth import Truth, truth_of
+from benchmarks.scan.verdict import PROMISE, SLOW, Verdict, judge
+
+SEEDS_SHOWN = 8  # of a family's chains that fail, in the table
+
+Task = tuple[str, int, str, float, dict[str, Any] | None]
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    found = argparse.ArgumentParser(prog="python -m benchmarks scan", description=__doc__)
+    found.add_argument("--count", type=int, default=100, help="chains of each family (default 100)")
+    found.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default 0)")
+    found.add_argument("--families", nargs="+", choices=list(FAMILIES), default=list(FAMILIES))
+    found.add_argument("--method", default="accurate", help="a method that takes a tolerance (default accurate)")
+    found.add_argument("--tolerance", type=float, default=1e-8)
+    found.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
+    found.add_argument("--folder", type=Path, default=Path("out/scan"), help="where truths and verdicts are kept")
+    found.add_argument("--fresh", action="store_true", help="judge every chain anew; truths are kept")
+    found.add_argument("--markdown", type=Path, metavar="FILE", help="write the table there too, for the documentation")
+    found.add_argument("--require", action="store_true", help="exit with 1 if an error is silent")
+    return found
+
+
+def main(arguments: list[str]) -> int:
+    """Scan, and print one row a family."""
+    args = parser().parse_args(arguments)
+    args.folder.mkdir(parents=True, exist_ok=True)
+    truths = {entry["key"]: entry for entry in _lines(args.folder / "truths.jsonl")}
+    name = f"{args.method}-{args.tolerance:g}.jsonl"
+    verdicts = args.folder / name
+    if args.fresh:
+        verdicts.unlink(missing_ok=True)
+    known = {(entry["family"], entry["seed"]): entry for entry in _lines(verdicts)}
+    wanted = list(product(range(args.first, args.first + args.count), args.families))
+    tasks = [
+        (family, seed, args.method, args.tolerance, truths.get(motion(family, seed).key))
+        for seed, family in wanted
+        if (family, seed) not in known
+    ]
+    for new_truth, entry in _solved(tasks, args.jobs):
+        if new_truth:
+            _append(args.folder / "truths.jsonl", new_truth)
+        _append(verdicts, entry)
+        known[entry["family"], entry["seed"]] = entry
+    entries = [known[family, seed] for seed, family in wanted]
+    report = _report(entries, args.families, f"{args.method} at {args.tolerance:g}")
+    report.show(Console(width=200))
+    if args.markdown is not None:
+        with output_file(args.markdown) as temporary:
+            temporary.write_text(report.markdown(), encoding="utf-8")
+    return int(args.require and any(entry["verdict"] == Verdict.SILENT for entry in entries))
+
+
+def _solved(tasks: list[Task], jobs: int) -> Iterator[tuple[dict[str, Any] | None, dict[str, Any]]]:
+    if jobs <= 1:
+        yield from map(_solve, tasks)
+        return
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
+    with get_context("spawn").Pool(jobs, maxtasksperchild=500) as pool:
+        yield from pool.imap_unordered(_solve, tasks, chunksize=1)
+
+
+def _solve(task: Task) -> tuple[dict[str, Any] | None, dict[str, Any]]:
+    """One chain: its truth, if it is new, and the verdict."""
+    family, seed, method, tolerance, stored = task
+    chosen, new = motion(family, seed), None
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        if stored is None:
+            stored = new = {"key": chosen.key, **truth_of(chosen).as_json()}
+        entry = judge(chosen, Truth.from_json(stored), method, tolerance)
+    return new, {"family": family, "seed": seed, **entry}
+
+
+def _report(entries: list[dict[str, Any]], families: Iterable[str], title: str) -> Report:
+    rows = []
+    for family in (*families, "all"):
+        own = [entry for entry in entries if family in (entry["family"], "all")]
+        counts = [sum(entry["verdict"] == verdict for entry in own) for verdict in Verdict]
+        times = sorted(entry["seconds"] for entry in own)
+        slow = sum(entry["slow"] for entry in own)
+        bad = [entry for entry in own if entry["verdict"] in (Verdict.SILENT, Verdict.GAVE_UP)]
+        worst = sorted(bad, key=lambda entry: -entry["error"])[:SEEDS_SHOWN] if family != "all" else []
+        seeds = ", ".join(f"{entry['seed']}{'' if entry['verdict'] == Verdict.SILENT else '!'}" for entry in worst)
+        middle = f"{1e3 * times[len(times) // 2]:.2g}" if times else "-"
+        rows.append(
+            [family, str(len(own)), *map(str, counts), str(slow), middle, f"{max(times, default=math.nan):.2g}", seeds]
+        )
+    sources = Counter(entry["truth"] for entry in entries)
+    columns = ["family", "chains", *Verdict, f"over {SLOW:g} s", "median [ms]", "worst [s]", "seeds (! gave up)"]
+    notes = [
+        f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
+        "the run warns; silent: beyond both; unknown: the truth is known less well",
+        "truth: two fine runs that `conserving` confirms, else the reference in extended precision, else the spread of shaken "
+        f"runs of `conserving`: {', '.join(f'{count} by {source}' for source, count in sources.items())}",
+    ]
+    return Report(f"Random chains, {title}", columns, rows, notes, entries)
+
+
+def _lines(path: Path) -> Iterator[dict[str, Any]]:
+    """Entries of a file of JSON lines; one that was cut off is left out."""
+    if not path.exists():
+        return
+    for line in path.read_text().splitlines():
+        if not line:
+            continue
+        try:
+            yield json.loads(line)
+        except json.JSONDecodeError:
+            continue
+
+
+def _append(path: Path, entry: dict[str, Any]) -> None:
+    with path.open("a") as file:
+        file.write("\n" + json.dumps(entry))  # a line that was cut off does not spoil the next

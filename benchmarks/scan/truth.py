@@ -1,0 +1,115 @@
+"""The truth of a chain of the scan: fine runs where unlike methods confirm them, else the reference, else a spread.
+
+Most chains are easy, and the reference takes seconds: where two fine runs of unlike steps agree and `conserving`, which shares
+neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain
+that they do not agree on, is solved by the reference in extended precision; where that gives up, what is known is the spread
+of shaken runs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain
+from softcradle.physics.reference.extended_run import ReferenceGaveUpError
+from softcradle.physics.reference.reference_end import reference_end
+from softcradle.physics.scales import contact_scales
+from softcradle.physics.simulation import solve
+
+from benchmarks.scan.families import Motion
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-12  # of the reference
+STEPS_AND_BEADS = 20_000  # steps of the reference times beads, before it gives up
+SHAKE = 1e-10  # relative change of the forces from one run of `conserving` to the next
+PARTS = (1000, 1300, 1700)  # steps of `conserving` in the longest contact time
+MOST_STEPS = 300_000  # of a run of `conserving`
+FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
+AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
+CONFIRMED = 20.0  # times what two steps of `conserving` differ by, and
+CONFIRMED_AT_LEAST = 1e-5  # closing speeds: as near has `conserving` to be to the fine runs
+BY_REFERENCE = 20  # every so many-th chain is solved by the reference in any case
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Final velocities (n+1,) [m/s], how well they are known (n+1,) [m/s], and by what."""
+
+    velocity: Array
+    doubt: Array
+    source: str
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        return {"velocity": self.velocity.tolist(), "doubt": self.doubt.tolist(), "source": self.source}
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Truth:
+        """What `as_json` gave."""
+        return cls(np.array(data["velocity"]), np.array(data["doubt"]), data["source"])
+
+
+def truth_of(motion: Motion) -> Truth:
+    """The truth, as well as it can be had."""
+    beads = motion.chain.contacts + 1
+    fine = _fine(motion) if motion.seed % BY_REFERENCE else None
+    if fine is not None:
+        return fine
+    try:
+        found = reference_end(
+            motion.chain, motion.velocity, motion.duration, TOLERANCE, max(500, STEPS_AND_BEADS // beads)
+        )
+    except ReferenceGaveUpError:
+        return _spread(motion)
+    return Truth(found.velocity, np.full(beads, found.error), "reference")
+
+
+def _fine(motion: Motion) -> Truth | None:
+    """The end of two fine runs, if they agree and `conserving` confirms them."""
+    ends = []
+    for method, tolerance in FINE.items():
+        found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
+        if found.warnings:
+            return None
+        ends.append(found.final_velocity)
+    apart = np.abs(ends[0] - ends[1])
+    coarse = _conserving(motion, PARTS[:2])
+    allowed = max(CONFIRMED * float(np.ptp(coarse, axis=0).max()), CONFIRMED_AT_LEAST * motion.speed)
+    if apart.max() > AGREEMENT * motion.speed or np.abs(coarse - ends[1]).max() > allowed:
+        return None
+    return Truth(ends[1], apart + min(FINE.values()) * motion.speed, "fine runs")
+
+
+def _spread(motion: Motion) -> Truth:
+    """Mean and spread of `conserving` at three steps, with forces that differ in the last digits, and of the finest run."""
+    method, tolerance = list(FINE.items())[-1]
+    finest = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
+    runs = np.vstack((_conserving(motion, PARTS), finest.final_velocity))
+    apart = float(np.ptp(runs, axis=0).max())
+    return Truth(np.mean(runs, axis=0), np.full(runs.shape[1], 2.0 * apart), "spread")
+
+
+def _conserving(motion: Motion, parts_of_contact: tuple[int, ...]) -> Array:
+    """(runs, n+1) ends by `conserving`, each with another step and with forces that differ in the last digits."""
+    longest = float(np.median(contact_scales(motion.chain, motion.velocity)[1]))
+    runs = []
+    for k, parts in enumerate(parts_of_contact):
+        step = longest / parts
+        if motion.duration is not None:
+            step = max(step, motion.duration / MOST_STEPS)
+        chain = _shaken(motion.chain, k * SHAKE)
+        runs.append(solve(chain, motion.velocity, motion.duration, "conserving", step, samples=2).final_velocity)
+    return np.array(runs)
+
+
+def _shaken(chain: Chain, part: float) -> Chain:
+    factors = np.resize([1.0 + part, 1.0 - part], chain.contacts)
+    laws = [
+        replace(law, preload=law.preload * factor, stiffness=law.stiffness * factor)
+        for law, factor in zip(chain.contact, factors, strict=True)
+    ]
+    return replace(chain, contact=tuple(laws))

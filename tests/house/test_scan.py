@@ -1,0 +1,70 @@
+"""The scan of random chains: what it draws, how it judges, and that it goes on where it stopped."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from softcradle.physics import one_on, power_law, simulate
+from softcradle.physics.status import CodedWarning, Status, WarningCode
+
+from benchmarks import __main__ as command
+from benchmarks.scan import verdict
+from benchmarks.scan.families import FAMILIES, Motion, motion
+from benchmarks.scan.truth import Truth, truth_of
+
+PAPER = Motion("power", 0, one_on(4, power_law(1.0, 0.1)), (1.0, 0.0, 0.0, 0.0, 0.0))
+VELOCITY = (-0.56758562476, 0.17392146673, 0.45407871484, 0.46978361268, 0.46980183052)
+TRUTH = Truth(np.array(VELOCITY), np.full(5, 1e-10), "known")
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_seed_is_one_chain(family):
+    first, again, other = motion(family, 7), motion(family, 7), motion(family, 8)
+    assert first == again
+    assert first.key != other.key
+    assert len(first.velocity) == first.chain.contacts + 1
+
+
+def test_the_truth_of_the_paper_case():
+    found = truth_of(PAPER)
+    assert found.source == "reference"
+    assert np.abs(found.velocity - VELOCITY).max() < 1e-10
+    assert found.doubt.max() < 1e-10
+
+
+def judged(monkeypatch, error, **changes):
+    run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
+    run = replace(run, final_velocity=TRUTH.velocity + error, **changes)
+    monkeypatch.setattr(verdict, "solve", lambda *_, **__: run)
+    return verdict.judge(PAPER, TRUTH, "accurate", 1e-6)
+
+
+def test_verdicts(monkeypatch):
+    warned = (CodedWarning(WarningCode.SENSITIVE, "x"),)
+    assert judged(monkeypatch, 9e-6)["verdict"] == "within"
+    assert judged(monkeypatch, 1e-3, warnings=warned)["verdict"] == "stated"
+    assert judged(monkeypatch, 1e-3, status=Status.OUT_OF_STEPS)["verdict"] == "gave up"
+    silent = judged(monkeypatch, 1e-3)
+    assert silent["verdict"] == ("silent" if np.isnan(silent["stated"]) or silent["stated"] < 1e-3 else "stated")
+
+
+def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
+    given = ["scan", "--families", "hooke-hertz", "walls", "--jobs", "1", "--folder", str(tmp_path), "--require"]
+    monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
+    assert command.main([*given, "--count", "1"]) == 0
+    truths = (tmp_path / "truths.jsonl").read_text()
+    table = tmp_path / "scan.md"
+    assert command.main([*given, "--count", "1", "--markdown", str(table)]) == 0
+    assert "| hooke-hertz | 1 | 1 | 0 |" in table.read_text()
+    assert table.read_text().startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
+    verdicts = tmp_path / "accurate-1e-08.jsonl"
+    assert {json.loads(line)["verdict"] for line in verdicts.read_text().splitlines() if line} == {"within"}
+    with verdicts.open("a") as file:
+        file.write('\n{"family": "cut o')  # as an interruption leaves it
+    monkeypatch.setattr("benchmarks.scan.command.judge", lambda *_: pytest.fail("judged again"))
+    assert command.main([*given, "--count", "1"]) == 0
+    assert (tmp_path / "truths.jsonl").read_text() == truths
+    assert "hooke-hertz" in capsys.readouterr().out
