@@ -15,14 +15,43 @@ from tests.helpers.paths import LAYERS, ROOT, module_name, source_files
 
 # A room is a folder, or a file that lies in none; each imports from itself and from those before it alone.
 PHYSICS = (
-    *("version", "source_digest", "atomic_files", "status"),
-    *("contact", "chain", "scales", "state", "methods", "problem"),
-    *("numerics", "kernel_records", "fixed_step", "friction", "adaptive", "reference", "pymunk_contacts", "dispatch"),
-    *("trajectory_file", "trajectory", "advice", "simulation", "chain_ensemble", "analysis"),
+    *("version", "source_digest", "atomic_files", "checked_input", "extras", "notebook_views", "status"),
+    *("contact", "integrated_energy", "own_law", "timed_force", "chain", "scales", "state", "methods", "problem"),
+    *(
+        "numerics",
+        "kernel_records",
+        "fixed_step",
+        "adaptive",
+        "reference",
+        "pymunk_contacts",
+        "force_pieces",
+        "dispatch",
+    ),
+    *(
+        "trajectory_file",
+        "trajectory_tables",
+        "trajectory",
+        "compile_log",
+        "advice",
+        "simulation",
+        "warm_up",
+        "chain_ensemble",
+        "analysis",
+    ),
 )
 SANDBOX = (
-    *("resources", "user_error", "console", "output_files", "scene_runs", "trajectory_summary", "motion"),
-    *("draw", "film", "session", "studies", "window", "cli"),
+    *(
+        "resources",
+        "user_error",
+        "console",
+        "output_files",
+        "scene_runs",
+        "trajectory_summary",
+        "motion_words",
+        "motion",
+        "sweeps",
+    ),
+    *("draw", "film", "page", "session", "studies", "window", "notebook", "cli"),
 )
 ROOMS = (
     *(f"physics.{room}" for room in PHYSICS),
@@ -39,7 +68,7 @@ SAME_BASENAME = {
 PEERS = "sandbox/studies/precision/peers/"
 HOMES = {  # package: the files, or folders ending in /, that may import it
     # compiled callbacks need more of numba than jit; peers share no kernel with what they are compared to
-    "numba": ("physics/numerics/", "physics/pymunk_contacts/compiled_law.py", PEERS),
+    "numba": ("physics/numerics/", "physics/pymunk_contacts/compiled_law.py", "physics/compile_log.py", PEERS),
     "llvmlite": ("physics/numerics/",),
     "pymunk": (
         "physics/pymunk_contacts/soft_contact.py",
@@ -48,6 +77,7 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
         "physics/pymunk_contacts/soft_chain.py",
         "physics/pymunk_contacts/space_forces.py",
         "physics/pymunk_contacts/runner.py",
+        "physics/warm_up.py",
         "sandbox/studies/stability/rigid_cradle.py",
         "sandbox/window/hanging/",
     ),
@@ -56,15 +86,42 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
         "physics/reference/runner.py",
         "physics/analysis/closed_forms.py",
         "physics/analysis/matching.py",
+        # sample points, and the version that they depend on
+        "sandbox/sweeps/",
         PEERS,
     ),
-    "pygame": ("sandbox/draw/", "sandbox/film/", "sandbox/window/", "sandbox/cli/commands/play.py"),
+    "pygame": (
+        "sandbox/draw/",
+        "sandbox/film/",
+        "sandbox/window/",
+        "sandbox/notebook/film_view.py",
+        "sandbox/cli/commands/play.py",
+    ),
     "pygame_gui": ("sandbox/window/",),
-    "matplotlib": ("sandbox/studies/",),
+    "matplotlib": (
+        "sandbox/studies/",
+        "sandbox/notebook/figure_view.py",
+        # the type of what plot() returns
+        "physics/notebook_views.py",
+        "physics/trajectory.py",
+        "scenes/scene_schema.py",
+    ),
+    "pandas": ("physics/trajectory_tables.py", "physics/trajectory.py"),
+    "xarray": (
+        "physics/trajectory_tables.py",
+        "physics/trajectory.py",
+        "sandbox/sweeps/",
+        "sandbox/cli/commands/sweep.py",
+    ),
+    "zarr": ("sandbox/sweeps/",),
+    "h5netcdf": ("sandbox/sweeps/",),
+    "h5py": ("sandbox/sweeps/dataset_files.py",),
+    "distributed": ("sandbox/sweeps/",),
     "av": ("sandbox/film/",),
     "PIL": ("sandbox/film/",),
+    "argcomplete": ("sandbox/cli/",),
     "rich": ("sandbox/console.py", "sandbox/cli/", "sandbox/film/", "sandbox/studies/"),
-    "pydantic": ("scenes/",),
+    "pydantic": ("scenes/", "sandbox/sweeps/"),
     "tomli_w": ("scenes/",),
     "CyRK": (PEERS,),
     "heyoka": (PEERS,),

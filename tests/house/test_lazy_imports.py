@@ -6,6 +6,7 @@ from tests.helpers.paths import ROOT, source_files
 
 FILES = {
     "softcradle/__init__.py": "public names load on first use",
+    "physics/notebook_views.py": "what a notebook shows is drawn by the sandbox, which lies above",
     "physics/__init__.py": "public names load on first use",
 }
 

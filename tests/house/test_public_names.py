@@ -17,9 +17,11 @@ PUBLIC = [
     "Chain",
     "Contact",
     "METHODS",
+    "OwnLaw",
     "SoftChain",
     "SoftContact",
     "State",
+    "TimedForce",
     "Trajectory",
     "advance",
     "cluster_on_cluster",
@@ -32,6 +34,7 @@ PUBLIC = [
     "simulate",
     "stable_step",
     "step_force",
+    "warm",
 ]
 
 
@@ -71,13 +74,13 @@ def test_other_names_are_refused(package):
 def test_a_star_import_gives_the_public_names():
     names: dict[str, object] = {}
     exec("from softcradle import *", names)  # an import of this kind is for the top of a module alone
-    assert sorted(names.keys() - {"__builtins__"}) == PUBLIC
+    assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "play", "sweep"])
 
 
 def test_the_version_is_that_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert softcradle.__version__ == project["version"]
-    assert dir(softcradle) == sorted([*PUBLIC, "__version__"])
+    assert dir(softcradle) == sorted([*PUBLIC, "__version__", "play", "sweep"])
 
 
 @pytest.mark.parametrize("name", PUBLIC)
@@ -94,3 +97,31 @@ def test_methods_are_described():
         assert method.order >= 1
         assert method.summary
         assert "\n" not in method.summary
+
+
+def public_definitions(name: str) -> list[ast.FunctionDef]:
+    """The function of that name, or the methods of the class, without private ones."""
+    value = getattr(physics, name)
+    if not callable(value):
+        return []
+    tree = ast.parse(inspect.getsource(value))
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    return [node for node in nodes if not node.name.startswith("_") or node.name == "__init__"]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_signatures_say_what_they_take(name):
+    for definition in public_definitions(name):
+        given = definition.args
+        arguments = [*given.posonlyargs, *given.args, *given.kwonlyargs]
+        annotations = [definition.returns, *(argument.annotation for argument in arguments)]
+        texts = [ast.unparse(annotation) for annotation in annotations if annotation is not None]
+        assert not [text for text in texts if "Any" in text], definition.name
+
+
+@pytest.mark.parametrize("name", ["SoftContact", "SoftChain"])
+def test_help_shows_a_cradle(name):
+    text = inspect.getdoc(getattr(softcradle, name)) or ""
+    assert "A cradle in ten lines" in text
+    assert f">>> from softcradle import {name}, hertz" in text
+    assert ">>> for _ in range(" in text

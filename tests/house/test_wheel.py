@@ -23,8 +23,8 @@ ASSETS = (
     "icon.png",
     "Inter-Regular.otf",
     "Inter-SemiBold.otf",
-    "report/compare.css",
-    "report/compare.js",
+    "page/page.css",
+    "page/player.js",
 )
 
 # The user's own game: its folders bear the names of ours.
@@ -165,3 +165,70 @@ def test_fonts_theme_and_report_are_found(installed):
     program = f"from softcradle.sandbox.resources import resource\nfor name in {ASSETS}: print(resource(name))"
     files = [Path(line) for line in installed.run(installed.python, "-c", program).splitlines()]
     assert [file for file in files if not file.is_relative_to(installed.packages)] == []
+
+
+USER_SCRIPT = """
+from typing import assert_type
+
+import numpy as np
+import pymunk
+import softcradle
+from numpy.typing import NDArray
+from softcradle import Chain, Contact, SoftChain, State, Trajectory, advance, draft_gear, one_on, power_law, simulate, warm
+
+chain = one_on(4, power_law(f0=1.0, alpha=0.1))
+result = simulate(chain, velocity=[1, 0, 0, 0, 0], samples=np.linspace(0.0, 1.0, 5))
+assert_type(chain, Chain)
+assert_type(result, Trajectory)
+assert_type(result.final_velocity, NDArray[np.float64])
+assert_type(result.contact_intervals[0][0], tuple[float, float])
+assert_type(power_law(1.0, 0.1).force(0.5), float)
+assert_type(power_law(1.0, 0.1).force([0.5, 1.0]), NDArray[np.float64])
+assert_type(softcradle.__version__, str)
+state = State.at_start(chain, [1, 0, 0, 0, 0])
+advance(chain, state, 0.1)
+bodies = [pymunk.Body(1, 1), pymunk.Body(1, 1)]
+pymunk.Space().add(*bodies, *SoftChain(bodies, draft_gear(770, 0.0177), 1.0))
+warm("verlet")
+"""
+
+WRONG_SCRIPT = """
+import softcradle
+from softcradle import one_on, power_law, simulate
+
+softcradle.simulat  # attr-defined
+one_on("4", power_law(1.0, 0.1))  # arg-type
+simulate(one_on(4, power_law(1.0, 0.1)), [1, 0], metod="verlet")  # call-arg
+"""
+
+
+def type_checked(installed: Installed, name: str, script: str) -> list[str]:
+    """What mypy says of a user's script, by lines."""
+    (installed.game / name).write_text(script, encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(installed.python), name]
+    kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}
+    done = subprocess.run(command, cwd=installed.game, env=kept, capture_output=True, text=True, check=False)
+    return done.stdout.splitlines()
+
+
+@pytest.mark.slow
+def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
+    pytest.importorskip("mypy")
+    assert type_checked(installed, "user.py", USER_SCRIPT) == ["Success: no issues found in 1 source file"]
+    found = type_checked(installed, "wrong.py", WRONG_SCRIPT)
+    codes = [line.rpartition("[")[2].rstrip("]") for line in found if ": error:" in line]
+    assert codes == ["attr-defined", "arg-type", "call-arg"]
+
+
+def test_the_source_archive_holds_documentation_and_examples(tmp_path):
+    import tarfile
+
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as opened:
+        names = {name.partition("/")[2] for name in opened.getnames()}
+    kept = ("README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "docs/architecture.md")
+    assert names.issuperset(kept)
+    assert {f"examples/{path.name}" for path in (ROOT / "examples").glob("*.ipynb")} <= names
+    assert {f"docs/{path.name}" for path in (ROOT / "docs").glob("*.png")} <= names

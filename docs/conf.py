@@ -1,0 +1,76 @@
+"""The documentation, made by Sphinx; tables and the page that plays are made by softcradle itself, before the rest is read."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from softcradle.physics.version import version as installed_version
+from sphinx.application import Sphinx
+from sphinx.writers.html5 import HTML5Translator
+from written_by_softcradle import write_all
+
+project = "softcradle"
+author = "The softcradle authors"
+copyright = f"{author}, MIT licence"
+version = release = installed_version()
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_made", "measured", "gallery/*.ipynb", "gallery/*.py"]  # parts of other pages, downloads
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+default_role = "code"  # names in docstrings stand between single backticks
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # docstrings say what arguments mean, with shape and unit
+napoleon_google_docstring = True
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+
+html_theme = "furo"
+html_title = f"softcradle {version}"
+html_static_path = ["_made/static"]
+
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples/gallery",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/plot_",
+    "abort_on_example_error": True,
+    "only_warn_on_example_error": False,
+    "show_memory": False,
+    "download_all_examples": False,
+    "write_computation_times": False,  # what is built is the same on every machine
+    "plot_gallery": "True",
+}
+linkcheck_timeout = 20
+linkcheck_retries = 2
+linkcheck_ignore = [r"https?://localhost.*"]
+
+write_all(Path(__file__).parent / "_made")
+
+
+def setup(app: Sphinx) -> None:
+    """Write equations as MathML, which browsers show without a script and without a network."""
+    app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+
+
+html_math_renderer = "mathml"
+
+
+def _inline(translator: HTML5Translator, node: nodes.math) -> None:
+    translator.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def _block(translator: HTML5Translator, node: nodes.math_block) -> None:
+    translator.body.append(f"<p>{convert(node.astext(), display='block')}</p>")
+    raise nodes.SkipNode

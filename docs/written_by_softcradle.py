@@ -1,0 +1,119 @@
+"""What softcradle writes for its documentation: the lists of methods, scenes and commands, measured tables, a page that plays."""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from softcradle.physics.simulation import solve
+from softcradle.sandbox.cli.main import COMMANDS
+from softcradle.sandbox.page.motion_family import render_page
+from softcradle.sandbox.studies.verify.number_list import verified
+from softcradle.scenes.contact_kinds import KINDS
+
+from softcradle import METHODS, one_on, power_law, scenes
+
+STEPS_A_CONTACT = (8, 64, 512)  # of fixed-step methods in the measured table
+CONTACT_TIME = 1.8  # s, that the striker of one on four touches at alpha = 1/10
+
+
+def write_all(folder: Path) -> None:
+    """Write every part into `folder`; parts that have not changed keep their time, so that little is read anew."""
+    folder.mkdir(exist_ok=True)
+    (folder / "static").mkdir(exist_ok=True)
+    parts = {
+        "methods": methods(),
+        "scenes": catalogue(),
+        "laws": laws(),
+        "errors": errors(),
+        "commands": commands(),
+        "verified": checked(),
+    }
+    for name, lines in parts.items():
+        text, path = "\n".join(lines) + "\n", folder / f"{name}.md"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+    render_page(scenes.load("one-on-four"), folder / "static" / "one-on-four.html", live="alpha")
+
+
+def table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """A table in Markdown."""
+    yield f"| {' | '.join(titles)} |"
+    yield f"|{'---|' * len(titles)}"
+    for row in rows:
+        yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |"
+
+
+def methods() -> Iterator[str]:
+    """The methods."""
+    rows = [
+        [
+            f"`{m.name}`",
+            str(m.order),
+            "a tolerance" if m.adaptive else "a step",
+            "yes" if m.set_valued else "no",
+            m.summary,
+        ]
+        for m in METHODS
+    ]
+    return table(["method", "order", "takes", "preload may rest", ""], rows)
+
+
+def catalogue() -> Iterator[str]:
+    """The scenes."""
+    loaded = [(name, scenes.load(name)) for name in scenes.names()]
+    return table(["scene", "", "where"], [[f"`{name}`", scene.title, scene.source] for name, scene in loaded])
+
+
+def laws() -> Iterator[str]:
+    """The contact laws."""
+    return table(
+        ["law", "its numbers"], [[f"`{kind.law}`", ", ".join(f"`{n}`" for n in kind.numbers)] for kind in KINDS]
+    )
+
+
+def errors() -> Iterator[str]:
+    """Errors of the final velocities of one on four by every method, against the default one at a tolerance of 1e-12."""
+    chain, start = one_on(4, power_law(1.0, 0.1)), [1.0, 0.0, 0.0, 0.0, 0.0]
+    truth = solve(chain, start, tolerance=1e-12, samples=2).final_velocity
+    rows = []
+    for method in METHODS:
+        if method.name == "scipy":
+            continue
+        found = [
+            solve(chain, start, method=method.name, samples=2, **setting)
+            for setting in (
+                [{"tolerance": t} for t in (1e-4, 1e-6, 1e-8)]
+                if method.adaptive
+                else [{"step": CONTACT_TIME / count} for count in STEPS_A_CONTACT]
+            )
+        ]
+        apart = [float(np.abs(run.final_velocity - truth).max()) for run in found]
+        rows.append([f"`{method.name}`", *(f"{error:.0e}" for error in apart), str(found[-1].steps)])
+    titles = ["method", "8 steps a contact, or 1e-4", "64, or 1e-6", "512, or 1e-8", "steps of the last"]
+    return table(titles, rows)
+
+
+def checked() -> Iterator[str]:
+    """The numbers known from outside, each with its source, beside what softcradle finds; what `softcradle verify` prints."""
+    rows = [
+        [row.known.name, f"{row.known.value:.10g}", row.known.source, f"{row.found:.10g}", f"{row.error:.0e}"]
+        for row in verified()
+    ]
+    return table(["number", "known", "source", "found", "error"], rows)
+
+
+def commands() -> Iterator[str]:
+    """The help of every command."""
+    for command in COMMANDS:
+        parser = argparse.ArgumentParser(prog=f"softcradle {command.name}", description=f"{command.help}.".capitalize())
+        command.load().add_arguments(parser)
+        yield from (f"## softcradle {command.name}", "", "```text", parser.format_help().rstrip(), "```", "")
+
+
+if __name__ == "__main__":
+    with warnings.catch_warnings():
+        write_all(Path(__file__).parent / "_made")

@@ -1,0 +1,86 @@
+"""The documentation: its examples run, its commands and scenes exist, and it is built without a warning."""
+
+from __future__ import annotations
+
+import doctest
+import re
+import shlex
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+from softcradle.sandbox.cli.main import COMMANDS
+
+from softcradle import scenes
+from tests.helpers.paths import ROOT
+
+PAGES = sorted((ROOT / "docs").glob("*.md"))
+TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
+FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
+FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if ">>> " in TEXTS[page.name]], ids=lambda page: page.name)
+def test_examples_run(page):
+    failed, tried = doctest.testfile(str(page), module_relative=False, optionflags=FLAGS)
+    assert tried > 0
+    assert failed == 0
+
+
+def command_lines():
+    """Every command line of a page: those of shell blocks, and those between backticks."""
+    for name, text in TEXTS.items():
+        blocks = [line for kind, body in FENCED.findall(text) if kind == "sh" for line in body.splitlines()]
+        spans = re.findall(r"`(softcradle [^`\n]+)`", text)
+        yield from ((name, line) for line in [*blocks, *spans] if line.startswith("softcradle "))
+
+
+@pytest.mark.parametrize(("page", "line"), list(command_lines()))
+def test_commands_and_scenes_exist(page, line):
+    _, command, *words = shlex.split(line, comments=True)
+    assert command in {known.name for known in COMMANDS}
+    if command in ("run", "render", "compare") and re.fullmatch(r"[a-z-]+", words[0]):
+        assert words[0] in scenes.names()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_bold_scenes_exist(page):
+    named = {
+        word for word in re.findall(r"\*\*([a-z]+(?:-[a-z]+)+)\*\*", TEXTS[page.name]) if page.name == "teachers.md"
+    }
+    assert named <= set(scenes.names())
+
+
+def test_python_blocks_are_python():
+    for name, text in TEXTS.items():
+        for kind, body in FENCED.findall(text):
+            if kind == "python":
+                compile(body, name, "exec")
+
+
+@pytest.mark.slow
+def test_it_is_built_without_a_warning(tmp_path):
+    if any(find_spec(name) is None for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "sphinx_gallery")):
+        pytest.skip("the extra [docs] is not installed")
+    build = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "--fail-on-warning",
+        "--keep-going",
+        "-q",
+        "-b",
+        "html",
+        "docs",
+        str(tmp_path),
+    ]
+    done = subprocess.run(build, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    made = {page.stem for page in tmp_path.glob("*.html")}
+    assert made >= {page.stem for page in PAGES}
+    gallery = {script.stem for script in (ROOT / "examples" / "gallery").glob("plot_*.py")}
+    assert {page.stem for page in (tmp_path / "gallery").glob("plot_*.html")} == gallery
+    assert len(gallery) == 3
+    assert len(list((tmp_path / "_images").glob("sphx_glr_plot_*.png"))) >= len(gallery)
+    assert (tmp_path / "_static" / "one-on-four.html").stat().st_size > 50_000
