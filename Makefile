@@ -1,16 +1,18 @@
-# Both commands do their own set-up: a .venv in this folder, made from PYTHON (3.11 or newer).
+# Every command does its own set-up: a .venv in this folder, made from PYTHON (3.11 or newer).
 PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test check play screenshots bench clean help
+.PHONY: demo test check docs links play screenshots bench clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make test   run the whole test suite"
 	@echo "make check  linter, formatter and type checker"
+	@echo "make docs   build the documentation in out/docs, warnings are errors"
+	@echo "make links  check the links of the documentation to other sites"
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
 	@echo "make play   open the sandbox window"
-	@echo "make screenshots   pictures of the window, for this README"
+	@echo "make screenshots   pictures of the window and of a page, for this README"
 
 .venv/.installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "softcradle needs Python 3.11 or newer; set PYTHON=..."; exit 2; }
@@ -25,8 +27,10 @@ demo: .venv/.installed
 	$(BIN)/softcradle run one-on-four -o out/one-on-four.csv > out/one-on-four.txt
 	@cat out/one-on-four.txt
 
-test: .venv/.installed
-	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist loadfile
+test: .venv/.installed # kernels are compiled first, side by side: test processes would each compile all of them
+	@$(BIN)/python -c "import softcradle; softcradle.warm('accurate')" & \
+	$(BIN)/python -c "import softcradle; softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive])"; wait
+	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal
 
 check: .venv/.installed
 	$(BIN)/ruff check .
@@ -37,6 +41,17 @@ check: .venv/.installed
 	@for room in physics scenes sandbox; do ln -sfn $(CURDIR)/$$room .venv/typed/softcradle/$$room; done
 	MYPYPATH=.venv/typed $(BIN)/mypy
 
+.venv/.docs: .venv/.installed
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	@touch $@
+
+docs: .venv/.docs
+	$(BIN)/python -m pytest -q -n 0 tests/house/test_documentation.py
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs out/docs
+
+links: .venv/.docs # needs the network, so it is no part of the tests
+	$(BIN)/python -m sphinx -q -b linkcheck docs out/links
+
 bench: .venv/.installed
 	$(BIN)/python -m benchmarks
 
@@ -45,6 +60,7 @@ play: .venv/.installed
 
 screenshots: .venv/.installed
 	SDL_VIDEODRIVER=dummy $(BIN)/python -m softcradle.sandbox.window.screenshots docs/window
+	$(BIN)/python -m tests.helpers.page_pictures docs/page
 
 clean:
 	rm -rf .venv out dist
