@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import groupby
+from time import perf_counter
 
 from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.session.recording import Path, Recording, hash_of, load_recording
@@ -19,9 +21,9 @@ class Replay:
         diverged: the first frame whose state is not the recorded one; None as long as all agree.
     """
 
-    def __init__(self, recording: Recording, scene: Scene) -> None:
+    def __init__(self, recording: Recording, scene: Scene, clock: Callable[[], float] = perf_counter) -> None:
         self.recording = recording
-        self.session = Session(scene)
+        self.session = Session(scene, clock=clock)
         self.session.begin(recording.base, recording.frame)
         self.diverged: int | None = None
         self.playing = True
@@ -30,9 +32,9 @@ class Replay:
         self._apply_inputs()
 
     @classmethod
-    def load(cls, path: Path) -> Replay:
-        """The replay of a file that `Session.save_recording` wrote. UserError where it is none."""
-        return cls(*load_recording(path))
+    def load(cls, path: Path, clock: Callable[[], float] = perf_counter) -> Replay:
+        """The replay of a file that `Session.save_recording` wrote, paced by `clock` [s]. UserError where it is none."""
+        return cls(*load_recording(path), clock)
 
     @property
     def done(self) -> bool:

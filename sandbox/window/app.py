@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterable
 from functools import partial
+from time import perf_counter
 
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
@@ -37,9 +38,13 @@ class App:
     Arguments:
         size: of the window [pixels].
         start: name of a scene, or path of a scene or session file, to open; None shows the gallery.
+        clock: wall time [s], by which physics and plots of a frame end when the frame's time is used up.
     """
 
-    def __init__(self, size: tuple[int, int] = DESIGN, start: str | None = None) -> None:
+    def __init__(
+        self, size: tuple[int, int] = DESIGN, start: str | None = None, clock: Callable[[], float] = perf_counter
+    ) -> None:
+        self.clock = clock
         self.surface = open_display(size)
         self.reader = ScreenReader("softcradle")
         self.size = self._window_size = self.surface.get_size()

@@ -34,12 +34,12 @@ def _scene_page(host: Host, scene: Scene, leave: Callable[[], None]) -> Page:
     from softcradle.sandbox.session.session import Session
     from softcradle.sandbox.window.scene.scene_page import ScenePage
 
-    return ScenePage(host, Session(scene), leave)
+    return ScenePage(host, Session(scene, clock=host.clock), leave)
 
 
 def _replay_page(host: Host, path: str, leave: Callable[[], None]) -> Page:
     from softcradle.sandbox.session.replay import Replay
     from softcradle.sandbox.window.scene.scene_page import ScenePage
 
-    replay = Replay.load(path)
+    replay = Replay.load(path, host.clock)
     return ScenePage(host, replay.session, leave, replay)

@@ -24,6 +24,7 @@ class Host(Protocol):
         warmup: the thread behind the window.
         settings: what is kept from one start to the next.
         surface: what is drawn on.
+        clock: wall time [s], by which physics and plots of a frame end when the frame's time is used up.
     """
 
     surface: pygame.Surface
@@ -33,6 +34,7 @@ class Host(Protocol):
     messages: Messages
     warmup: KernelWarmup
     settings: Settings
+    clock: Callable[[], float]
 
     def quit(self) -> None:
         """End at the end of this frame."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from time import process_time
 
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
@@ -14,11 +16,20 @@ from softcradle.sandbox.window.scene.scene_page import ScenePage
 FRAME = 1.0 / 60.0
 
 
+LONGEST_WORK = 120.0  # seconds of processor time after which what a test waits for does not come
+
+
 class Driver:
-    """Posts keys and mouse events to an App, and lets its frames pass."""
+    """Posts keys and mouse events to an App, and lets its frames pass.
+
+    Attributes:
+        app: the window; its clock moves between frames alone, so no frame depends on how busy the machine is.
+        time: of that clock [s].
+    """
 
     def __init__(self, start: str | None = None, size: tuple[int, int] = (1280, 720)) -> None:
-        self.app = App(size, start)
+        self.time = 0.0
+        self.app = App(size, start, lambda: self.time)
         assert self.app.warmup.complete.wait(300.0)
         self.frames(2)
 
@@ -38,6 +49,15 @@ class Driver:
     def frames(self, count: int = 1) -> None:
         for _ in range(count):
             self.app.frame(FRAME)
+            self.time += FRAME
+
+    def until(self, found: Callable[[], object]) -> None:
+        """Frames until `found`, for what a thread behind the window does."""
+        end = process_time() + LONGEST_WORK
+        while not found():
+            assert process_time() < end, "nothing came"
+            self.frames()
+            pygame.time.wait(2)
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
         pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode=text, scancode=0))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
-from time import perf_counter
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
@@ -29,7 +28,7 @@ def _balanced(names: list[str], most: int) -> list[list[str]]:
 
 
 class PlotBoard:
-    """Plots of a session.
+    """Plots of a session; `clock` [s] ends the drawing of missing columns in a frame.
 
     Attributes:
         shown: names of the kinds that are shown, in the order of the table.
@@ -42,8 +41,8 @@ class PlotBoard:
         span: their time axis.
     """
 
-    def __init__(self, session: Session) -> None:
-        self.session = session
+    def __init__(self, session: Session, clock: Callable[[], float]) -> None:
+        self.session, self.clock = session, clock
         self.shown = [name for name in self.available() if PLOT_KINDS[name].shown]
         self.hidden, self.logarithmic = False, True
         self.pair = PAIR
@@ -142,10 +141,10 @@ class PlotBoard:
             self._invalidate_branch()
         grown = self._seen[2] != last or (block, block.revision) != self._seen[:2]
         self._seen = block, block.revision, last
-        began = perf_counter()
+        began = self.clock()
         for plot in self.plots:
             plot.update(grown, COLUMNS_AT_ONCE)
-        while perf_counter() - began < DRAWING_SECONDS and not all(plot.complete for plot in self.plots):
+        while self.clock() - began < DRAWING_SECONDS and not all(plot.complete for plot in self.plots):
             for plot in self.plots:
                 plot.update(False, COLUMNS_AT_ONCE)
 

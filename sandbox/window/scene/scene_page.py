@@ -38,7 +38,7 @@ class ScenePage:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
         self._setup = session.setup
         self.editor = SceneEditor(host, session)
-        self.board = PlotBoard(session)
+        self.board = PlotBoard(session, host.clock)
         self.cards = LaneCards(host, session)
         self.inspector = Inspector(host, session, self.editor)
         self.view = SceneView(host, session, self.editor, self.board, self.inspector)
@@ -70,7 +70,7 @@ class ScenePage:
 
     def show_scene(self, scene: Scene) -> None:
         """Show another scene in place of this page."""
-        self.host.show(ScenePage(self.host, Session(scene), self.leave))
+        self.host.show(ScenePage(self.host, Session(scene, clock=self.host.clock), self.leave))
 
     @property
     def title(self) -> str:

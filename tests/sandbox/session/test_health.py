@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from softcradle.physics import METHODS, simulate
 from softcradle.physics.scales import speed_scale
-from softcradle.sandbox.session import AddBead, Session, SetContact, SetMethod, SetSlow, SetStep, SetVelocity
+from softcradle.sandbox.session import AddBead, SetContact, SetMethod, SetSlow, SetStep, SetVelocity
 from softcradle.sandbox.session.health import LEVELS, MOST_CHATTER
 from softcradle.sandbox.session.method_choice import ERROR, FRAME_COST, STEP_COST, choose_method, steps_in
 
 from softcradle import scenes
+from tests.helpers.sessions import opened
 
 LIVE = [method.name for method in METHODS if method.name != "scipy"]
 
@@ -27,7 +28,7 @@ RATTLING = {"weak-contact"}  # the cluster that breaks rattles shortly: its cont
 
 @pytest.mark.parametrize("name", scenes.names())
 def test_the_chosen_method_is_good_on_every_scene(name):
-    health = worst_of(Session(scenes.load(name)), 900)
+    health = worst_of(opened(name), 900)
     assert health.level == "good" or (name in RATTLING and health.level == "fair")
     assert health.energy_error < 1e-10
     assert health.chatter < 0.5 or name in RATTLING
@@ -47,7 +48,7 @@ def test_the_chosen_step_holds_the_error_that_it_promises(name):
 
 @pytest.mark.parametrize("method", LIVE)
 def test_every_method_can_be_switched_to_while_it_runs(method):
-    session = Session(scenes.load("hertz-cradle"))
+    session = opened("hertz-cradle")
     session.step_frames(510)
     session.apply(SetMethod(None, method))
     session.step_frames(500)
@@ -59,7 +60,7 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "pymunk"])
 def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
-    session = Session(scenes.load("draft-gear-one-on-three"))
+    session = opened("draft-gear-one-on-three")
     session.apply(SetMethod(0, method))
     health = worst_of(session)
     assert health.chatter > MOST_CHATTER
@@ -69,7 +70,7 @@ def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
 
 
 def test_too_large_a_step_of_an_explicit_method_is_bad():
-    session = Session(scenes.load("hertz-cradle"))
+    session = opened("hertz-cradle")
     session.apply(SetSlow(1.0))
     session.apply(SetMethod(0, "euler"))
     session.apply(SetStep(0, 0.05))
@@ -80,7 +81,7 @@ def test_too_large_a_step_of_an_explicit_method_is_bad():
 
 
 def test_velocities_of_steps_longer_than_a_contact_are_called_arbitrary():
-    session = Session(scenes.load("hertz-cradle"))
+    session = opened("hertz-cradle")
     session.apply(SetSlow(1.0))
     session.apply(SetContact(0, None, session.lanes[0].chain.contact[0].__class__(0.0, 1e9, 1.5)))
     session.apply(SetStep(0, 1.0))
@@ -90,7 +91,7 @@ def test_velocities_of_steps_longer_than_a_contact_are_called_arbitrary():
 
 
 def test_a_method_that_blows_up_is_stopped_and_reported():
-    session = Session(scenes.load("hertz-cradle"))
+    session = opened("hertz-cradle")
     session.apply(SetSlow(1.0))
     session.apply(SetMethod(0, "euler"))
     session.apply(SetStep(0, 1.0))
@@ -112,7 +113,7 @@ def test_a_method_that_blows_up_is_stopped_and_reported():
 
 
 def test_a_frame_of_fifty_beads_leaves_time_for_drawing():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     for _ in range(45):
         session.apply(AddBead(0, 5))
     session.apply(SetSlow(1.0))

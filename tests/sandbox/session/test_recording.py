@@ -11,11 +11,12 @@ from softcradle.sandbox.session.random_play import play_at_random
 from softcradle.sandbox.user_error import UserError
 
 from softcradle import scenes
+from tests.helpers.sessions import FakeClock, opened
 
 
 def played(name="one-on-four", method="auto"):
     """A session with edits, a drag, a branch and a slow motion that changes."""
-    session = Session(scenes.load(name))
+    session = opened(name)
     session.apply(SetMethod(None, method))
     session.play()
     for k in range(40):
@@ -76,7 +77,7 @@ def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
 
 def test_a_replay_also_runs_by_the_clock(tmp_path):
     played().save_recording(tmp_path / "played.npz")
-    replay = Replay.load(tmp_path / "played.npz")
+    replay = Replay.load(tmp_path / "played.npz", FakeClock())
     ticks = 0
     while not replay.done:
         replay.tick(1 / 60)
@@ -104,7 +105,7 @@ def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
 
 def test_another_input_diverges_at_the_frame_after_it(tmp_path):
     path = tmp_path / "played.npz"
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(250)
     session.apply(SetMass(0, 1, 2.5))
     session.step_frames(50)
@@ -116,7 +117,7 @@ def test_another_input_diverges_at_the_frame_after_it(tmp_path):
 
 
 def test_only_the_last_pointer_position_of_a_frame_is_recorded():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.play()
     for k in range(1000):
         session.drag(0, 0, 0.001 * k)
@@ -135,7 +136,7 @@ def test_random_play_replays_with_the_same_digits(tmp_path, seed):
 
 def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):
     monkeypatch.setattr(recording, "MOST_INPUTS", 20)
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.play()
     for k in range(100):
         session.drag(0, 0, 0.01 * k)

@@ -3,27 +3,14 @@
 import numpy as np
 import pytest
 from softcradle.physics import simulate
-from softcradle.sandbox.session import Drag, RemoveBead, Session, SetMass, SetSlow, SetVelocity
+from softcradle.sandbox.session import Drag, RemoveBead, SetMass, SetSlow, SetVelocity
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
 from softcradle import scenes
+from tests.helpers.sessions import FakeClock, opened
 
 PICTURE = 2.0 / FRAME_RATE
-
-
-class FakeClock:
-    """A clock that a test sets."""
-
-    def __init__(self) -> None:
-        self.now = 0.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-def opened(name="one-on-four", **options):
-    return Session(scenes.load(name), **{"clock": FakeClock(), **options})
 
 
 def played(session, frames):

@@ -8,7 +8,6 @@ from softcradle.sandbox.session import (
     Lock,
     RemoveBead,
     Replay,
-    Session,
     SetContact,
     SetDrive,
     SetFriction,
@@ -22,7 +21,7 @@ from softcradle.sandbox.session import (
 )
 from softcradle.sandbox.session.undo import MOST_STEPS
 
-from softcradle import scenes
+from tests.helpers.sessions import opened
 
 EDITS = (
     SetMass(0, 1, 2.5),
@@ -49,7 +48,7 @@ def picture(session):
 
 @pytest.mark.parametrize("edit", EDITS, ids=lambda item: type(item).__name__)
 def test_every_edit_is_undone_and_redone_with_the_motion(edit):
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(300)
     session.scrub_frame(100)
     before = picture(session)
@@ -67,7 +66,7 @@ def test_every_edit_is_undone_and_redone_with_the_motion(edit):
 
 
 def test_steps_are_undone_in_turn_also_across_a_restart():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     seen = []
     for k, edit in enumerate(EDITS):
         session.step_frames(10)
@@ -84,7 +83,7 @@ def test_steps_are_undone_in_turn_also_across_a_restart():
 
 
 def test_an_edit_after_an_undo_drops_what_could_be_redone():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.apply(SetMass(0, 1, 2.0))
     session.undo()
     session.apply(SetMass(0, 1, 3.0))
@@ -92,7 +91,7 @@ def test_an_edit_after_an_undo_drops_what_could_be_redone():
 
 
 def test_a_gesture_is_one_step():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     start = session.lanes[0].position.copy()
     for k in range(20):
         session.drag(0, 0, -0.1 * k)
@@ -110,7 +109,7 @@ def test_a_gesture_is_one_step():
 
 
 def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(30)
     before = picture(session)
     session.play()
@@ -125,7 +124,7 @@ def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
 
 
 def test_a_refused_input_drops_no_frame():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(200)
     session.scrub_frame(50)
     for refused in (SetMass(0, 1, -1.0), SetVelocity(0, 99, 1.0), SetSlow(-1.0), SetStep(0, 0.0)):
@@ -136,7 +135,7 @@ def test_a_refused_input_drops_no_frame():
 
 
 def test_a_recording_after_an_undo_replays(tmp_path):
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(100)
     session.apply(SetMass(0, 1, 2.5))
     session.step_frames(100)
@@ -154,7 +153,7 @@ def test_a_recording_after_an_undo_replays(tmp_path):
 
 
 def test_unsaved_edits_are_known():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     assert not session.undo_stack.unsaved
     session.apply(SetMass(0, 1, 2.5))
     assert session.undo_stack.unsaved
@@ -168,7 +167,7 @@ def test_unsaved_edits_are_known():
 
 
 def test_steps_are_bounded_in_number_and_memory(monkeypatch):
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     for k in range(MOST_STEPS + 20):
         session.apply(SetMass(0, 1, 1.0 + k))
     assert len(session.undo_stack.done) == MOST_STEPS

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import weakref
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,11 +34,7 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
     gallery = Driver()
     page = gallery.app.page
     assert isinstance(page, GalleryPage)
-    deadline = time.monotonic() + 90.0
-    while len(page.pictures) < len(page.names) and time.monotonic() < deadline:
-        gallery.frames()
-        pygame.time.wait(5)
-    assert len(page.pictures) == len(page.names)
+    gallery.until(lambda: len(page.pictures) == len(page.names))
     assert len(list((tmp_path / "cache").glob("*.png"))) == len(UNDRAWN)
     chosen = page.names.index("one-on-four")
     page.selected = chosen

@@ -17,9 +17,7 @@ def swept(driver: Driver) -> SweepBoard:
     """The board, when all is computed."""
     board = driver.app.dialog
     assert isinstance(board, SweepBoard)
-    while board.found is None:
-        driver.frames()
-        pygame.time.wait(2)
+    driver.until(lambda: board.found is not None)
     return board
 
 
