@@ -8,6 +8,7 @@ For y'' = f(y) the stages of the rates drop out: with A and b of the method,
 from __future__ import annotations
 
 import numpy as np
+from softcradle.physics.numerics.exact_matrices import exact_product
 
 STAGES = 12
 NODES = np.array(
@@ -112,6 +113,6 @@ FIFTH[[0, 5, 6, 7, 8, 9, 10, 11]] = [
     -0.022355307863886294,
 ]
 
-SQUARE = _TABLEAU @ _TABLEAU  # from accelerations to stage overlaps
-WEIGHTS_SQUARE = WEIGHTS @ _TABLEAU  # and to the overlap at the end
-THIRD_SQUARE, FIFTH_SQUARE = THIRD @ _TABLEAU, FIFTH @ _TABLEAU  # and to its errors
+SQUARE = exact_product(_TABLEAU, _TABLEAU)  # from accelerations to stage overlaps
+WEIGHTS_SQUARE = exact_product(WEIGHTS, _TABLEAU)  # and to the overlap at the end
+THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH, _TABLEAU)  # and to its errors
