@@ -46,7 +46,7 @@ check: .venv/.installed
 	@touch $@
 
 docs: .venv/.docs
-	$(BIN)/python -m pytest -q -n 0 tests/house/test_documentation.py
+	$(BIN)/python -m pytest -q -n 0 -m "not slow" tests/house/test_documentation.py
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs out/docs
 
 links: .venv/.docs # needs the network, so it is no part of the tests

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -35,10 +36,12 @@ autodoc_typehints = "none"  # docstrings say what arguments mean, with shape and
 napoleon_google_docstring = True
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+napoleon_attr_annotations = False  # types of arrays would hide the sentences
 
 html_theme = "furo"
 html_title = f"softcradle {version}"
-html_static_path = ["_made/static"]
+html_static_path = ["static", "_made/static"]
+html_css_files = ["softcradle.css"]
 
 sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
@@ -61,9 +64,15 @@ write_all(Path(__file__).parent / "_made")
 def setup(app: Sphinx) -> None:
     """Write equations as MathML, which browsers show without a script and without a network."""
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.connect("source-read", _without_last_blank_lines)
 
 
 html_math_renderer = "mathml"
+
+
+def _without_last_blank_lines(app: Sphinx, name: str, source: list[str]) -> None:
+    """Examples end with a blank line, where the doctest reads the end of the output; pages need none."""
+    source[0] = re.sub(r"\n\n```$", "\n```", source[0], flags=re.MULTILINE)
 
 
 def _inline(translator: HTML5Translator, node: nodes.math) -> None:

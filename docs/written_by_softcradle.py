@@ -17,6 +17,7 @@ from softcradle.scenes.contact_kinds import KINDS
 from softcradle import METHODS, one_on, power_law, scenes
 
 STEPS_A_CONTACT = (8, 64, 512)  # of fixed-step methods in the measured table
+ROUND_OFF = 1e-8  # below it a number of order 1 is its error alone
 CONTACT_TIME = 1.8  # s, that the striker of one on four touches at alpha = 1/10
 
 
@@ -59,13 +60,15 @@ def methods() -> Iterator[str]:
         ]
         for m in METHODS
     ]
-    return table(["method", "order", "takes", "preload may rest", ""], rows)
+    return table(["method", "order", "takes", "a preload may rest at 0", "what it is"], rows)
 
 
 def catalogue() -> Iterator[str]:
     """The scenes."""
     loaded = [(name, scenes.load(name)) for name in scenes.names()]
-    return table(["scene", "", "where"], [[f"`{name}`", scene.title, scene.source] for name, scene in loaded])
+    return table(
+        ["scene", "title", "where in the paper"], [[f"`{name}`", scene.title, scene.source] for name, scene in loaded]
+    )
 
 
 def laws() -> Iterator[str]:
@@ -93,17 +96,28 @@ def errors() -> Iterator[str]:
         ]
         apart = [float(np.abs(run.final_velocity - truth).max()) for run in found]
         rows.append([f"`{method.name}`", *(f"{error:.0e}" for error in apart), str(found[-1].steps)])
-    titles = ["method", "8 steps a contact, or 1e-4", "64, or 1e-6", "512, or 1e-8", "steps of the last"]
+    titles = ["method", "8 steps a contact, or 10⁻⁴", "64, or 10⁻⁶", "512, or 10⁻⁸", "steps of the last"]
     return table(titles, rows)
 
 
 def checked() -> Iterator[str]:
     """The numbers known from outside, each with its source, beside what softcradle finds; what `softcradle verify` prints."""
     rows = [
-        [row.known.name, f"{row.known.value:.10g}", row.known.source, f"{row.found:.10g}", f"{row.error:.0e}"]
+        [
+            row.known.name,
+            f"{row.known.value:.10g}",
+            row.known.source,
+            _found(row.found),
+            f"{row.error:.0e}" if row.error else "0",
+        ]
         for row in verified()
     ]
     return table(["number", "known", "source", "found", "error"], rows)
+
+
+def _found(value: float) -> str:
+    """A number to ten digits; one of round-off to one."""
+    return f"{value:.10g}" if value == 0.0 or abs(value) > ROUND_OFF else f"{value:.0e}"
 
 
 def commands() -> Iterator[str]:

@@ -30,12 +30,16 @@ def ensemble(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Trajectory]:
-    """Let many chains move, each as :func:`physics.simulate` would, to the last digit and in any order.
+    """Let many chains move, each as `simulate` would, to the last digit and in any order.
 
     Arguments:
-        chains, velocities: C of each; ``velocities[k]`` (n+1,) are the start velocities of ``chains[k]`` [m/s].
-        duration, step: one for all or C of them [s], as for `simulate`.
-        method, tolerance, samples: as for `simulate`; two samples are the start and the end.
+        chains: C of them.
+        velocities: C lists; ``velocities[k]`` (n+1,) are the start velocities of ``chains[k]`` [m/s].
+        duration: one for all or C of them [s], as for `simulate`.
+        method: as for `simulate`.
+        step: one for all or C of them [s], as for `simulate`.
+        samples: as for `simulate`; two are the start and the end.
+        tolerance: as for `simulate`.
         workers: threads; None takes one for each core that this process may use.
         progress: called from the calling thread with the number of chains that have been done since the last call.
 
@@ -46,7 +50,8 @@ def ensemble(
 
     >>> from softcradle import ensemble, one_on, power_law
     >>> chains = [one_on(2, power_law(1.0, 1.0 / k)) for k in (1, 2, 10)]
-    >>> [float(found.final_velocity[0].round(3)) for found in ensemble(chains, [[1, 0, 0]] * 3)]
+    >>> found = ensemble(chains, [[1, 0, 0]] * 3)
+    >>> [float(run.final_velocity[0].round(3)) for run in found]
     [-0.13, -0.238, -0.333]
     """
     if isinstance(chains, Chain):

@@ -48,6 +48,12 @@ def film_of(shown: object, slow: float | None, size: tuple[int, int]) -> InlineF
         return film
 
 
+def write_page(shown: object, path: str | PathLike[str], slow: float | None) -> None:
+    """Write the page of a Trajectory."""
+    with needed_for("to_page()", "film"):
+        _module("page_view").write_trajectory(shown, path, slow)
+
+
 def html_of(shown: object) -> str:
     """The table of a Trajectory, a Scene or a Chain, with a picture where matplotlib is installed."""
     html: str = _module("html_view").html_of(shown)

@@ -57,8 +57,8 @@ class OwnLaw:
 
     >>> import math
     >>> from softcradle import OwnLaw, one_on, simulate
-    >>> lattice = OwnLaw(lambda overlap: math.expm1(overlap))  # Toda's exponential springs, which only push
-    >>> simulate(one_on(2, lattice), [1, 0, 0], method="conserving").final_velocity.round(2)
+    >>> toda = OwnLaw(lambda overlap: math.expm1(overlap))  # exponential springs, which only push
+    >>> simulate(one_on(2, toda), [1, 0, 0], method="conserving").final_velocity.round(2)
     array([-0.1 ,  0.12,  0.99])
     """
 
@@ -93,7 +93,7 @@ class OwnLaw:
 
     @cached_property
     def preload(self) -> float:
-        """Force [N] at which the contact begins to yield: the limit of the law at overlap 0."""
+        """Force [N] at which the contact begins to yield, the limit of the law at overlap 0."""
         return float(self._force(np.array([LEAST_OVERLAP]))[0])
 
     @cached_property

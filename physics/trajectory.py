@@ -39,14 +39,19 @@ class Trajectory:
         force: (T, n) contact forces [N].
         final_velocity: (n+1,) bead velocities [m/s] at the end of the run, wherever the samples lie.
         contact_intervals: per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens.
-        method, step, tolerance: how it was made; step in s (0 for adaptive methods), tolerance 0 for fixed steps.
-        steps, evaluations, seconds: cost: steps, evaluations of all contact forces, wall time of the solver [s].
+        method: by which it was made.
+        step: of a fixed-step method [s]; 0 for adaptive ones.
+        tolerance: of an adaptive method; 0 for fixed steps.
+        steps: how many were taken.
+        evaluations: how often all contact forces were evaluated.
+        seconds: wall time of the solver [s].
         status: how the run ended; where it gave up, `final_velocity` is that of the time it reached.
         velocity_error: (n+1,) estimated error [m/s] of `final_velocity`; nan where the method estimates none (fixed steps).
         warnings: what may be wrong with it, each with a code, a sentence and its numbers; empty when nothing is.
         choice: what method "auto" chose and why; "" where the method was given.
-        absorbed_by_contacts, absorbed_by_bed: (T,) energy [J] that contacts with loss and bed friction have taken since
-            t = 0: kinetic + contact energy + both = that at the start + `driven`.
+        absorbed_by_contacts: (T,) energy [J] that contacts with loss have taken since t = 0.
+        absorbed_by_bed: (T,) energy [J] that bed friction has taken since t = 0. Kinetic + contact energy + both = that at
+            the start + `driven`.
         given: (T, 2) work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out.
     """
 
@@ -83,7 +88,7 @@ class Trajectory:
 
     @cached_property
     def position(self) -> Array:
-        """(T, n+1) positions [m], bead lengths taken out: two beads that just touch have the same position."""
+        """(T, n+1) positions [m], bead lengths taken out; two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
 
     @cached_property
@@ -109,7 +114,7 @@ class Trajectory:
 
     @property
     def ledger(self) -> Array:
-        """(T,) energy [J] that must not change: kinetic, of contacts, absorbed by them and by the bed, less `driven`."""
+        """(T,) energy [J] that must not change, kinetic + of contacts + absorbed by them and by the bed - `driven`."""
         energy = self.kinetic_energy + self.contact_energy - self.driven
         return energy + self.absorbed_by_contacts + self.absorbed_by_bed
 
@@ -176,6 +181,14 @@ class Trajectory:
     def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> notebook_views.InlineFilm:
         """A film of the samples, which a notebook plays: `slow` seconds for one of motion, else six in all. Extra [film]."""
         return notebook_views.film_of(self, slow, size)
+
+    def to_page(self, path: trajectory_file.Path, slow: float | None = None) -> None:
+        """Write an HTML page that plays the samples, `slow` seconds for one of motion, else six in all. Extra [film].
+
+        Raises:
+            UserError: it cannot be written, or the motion is too long for a page.
+        """
+        notebook_views.write_page(self, path, slow)
 
     def __repr__(self) -> str:
         end = "gave up" if self.status.gave_up else self.status.name.lower()

@@ -172,7 +172,9 @@ class Scene(Table):
         source: where it is in the paper.
         lanes: one chain each; all are shown at the same time.
         duration: [s]; None: until every contact is open and none can close again.
-        method, step, tolerance: those of `physics.simulate`, step in s; None: its defaults.
+        method: that of `simulate`; None is its default, as for the next two.
+        step: of a fixed-step method [s].
+        tolerance: of an adaptive method.
         view: how it is shown.
     """
 

@@ -1,7 +1,7 @@
 // Loupes: each contact at a magnification of its own, because overlaps of neighbours differ by decades.
 
 // Least distance of loupes with their text beside them, and below them where not all would have room otherwise.
-const LOUPE_PITCH = 168, NARROW_PITCH = 86;
+const LOUPE_PITCH = 196, NARROW_PITCH = 86;
 const GREATEST_DEPTH = 1.05; // radii of a loupe that the greatest overlap fills at most
 
 // Where the loupes of a lane lie: those that have room, neighbours from the one with the greatest overlap on.

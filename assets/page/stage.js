@@ -5,6 +5,7 @@ const GROUND = 30; // from the ground line to the lower edge of the drawing
 const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
 const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
 const BARS_HEIGHT = 46; // of one row of energy and momentum
+const RIGID = "if clusters were rigid";
 const LEAST_WIDTH = 200; // also while the page has none, as when it is hidden
 
 class Stage {
@@ -27,9 +28,10 @@ class Stage {
     canvas.style.height = `${height}px`;
     const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
     const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8;
-    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density,
+    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale);
+    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions,
       contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
-      barRoom: base - (narrow ? 60 : 24), origin: width / 2 - scale * (low + high) / 2 };
+      barRoom: base - captions.bottom - 20, origin: width / 2 - scale * (low + high) / 2 };
   }
 
   draw(now) {
@@ -55,6 +57,16 @@ function leftEdges(now, view, data) {
   return now.position.map((x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
 }
 
+// Where the captions of the bars stand: after the label, or below it where there is no room; bars end below the captions.
+function captionPlaces(pen, motion, data, room) {
+  const words = (text, weight, size) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
+  const force = `contact force (${data.forceUnit.name})`;
+  const label = 8 + (motion.label ? words(motion.label, 600, 15) + 14 : 0), after = label + words(force, 400, 12.5);
+  const named = after < room ? force : "", rigid = motion.rigid.some((share) => share !== 0);
+  const beside = after + 36 + words(RIGID, 400, 12.5) < room;
+  return { label, force: named, rigid: rigid && (beside ? [after + 16, 20] : [8, 39]), bottom: rigid && !beside ? 40 : 22 };
+}
+
 function backdrop(pen, view, data) {
   const { theme, width, ground, motion } = view;
   pen.fillStyle = theme.card;
@@ -64,24 +76,25 @@ function backdrop(pen, view, data) {
     const y = barTop(view, data, value * unit.size);
     pen.fillStyle = theme.line;
     pen.fillRect(0, Math.round(y), width, 1);
-    if (y > 58) write(pen, text, 8, y - 3, 12, theme.muted);
+    if (y > view.captions.bottom + 15) write(pen, text, 8, y - 3, 12, theme.muted);
   }
-  pen.font = `600 15px ${FONT}`;
-  const label = motion.label ? Math.min(pen.measureText(motion.label).width + 14, width) : 0;
+  const { label, force, rigid } = view.captions;
   write(pen, motion.label, 8, 20, 15, theme.ink, "left", true);
-  if (label < width - 230) write(pen, `contact force (${unit.name})`, 8 + label, 20, 12.5, theme.muted);
-  if (motion.rigid.some((share) => share !== 0)) {
+  write(pen, force, label, 20, 12.5, theme.muted);
+  if (rigid) {
     pen.fillStyle = theme.ink;
-    pen.fillRect(8, 34, 14, 1.5);
-    write(pen, "if clusters were rigid", 28, 39, 12.5, theme.muted);
+    pen.fillRect(rigid[0], rigid[1] - 5, 14, 1.5);
+    write(pen, RIGID, rigid[0] + 20, rigid[1], 12.5, theme.muted);
   }
   pen.fillStyle = theme.strong;
   pen.fillRect(0, Math.round(ground), width, 1.5);
   ruler(pen, view, data);
 }
 
+const rulerLength = (data, width, scale) => roundDown(Math.min(1.6 * data.length, 0.3 * width / scale));
+
 function ruler(pen, view, data) {
-  const { theme, width } = view, length = roundDown(Math.min(1.6 * data.length, 0.3 * width / view.scale));
+  const { theme, width } = view, length = rulerLength(data, width, view.scale);
   const right = width - 12, left = right - length * view.scale;
   pen.fillStyle = theme.muted;
   pen.fillRect(left, 20, right - left, 1.5);
@@ -127,11 +140,13 @@ function forceBars(pen, view, data, now) {
     pen.fillStyle = view.contactColours[k];
     pen.fillRect(x - wide / 2, top, wide, view.base - top);
     pen.fillStyle = theme.ink;
+    let above = top;
     if (k !== motion.interface && expected > visible) {
-      const reach = wide / 2 + (view.narrow ? 3 : 5);
-      pen.fillRect(x - reach, barTop(view, data, expected) - 0.75, 2 * reach, 1.5);
+      const reach = wide / 2 + (view.narrow ? 3 : 5), line = barTop(view, data, expected);
+      pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
+      if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through
     }
-    if (force > visible && size >= 28) write(pen, fixed(force / unit, decimals), x, top - 5, size < 40 ? 11 : 13, theme.ink, "center", true);
+    if (force > visible && size >= 28) write(pen, fixed(force / unit, decimals), x, above - 5, size < 40 ? 11 : 13, theme.ink, "center", true);
   });
 }
 
@@ -151,8 +166,10 @@ function balances(pen, view, data, now, top) {
   const second = narrow ? { x: 0, y: top + BARS_HEIGHT } : { x: wide + 24, y: top };
   const mass = motion.mass.map((m) => m ?? 0);
   const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
-  const taken = motion.dissipative ? ", taken by friction" : "";
-  write(pen, `energy: motion of each bead, stored in contacts (grey)${taken}`, 0, top + 16, 12, theme.muted);
+  const taken = motion.dissipative ? ", taken by friction" : "", whole = `energy: motion of each bead, stored in contacts (grey)${taken}`;
+  pen.font = `400 12px ${FONT}`;
+  const room = pen.measureText(whole).width < wide;
+  write(pen, room ? whole : `energy of beads, contacts (grey)${motion.dissipative ? ", friction" : ""}`, 0, top + 16, 12, theme.muted);
   let x = frame(pen, theme, 0, top + 23, wide);
   [...kinetic, now.stored, now.absorbed].forEach((value, k) => {
     const part = Math.max(0, value / data.scales.energy * wide);

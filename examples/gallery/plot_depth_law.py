@@ -3,7 +3,8 @@ How deep a blow goes
 ====================
 
 Inside a cluster of soft beads overlaps fall by decades from bead to bead: the evanescent mode. The paper's Eq. (6) says by
-how much; here it stands beside what a collision of one on six beads shows when the first contact is pressed most.
+how much; here it stands beside what a collision of one on six beads shows when the first contact is pressed most: the softer, the
+closer.
 """
 
 import matplotlib.pyplot as plt
@@ -14,11 +15,14 @@ from softcradle import one_on, power_law, simulate
 
 figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
 depth = np.arange(1, 6)
-for colour, alpha in zip(("tab:blue", "tab:orange", "tab:green"), (1 / 2, 1 / 5, 1 / 10), strict=True):
-    run = simulate(one_on(6, power_law(1.0, alpha)), [1, 0, 0, 0, 0, 0, 0], samples=2001)
+for look, alpha in (("C0s", 1 / 2), ("C1o", 1 / 5), ("C2^", 1 / 10)):
+    chain = one_on(6, power_law(1.0, alpha))
+    run = simulate(chain, [1, 0, 0, 0, 0, 0, 0], samples=2001)
     deepest = run.overlap[np.argmax(run.overlap[:, 0])]
-    axes.semilogy(depth, deepest[1:] / deepest[1], "o", color=colour, label=f"alpha = {alpha:g}")
-    axes.semilogy(depth, depth_law(6, alpha), color=colour, linewidth=1)
-axes.set(xlabel="contact inside the cluster", ylabel="overlap / first one inside", xticks=depth)
-axes.legend(title="dots: simulated, lines: Eq. (6)")
+    found = deepest[1:] / deepest[1]
+    axes.semilogy(depth, found, look, fillstyle="none", label=f"alpha = {alpha:g}")
+    axes.semilogy(depth, depth_law(6, alpha), look[:2], linewidth=1)
+axes.set(xlabel="contact inside the cluster", ylabel="overlap / first one inside")
+axes.set_xticks(depth)
+axes.legend(title="marks: simulated, lines: Eq. (6)")
 plt.show()

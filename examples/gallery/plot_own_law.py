@@ -24,25 +24,29 @@ class Toda:
         return self.stiffness * math.expm1(self.steepness * overlap)
 
 
+laws = {"Toda": Toda(1.0, 5.0), "power law, alpha = 1/20": power_law(1.0, 1 / 20)}
 start = [1.0] + [0.0] * 10
 runs = {
-    "Toda": simulate(one_on(10, Toda(1.0, 5.0)), start, method="conserving", step=0.01),
-    "power law, alpha = 1/20": simulate(one_on(10, power_law(1.0, 1 / 20)), start, method="conserving", step=0.01),
+    name: simulate(one_on(10, law), start, method="conserving", step=0.01)
+    for name, law in laws.items()
 }
 
 # %%
 # Both keep their energy to round-off, whatever the law.
 
 for name, run in runs.items():
-    print(f"{name}: energy changes by {abs(run.ledger / run.ledger[0] - 1).max():.0e} of itself")
+    change = abs(run.ledger / run.ledger[0] - 1).max()
+    print(f"{name}: energy changes by {change:.0e} of itself")
 
 # %%
 # Forces over time: a pulse that travels, and steps that hold all contacts at once.
 
-figure, panels = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+figure, panels = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 for axes, (name, run) in zip(panels, runs.items(), strict=True):
     for contact in range(10):
-        axes.plot(run.time, run.force[:, contact], color=plt.cm.viridis(contact / 10), label=f"{contact}-{contact + 1}")
+        colour, label = plt.cm.viridis(contact / 10), f"{contact}-{contact + 1}"
+        axes.plot(run.time, run.force[:, contact], color=colour, label=label)
     axes.set(title=name, xlabel="time [s]", ylabel="contact force [N]")
-panels[1].legend(fontsize=7, ncols=2, title="contact")
+handles = panels[1].get_legend_handles_labels()
+figure.legend(*handles, loc="outside lower center", ncols=10, fontsize=8)
 plt.show()

@@ -27,7 +27,7 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     """Longest step [s] at which euler, verlet and yoshida4 stay within `error` of the closing speed: an estimate.
 
     Explicit steps h have no strict limit of stability for an exponent a < 1: h² L a K d**(a-1) exceeds 4 as d -> 0, and
-    the contact chatters at the overlap d where it does. The shortest of four steps is returned:
+    the contact chatters at the overlap d where it does. The shortest of four steps is returned::
 
         stiffness    h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
         chatter      the same at the overlap whose energy gives the velocity `error`, for a < 1

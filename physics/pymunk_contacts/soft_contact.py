@@ -41,7 +41,7 @@ class SoftContact(pymunk.DampedSpring):
     ...     ball.position = i, 0
     ...     space.add(ball)
     >>> for a, b in zip(balls, balls[1:]):
-    ...     space.add(SoftContact(a, b, (0, 0), (0, 0), touching_distance=1, contact=hertz(1e4)))
+    ...     space.add(SoftContact(a, b, (0, 0), (0, 0), 1, hertz(1e4)))
     >>> balls[0].velocity = 1, 0
     >>> for _ in range(1000):
     ...     space.step(1e-4)

@@ -31,7 +31,12 @@ from softcradle.scenes import View
 KEY = 26.0  # design pixels of the line with name and key, above the bars
 FORCE_LABEL = 17.0  # design pixels of a force above its bar
 RULER = 150.0  # design pixels of the ruler with its words, at the right end of that line
-TALLEST_BEAD = 0.40  # of the height of the drawing
+TALLEST_BEAD, LEAST_BEAD = (
+    0.40,
+    0.30,
+)  # of the height of the drawing: a bead, and what is left to it where bars need room
+BAR_LIFT = 8.0  # design pixels from the tops of the beads to the axis of the bars
+LEAST_BAR = 18.0  # design pixels of the highest bar, for which beads give way
 GROUND = 30.0  # design pixels from the ground line to the lower edge of the drawing
 SMALLEST_NUMBER = 8.0  # pixels: lower numbers on beads could not be read and are left out
 SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts beside them
@@ -87,13 +92,11 @@ class LaneDrawing:
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
         height = body_height(scene)
-        self.scale = min(
-            rect.width / (high - low), TALLEST_BEAD * rect.height / (height * self.length)
-        )  # pixels a metre
+        self.scale = min(rect.width / (high - low), _tallest(rect, unit) / (height * self.length))  # pixels a metre
         self.bead = self.length * self.scale  # pixels
         self.number_size = (0.31 if height < 1.0 else 0.36) * height * self.bead
         self.ground = rect.bottom - GROUND * unit
-        self.bar_base = self.ground - max(height * self.bead, 12 * unit) - 8 * unit
+        self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
         self.bar_room = self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit  # pixels of the highest bar
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach(lane.velocity)
@@ -268,6 +271,12 @@ class LaneDrawing:
             draw_arrow(surface, mix(self.colours[i], tones.foreground, ARROW_TONE), (middle, y), length, self.unit)
             if self.mass_labels:
                 write(surface, self.mass_labels[i], (middle, y + 5 * self.unit), size, tones.muted, align=(0.5, 0))
+
+
+def _tallest(rect: pygame.Rect, unit: float) -> float:
+    """Pixels of the tallest bead: what bars of LEAST_BAR leave to it in a low drawing, but not less than LEAST_BEAD."""
+    room = rect.height - (KEY + FORCE_LABEL + LEAST_BAR + BAR_LIFT + GROUND) * unit
+    return min(TALLEST_BEAD * rect.height, max(room, LEAST_BEAD * rect.height))
 
 
 def is_gear(contact: Contact | OwnLaw) -> bool:

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import pygame
-from softcradle.physics import Contact, Trajectory, hooke
+from softcradle.physics import Trajectory
 from softcradle.physics.notebook_views import InlineFilm
 from softcradle.sandbox.draw import Picture, motion_of
 from softcradle.sandbox.film.scene_film import render_scene
 from softcradle.sandbox.film.writer import open_film
-from softcradle.scenes import Lane, Scene, View
-from softcradle.scenes.contact_table import law_of
-from softcradle.scenes.scene_schema import ForceTable
+from softcradle.sandbox.notebook.chain_scene import scene_of, usual_slow
+from softcradle.scenes import Scene
 
 FILM_RATE = 30.0  # frames a second
-UNDRAWN = law_of(hooke(1.0))  # stands in the scene for a law of one's own, which no scene can name and no picture shows
-FILM_LENGTH = 6.0  # seconds of film where no slow motion is given
 
 
 def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]) -> InlineFilm:
@@ -36,29 +32,12 @@ def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]
 def _write(trajectory: Trajectory, path: Path, slow: float | None, size: tuple[int, int]) -> None:
     """Write the samples of the trajectory, each for as long as it is the nearest one."""
     span = float(trajectory.time[-1] - trajectory.time[0])
-    slow = slow or (FILM_LENGTH / span if span > 0.0 else 1.0)
+    slow = slow or usual_slow(trajectory)
     times = trajectory.time[0] + np.arange(int(span * slow * FILM_RATE) + 1) / (slow * FILM_RATE)
     between = 0.5 * (trajectory.time[1:] + trajectory.time[:-1])
-    picture = Picture(_scene(trajectory, slow), [motion_of(trajectory)], size, slow=slow)
+    picture = Picture(scene_of(trajectory, slow), [motion_of(trajectory)], size, slow=slow)
     with open_film(path, size, FILM_RATE) as film:
         for row in np.searchsorted(between, times):
             surface: pygame.Surface = film.free_surface()
             picture.paint(surface, int(row))
             film.add(surface)
-
-
-def _scene(trajectory: Trajectory, slow: float) -> Scene:
-    """The trajectory's chain as a scene: a picture takes title and view from it."""
-    chain = trajectory.chain
-    lane = Lane(
-        mass=chain.mass,
-        contact=tuple(law_of(contact) if isinstance(contact, Contact) else UNDRAWN for contact in chain.contact),
-        velocity=tuple(trajectory.velocity[0].tolist()),
-        gap=chain.gap,
-        drive=chain.drive,
-        friction=chain.friction,
-        forces=tuple(ForceTable(**asdict(item)) for item in chain.forces),
-        brakes=tuple(ForceTable(**asdict(item)) for item in chain.brakes),
-    )
-    title = f"{chain.contacts + 1} beads, by {trajectory.method}"
-    return Scene(title=title, lanes=(lane,), duration=float(trajectory.time[-1]) or None, view=View(slow=slow))

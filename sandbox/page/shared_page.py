@@ -61,7 +61,7 @@ def page_text(played: PlayedMotion) -> str:
         chart_row(charts),
         "<h2>In numbers</h2>",
         each_member(played, member_tables),
-        _scene_file(scene),
+        _scene_file(played),
         footer([]),
     ]
     return document(scene.title, parts)
@@ -75,8 +75,11 @@ def each_member(played: PlayedMotion, part: Callable[[Member], str]) -> str:
     )
 
 
-def _scene_file(scene: Scene) -> str:
+def _scene_file(played: PlayedMotion) -> str:
+    """The scene as text; nothing where a chain has a law of one's own, which no scene file can hold."""
+    if any(found.chain.own_laws for member in played.members for found in member.trajectories):
+        return ""
     return (
         "<details><summary>The scene as a file: softcradle play FILE lets you change it</summary>"
-        f'<pre tabindex="0">{escape(scene.to_toml())}</pre></details>'
+        f'<pre tabindex="0">{escape(played.scene.to_toml())}</pre></details>'
     )

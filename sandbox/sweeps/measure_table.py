@@ -101,7 +101,8 @@ class Measure:
 
     Attributes:
         name: of its variable in the Dataset.
-        unit, meaning: its attributes.
+        unit: an attribute of the variable.
+        meaning: another, in a sentence.
         each: "bead" or "contact" where it has a number for each of these, else "".
         function: gives it of a Run; None is nan.
     """

@@ -36,7 +36,8 @@ class Axis:
     Attributes:
         path: where it is in the scene, such as ``lanes.0.contact.alpha``, or the name of a function's argument.
         values: the values that it takes, numbers or texts; empty for one that is sampled between bounds.
-        low, high: the bounds of a sampled one.
+        low: the lower bound of a sampled one.
+        high: its upper bound.
         scale: how samples lie between them: "linear", "log" (even in the logarithm), "whole" (whole numbers, both included).
         name: of its coordinate in the Dataset; "": its path.
     """

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import product
 from pathlib import Path
 
@@ -23,6 +26,25 @@ from softcradle import scenes
 
 FRAME = 1.0 / 60.0  # seconds
 LONGEST_WAIT = 120.0  # seconds for kernels
+STRONGEST = 1.883  # s: the greatest force of one-on-four
+PRESSED = 0.055  # s: all contacts of beads-against-gear are closed
+
+
+@contextmanager
+def usual_settings() -> Iterator[None]:
+    """Theme, recent files and cache as at the very first start; those of whoever makes the pictures stay as they are."""
+    names = "SOFTCRADLE_CONFIG", "SOFTCRADLE_CACHE"
+    before = {name: os.environ.get(name) for name in names}
+    with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
+        os.environ |= {name: str(Path(folder) / name) for name in names}
+        try:
+            yield
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value
 
 
 def run_frames(app: App, count: int) -> None:
@@ -49,20 +71,28 @@ def save_all(folder: Path) -> None:
         pygame.time.wait(5)
     run_frames(app, 2)
     save(app, folder, "gallery")
-    _play(app, "one-on-four", 260, Pick(0, "contact", 1))
+    _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
     save(app, folder, "scene")
-    for action, name in (("values", "values"), ("tools", "tools"), ("lesson", "lesson")):
+    for action in ("values", "tools"):
         app.act(action)
         run_frames(app, 2)
-        save(app, folder, name)
+        save(app, folder, action)
         if app.dialog is not None and app.dialog.open:
             app.dialog.close()
+        if action == "values":
+            app.act(action)
     app.scale = 1.5
     app.rebuild()
     run_frames(app, 30)
     save(app, folder, "scale-150")
     app.scale = 1.0
-    _play(app, "beads-against-gear", 205, None)
+    app.open("one-on-four")
+    app.act("lesson")
+    run_frames(app, 2)
+    save(app, folder, "lesson")
+    if app.dialog is not None:
+        app.dialog.close()
+    _play(app, "beads-against-gear", PRESSED, None)
     save(app, folder, "two-lanes")
     _save_sweep(app, folder)
     app.toggle_theme()
@@ -82,7 +112,7 @@ def save_all(folder: Path) -> None:
 
 def _save_sweep(app: App, folder: Path) -> None:
     """The sweep of the exponent of a contact."""
-    _play(app, "one-on-four", 260, Pick(0, "contact", 0))
+    _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 0))
     page = app.page
     assert isinstance(page, ScenePage)
     page.inspector.sweep("exponent")
@@ -95,13 +125,14 @@ def _save_sweep(app: App, folder: Path) -> None:
         board.close()
 
 
-def _play(app: App, name: str, frames: int, selection: Pick | None) -> None:
-    """Play a scene for some frames, then select and pause."""
+def _play(app: App, name: str, end: float, selection: Pick | None) -> None:
+    """Play a scene to the time `end` [s], then select and pause."""
     app.open(name)
     page = app.page
     assert isinstance(page, ScenePage)
     app.act("play_pause")
-    run_frames(app, frames)
+    while page.session.time < end:  # frames that come late move by less
+        run_frames(app, 1)
     page.editor.selection = selection
     app.act("play_pause")
     run_frames(app, 30)
@@ -120,10 +151,11 @@ def save_thumbnails() -> None:
 def main() -> None:
     """Write them into the folder of the command line."""
     pygame.font.init()
-    save_thumbnails()
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/window")
     folder.mkdir(parents=True, exist_ok=True)
-    save_all(folder)
+    with usual_settings():
+        save_thumbnails()
+        save_all(folder)
 
 
 if __name__ == "__main__":

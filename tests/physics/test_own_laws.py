@@ -277,6 +277,11 @@ def test_results_show_themselves(tmp_path):
     assert repr(found.chain) == "Chain(mass=3 x 1.0, contact=2 x OwnLaw(Toda))"
     assert "Toda(overlap)" in html_of(found.chain)
     assert found.film(size=(320, 180)).data[4:8] == b"ftyp"
+    found.to_page(tmp_path / "x.html")
+    page = (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert "Toda(overlap)" in page
+    assert "The scene as a file" not in page  # which would name another law
+    assert found.to_xarray().force.shape == found.force.shape
 
 
 def test_a_pulse_in_a_long_row_is_solved_where_its_energy_loses_digits():

@@ -78,6 +78,16 @@ def test_a_film_is_shown_and_saved(found, tmp_path):
     Image.fromarray(frames[len(frames) // 2])
 
 
+def test_a_page_plays_the_samples(found, tmp_path):
+    found.to_page(tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "5 beads, by conserving" in text
+    assert "power_law(1, 0.1)" in text
+    assert "The scene as a file" in text
+    with pytest.raises(UserError, match="missing"):
+        found.to_page(tmp_path / "missing" / "page.html")
+
+
 @pytest.mark.slow
 def test_a_scene_is_a_film():
     assert scenes.load("one-on-four").film(slow=0.5, size=(320, 180)).data[4:8] == b"ftyp"

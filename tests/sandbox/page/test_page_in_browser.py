@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import time
 from importlib.util import find_spec
@@ -13,7 +14,7 @@ import pytest
 from PIL import Image
 from softcradle.sandbox.draw.number_format import MINUS
 
-from softcradle import scenes, simulate
+from softcradle import one_on, scenes, simulate
 from tests.helpers.browser import Browser, found
 
 pytestmark = pytest.mark.skipif(found() is None, reason="there is no browser")
@@ -65,6 +66,17 @@ def test_values_at_a_moment_are_those_recorded(pages, browser):
     np.testing.assert_allclose([number(text) for text in cells(browser, "force")], found.force[0], atol=1e-3)
     np.testing.assert_allclose([number(text) for text in cells(browser, "overlap")], found.overlap[0], rtol=0.06)
     assert cells(browser, "state") == ["loaded"] * 4
+    assert browser.complaints == []
+
+
+def test_a_law_of_ones_own_is_played_as_it_was_recorded(browser, tmp_path):
+    recorded = simulate(one_on(4, lambda d: math.expm1(3.0 * d)), [1, 0, 0, 0, 0], method="conserving", samples=1001)
+    recorded.to_page(tmp_path / "page.html")
+    k = 400
+    browser.visit(tmp_path / "page.html", f"#t={float(recorded.time[k])}")
+    shown = [number(text) for text in cells(browser, "velocity")]
+    np.testing.assert_allclose(shown, recorded.velocity[k], atol=1e-3)
+    np.testing.assert_allclose([number(text) for text in cells(browser, "force")], recorded.force[k], atol=2e-3)
     assert browser.complaints == []
 
 
@@ -251,6 +263,48 @@ def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
     area = {bead: (np.abs(picture - colour).max(axis=2) < 3).sum() for bead, colour in zip(beads, colours, strict=True)}
     assert min(area.values()) > 100  # each bead has its part of the bars
     assert browser.complaints == []
+
+
+# Boxes of the texts, and of the thin lines, that are drawn on the canvas of the beads from now on.
+SPY = """(() => {
+  const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
+  window.texts = []; window.rules = [];
+  pen.fillText = function (words, x, y) {
+    const wide = this.measureText(words).width, left = {center: wide / 2, right: wide}[this.textAlign] || 0;
+    const high = parseFloat(this.font.match(/([\\d.]+)px/)[1]);
+    if (this.canvas.className === 'stage') texts.push([words, x - left, y - 0.72 * high, x - left + wide, y]);
+    text.call(this, words, x, y);
+  };
+  pen.fillRect = function (x, y, wide, high) {
+    if (this.canvas.className === 'stage' && high === 1.5) rules.push(['', x, y, x + wide, y + high]);
+    box.call(this, x, y, wide, high);
+  };
+})()"""
+
+
+def covering(one, other):
+    return min(one[3], other[3]) - max(one[1], other[1]) > 1 and min(one[4], other[4]) - max(one[2], other[2]) > 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [320, 390, 600, 740, 900, 1280])
+@pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting"])
+def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width):
+    """The numbers on beads are left out: they move over each other with the beads."""
+    browser.device(width, 844)
+    browser.visit(pages(name).output, "#t=0")
+    browser.run(SPY)
+    room = browser.run("document.querySelector('.stage').clientWidth")
+    for share in np.linspace(0.0, 1.0, 9):
+        browser.run("texts.length = rules.length = 0")
+        browser.run(f"player.go(player.span[0] + {share} * (player.span[1] - player.span[0]))")
+        texts, rules = browser.run("[texts, rules]")
+        words = [text for text in texts if not text[0].isdigit()]
+        assert [
+            (a[0], b[0]) for k, a in enumerate(texts) for b in words if b not in texts[: k + 1] and covering(a, b)
+        ] == []
+        assert [text for text in texts if any(covering(text, rule) for rule in rules)] == []
+        assert [text for text in words if text[1] < -1 or text[3] > room + 1] == []
 
 
 def test_every_control_is_large_enough_for_a_finger_and_not_covered(pages, browser):
