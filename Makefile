@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test check docs links play screenshots bench clean help
+.PHONY: demo test check docs links play screenshots languages bench clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make test   run the whole test suite"
@@ -12,6 +12,7 @@ help:
 	@echo "make links  check the links of the documentation to other sites"
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
 	@echo "make play   open the sandbox window"
+	@echo "make languages   update the catalogues of messages, and say what waits for a translation"
 	@echo "make screenshots   pictures of the window and of a page, for this README"
 
 .venv/.installed: pyproject.toml
@@ -61,6 +62,9 @@ play: .venv/.installed
 screenshots: .venv/.installed
 	SDL_VIDEODRIVER=dummy $(BIN)/python -m softcradle.sandbox.window.screenshots docs/window
 	$(BIN)/python -m tests.helpers.page_pictures docs/page
+
+languages: .venv/.installed
+	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues
 
 clean:
 	rm -rf .venv out dist

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 os.environ["SOFTCRADLE_CONFIG"] = tempfile.mkdtemp(
     prefix="softcradle-settings-"
 )  # never those of whoever runs the tests
+os.environ["LANGUAGE"] = "en"  # texts are compared in English, whatever the locale of the machine
 settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )

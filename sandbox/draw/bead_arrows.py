@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from softcradle.sandbox.draw.shared_scales import Scales
+from softcradle.sandbox.languages import N_
 from softcradle.sandbox.motion import Array, Motion
 
 Shares = Callable[[Motion, int, Scales], Array]
@@ -32,4 +33,9 @@ def _none(motion: Motion, row: int, scales: Scales) -> Array:
     return np.zeros(len(motion.chain.mass))
 
 
-ARROWS: dict[str, Shares] = {"velocity": _velocity, "momentum": _momentum, "net force": _force, "none": _none}
+ARROWS: dict[str, Shares] = {
+    N_("velocity"): _velocity,
+    N_("momentum"): _momentum,
+    N_("net force"): _force,
+    N_("none"): _none,
+}

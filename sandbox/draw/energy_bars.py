@@ -8,12 +8,21 @@ from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import Array, Motion
 
 SMALL_ERROR = 1e-3  # relative error up to which a badge is green: less than a pixel of the bars
 # Titles of the energy bar, of which the longest that fits is written, and those of the momentum bar.
-ENERGY_TITLES = ("energy: motion of each bead, stored in contacts", "energy, stored in contacts", "energy")
-MOMENTUM_TITLES = ("momentum of each bead; marks: zero and total", "momentum; marks: zero, total", "momentum")
+ENERGY_TITLES = (
+    N_("energy: motion of each bead, stored in contacts"),
+    N_("energy, stored in contacts"),
+    N_("energy"),
+)
+MOMENTUM_TITLES = (
+    N_("momentum of each bead; marks: zero and total"),
+    N_("momentum; marks: zero, total"),
+    N_("momentum"),
+)
 
 
 class EnergyBars:
@@ -44,9 +53,9 @@ class EnergyBars:
         unit = self.unit
         for rect, titles in zip(self.bars, (ENERGY_TITLES, MOMENTUM_TITLES), strict=True):
             surface.fill(tones.grid, rect)
-            fitting = [title for title in titles if width(title, 12.5 * unit) < rect.width - 14 * unit] or [""]
+            fitting = [title for title in titles if width(_(title), 12.5 * unit) < rect.width - 14 * unit] or [""]
             end = write(
-                surface, fitting[0], (rect.left, rect.top - 3 * unit), 12.5 * unit, tones.muted, align=(0, 1)
+                surface, _(fitting[0]), (rect.left, rect.top - 3 * unit), 12.5 * unit, tones.muted, align=(0, 1)
             ).right
             if fitting[0].endswith("contacts"):
                 fill_rectangle(surface, tones.steel, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
@@ -58,9 +67,9 @@ class EnergyBars:
         self._momentum(surface, motion.momentum[row])
         if not self.has_badges:
             return
-        self._badge(surface, 0, "energy error", float(motion.energy_error[row]))
+        self._badge(surface, 0, _("energy error"), float(motion.energy_error[row]))
         if not (motion.chain.walls or motion.chain.on_bed):  # walls and the bed take momentum
-            self._badge(surface, 1, "momentum error", float(motion.momentum_error[row]))
+            self._badge(surface, 1, _("momentum error"), float(motion.momentum_error[row]))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:
         """From left to right: kinetic energies of the beads, energy stored in contacts, energy absorbed by gears and bed."""

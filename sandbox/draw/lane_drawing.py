@@ -25,6 +25,7 @@ from softcradle.sandbox.draw.rigid_clusters import rigid_shares
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.languages import _, label_words, localized
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import View
 
@@ -85,7 +86,7 @@ class LaneDrawing:
     def __init__(self, rect: pygame.Rect, unit: float, scene: DrawnScene, number: int, scales: Scales) -> None:
         self.rect, self.unit, self.scales = rect, unit, scales
         lane = scene.lanes[number]
-        self.label, self.length, self.numbered = lane.label, scene.view.length, scene.view.labels
+        self.label, self.length, self.numbered = label_words(lane.label), scene.view.length, scene.view.labels
         self.chain: Chain = lane.chain()
         palette = bead_colours(self.chain.contacts + 1)
         self.contact_colours = palette[1:]  # of the bead on the right, which the contact pushes
@@ -127,7 +128,7 @@ class LaneDrawing:
         self._ruler(surface)
         if self.arrows != "velocity":
             place = rect.right - 12 * unit, rect.bottom - 4 * unit
-            write(surface, f"arrows: {self.arrows}", place, 12 * unit, tones.muted, align=(1, 1))
+            write(surface, _("arrows: {what}", what=_(self.arrows)), place, 12 * unit, tones.muted, align=(1, 1))
 
     def _key(self, surface: pygame.Surface) -> None:
         """The name of the lane, and what bars and lines mean."""
@@ -135,8 +136,8 @@ class LaneDrawing:
         x, y = rect.left + 8 * unit, rect.top + 8 * unit
         if self.label:
             x = write(surface, self.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
-        x = write(surface, "contact force (N)", (x, y), 12.5 * unit, tones.muted).right + 14 * unit
-        words = "if clusters were rigid"
+        x = write(surface, _("contact force (N)"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
+        words = _("if clusters were rigid")
         fits = x + 20 * unit + width(words, 12.5 * unit) < rect.right - RULER * unit
         if fits and any(share != 0.0 for share in self.rigid):
             fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
@@ -145,7 +146,9 @@ class LaneDrawing:
     def _ruler(self, surface: pygame.Surface) -> None:
         unit, rect = self.unit, self.rect
         magnification = (
-            "drawn to scale" if self.scales.magnify == 1.0 else f"overlaps drawn {factor(self.scales.magnify)}"
+            _("drawn to scale")
+            if self.scales.magnify == 1.0
+            else _("overlaps drawn {times}", times=factor(self.scales.magnify))
         )
         length = round_down(min(1.6 * self.length, 0.3 * rect.width / self.scale))
         right, y = rect.right - 12 * unit, rect.top + 20 * unit
@@ -295,4 +298,4 @@ def mass_labels(chain: Chain) -> tuple[str, ...]:
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     if max(finite) <= EQUAL_MASSES * min(finite):
         return ()
-    return tuple(f"{mass:.3g} kg" if math.isfinite(mass) else "wall" for mass in chain.mass)
+    return tuple(localized(f"{mass:.3g} kg") if math.isfinite(mass) else _("wall") for mass in chain.mass)

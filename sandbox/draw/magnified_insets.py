@@ -12,6 +12,7 @@ from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 
 CAP_RADIUS = 1.5  # of the caps, in radii of an inset
@@ -52,8 +53,8 @@ class MagnifiedInsets:
             x, y = self.centre(slot)
             left = x + self.radius + 10 * self.unit
             name, magnification = subscript(contact, contact + 1), factor(self.magnify[contact])
-            write(surface, f"overlap δ{name}", (left, y - 30 * self.unit), size, tones.muted)
-            write(surface, f"seen at {magnification}", (left, y + 9 * self.unit), size, tones.muted)
+            write(surface, _("overlap {name}", name=f"δ{name}"), (left, y - 30 * self.unit), size, tones.muted)
+            write(surface, _("seen at {times}", times=magnification), (left, y + 9 * self.unit), size, tones.muted)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
         """Draw the insets for row `row` of `motion`; `contacts` (n,) are the contacts in the drawing of the lane [pixels]."""
@@ -63,7 +64,7 @@ class MagnifiedInsets:
             self._leader(surface, float(contacts[contact]), (x, y))
             inset = self._inset(contact, overlap * self.drawing.scale * self.magnify[contact])
             surface.blit(inset, (round(x) - self.side // 2, round(y) - self.side // 2))
-            depth = f"{scientific(overlap)} m" if overlap > 0.0 else "apart" if overlap < 0.0 else "touching"
+            depth = f"{scientific(overlap)} m" if overlap > 0.0 else _("apart") if overlap < 0.0 else _("touching")
             place = (x + self.radius + 10 * self.unit, y - 13 * self.unit)
             write(
                 surface,

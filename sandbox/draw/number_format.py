@@ -1,8 +1,10 @@
-"""Numbers as text: round ticks, powers of ten with superscripts, units of time."""
+"""Numbers as text, with the decimal mark of the language in use: round ticks, powers of ten, units of time."""
 
 from __future__ import annotations
 
 import math
+
+from softcradle.sandbox.languages import localized
 
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN"))
@@ -27,7 +29,7 @@ def fixed(value: float, decimals: int) -> str:
     text = f"{value:.{decimals}f}"
     if float(text) == 0.0:
         text = text.lstrip("-")
-    return text.replace("-", MINUS)
+    return localized(text.replace("-", MINUS))
 
 
 def scientific(value: float, digits: int = 1) -> str:
@@ -37,7 +39,7 @@ def scientific(value: float, digits: int = 1) -> str:
     if 0.01 <= abs(value) < 1000.0:
         return fixed(value, max(0, digits + 1 - math.floor(math.log10(abs(value))) - 1))
     mantissa, exponent = f"{value:.{digits}e}".split("e")
-    return f"{mantissa.replace('-', MINUS)}·{power_of_ten(int(exponent))}"
+    return localized(f"{mantissa.replace('-', MINUS)}·{power_of_ten(int(exponent))}")
 
 
 PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}
@@ -46,13 +48,13 @@ PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}
 def prefixed(value: float) -> str:
     """`value` to three digits with the prefix of a unit: 1.25 M for 1250000."""
     size, prefix = next(((s, p) for s, p in PREFIXES.items() if abs(value) >= 0.9995 * s), (1.0, ""))
-    return f"{value / size:.3g} {prefix}".strip().replace("-", MINUS)
+    return localized(f"{value / size:.3g} {prefix}".strip().replace("-", MINUS))
 
 
 def factor(value: float) -> str:
     """A magnification with a times sign before it, as in "x 0.5", "x 20", "x 5·10⁶"."""
     if 0.01 <= value < 1.0:
-        return f"{TIMES}{value:.2g}"
+        return localized(f"{TIMES}{value:.2g}")
     if 1.0 <= value < 100000.0:
         return f"{TIMES}{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
     mantissa, exponent = f"{value:.0e}".split("e")
@@ -108,4 +110,4 @@ def number_text(value: float | None) -> str:
         return "0"
     if not 1e-3 <= abs(value) < 1e5:
         return scientific(value, 2)
-    return fixed(value, 4) if abs(value) < 1000 else f"{value:.4g}".replace("-", MINUS)
+    return fixed(value, 4) if abs(value) < 1000 else localized(f"{value:.4g}".replace("-", MINUS))

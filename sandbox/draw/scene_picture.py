@@ -15,6 +15,7 @@ from softcradle.sandbox.draw.number_format import factor, fixed, subscript, time
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import Scene
 
@@ -66,9 +67,9 @@ class Picture:
         surface.fill(tones.background)
         header, unit = self.layout.header, self.layout.unit
         room, line_y = header.width - 200 * unit, header.top + 35 * unit
-        title = shortened(self.scene.title, 25 * unit, room, bold=True)
+        title = shortened(scene_words(self.scene.title), 25 * unit, room, bold=True)
         write(surface, title, header.topleft, 25 * unit, tones.foreground, bold=True)
-        line = "  ·  ".join(part for part in (self.scene.source, self.motions[0].method) if part)
+        line = "  ·  ".join(part for part in (scene_words(self.scene.source), self.motions[0].method) if part)
         write(surface, shortened(line, 14 * unit, room), (header.left, line_y), 14 * unit, tones.muted)
         write(surface, _speed(self.slow), (header.right, line_y), 14 * unit, tones.muted, align=(1, 0))
         for lane in self.lanes:
@@ -78,7 +79,7 @@ class Picture:
         """Write the scene's text above the beads of the first lane, and below its key."""
         drawing, unit = self.lanes[0].drawing, self.layout.unit
         size = min(15.5 * unit, drawing.rect.width / 42)
-        lines = wrapped(self.scene.text, size, 0.62 * drawing.rect.width)
+        lines = wrapped(scene_words(self.scene.text), size, 0.62 * drawing.rect.width)
         centred = (drawing.rect.top + drawing.bar_base + 10 * unit) / 2 - 0.7 * size * len(lines)
         y = max(centred, drawing.rect.top + (KEY + 2) * unit)
         veil = pygame.Surface((round(0.64 * drawing.rect.width), round(1.4 * size * len(lines))), 0, 32)
@@ -118,14 +119,14 @@ class _LanePicture:
         contacts = range(len(contact_colours))
         if kind == 0:
             axis, names = (
-                linear_axis("velocity (m/s)", *scales.velocity),
+                linear_axis(_("velocity (m/s)"), *scales.velocity),
                 [f"v{subscript(i)}" for i in range(len(colours))],
             )
             return Panel(rect, unit, scales.time, axis, colours=colours, names=names)
         if kind == 1:
-            axis, letter = linear_axis("contact force (N)", 0.0, scales.force), "f"
+            axis, letter = linear_axis(_("contact force (N)"), 0.0, scales.force), "f"
         else:
-            axis, letter = decade_axis("overlap (m), logarithmic", *scales.decades), "δ"
+            axis, letter = decade_axis(_("overlap (m), logarithmic"), *scales.decades), "δ"
         names = [letter + subscript(i, i + 1) for i in contacts]
         return Panel(rect, unit, scales.time, axis, colours=contact_colours, names=names)
 
@@ -152,5 +153,7 @@ def _curves(motion: Motion) -> tuple[Array, Array, Array]:
 
 def _speed(slow: float) -> str:
     if abs(slow - 1.0) < 1e-9:
-        return "real time"
-    return f"slow motion 1/{slow:.4g}" if slow > 1.0 else f"quick motion {factor(1.0 / slow)}"
+        return _("real time")
+    if slow > 1.0:
+        return _("slow motion 1/{times:.4g}", times=slow)
+    return _("quick motion {times}", times=factor(1.0 / slow))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 
 import pygame
@@ -60,9 +61,9 @@ def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str
 
 
 def wrapped(text: str, size: float, room: float) -> list[str]:
-    """`text` broken between words into lines of at most `room` pixels."""
+    """`text` broken between words into lines of at most `room` pixels; spaces that do not break stay."""
     lines = [""]
-    for word in text.split():
+    for word in re.split(r"[ \n\t]+", text.strip(" \n\t")):
         longer = f"{lines[-1]} {word}".strip()
         if lines[-1] and width(longer, size) > room:
             lines.append(word)

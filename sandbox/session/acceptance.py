@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.live_lane import LiveLane
@@ -33,7 +34,14 @@ def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
         return Present(now.setup, copies, NOTHING_HELD)
     if isinstance(item, inputs.SetSlow):
         if not FASTEST <= item.slow <= SLOWEST:
-            raise ValueError(f"slow motion must be from {FASTEST:g} to {SLOWEST:g}, not {item.slow!r}")
+            raise ValueError(
+                _(
+                    "slow motion must be from {least:g} to {most:g}, not {given!r}",
+                    least=FASTEST,
+                    most=SLOWEST,
+                    given=item.slow,
+                )
+            )
         return replace(now, setup=replace(now.setup, slow=float(item.slow)))
     return _edited(item, now, at_start)
 
@@ -50,11 +58,11 @@ def _edited(item: inputs.LaneInput, now: Present, at_start: bool) -> Present:
 def _grasped(item: inputs.Drag, lanes: list[LiveLane]) -> HeldBead:
     beads = _lane(lanes, item.lane).chain.contacts + 1
     if not (0 <= item.bead < beads and abs(item.position) < float("inf")):
-        raise ValueError(f"there is no bead {item.bead} to hold at {item.position!r}")
+        raise ValueError(_("there is no bead {bead} to hold at {place!r}", bead=item.bead, place=item.position))
     return HeldBead(float(item.lane), float(item.bead), float(item.position))
 
 
 def _lane(lanes: list[LiveLane], index: int) -> LiveLane:
     if not 0 <= index < len(lanes):
-        raise ValueError(f"there is no lane {index}; they are numbered 0 to {len(lanes) - 1}")
+        raise ValueError(_("there is no lane {lane}; they are numbered 0 to {last}", lane=index, last=len(lanes) - 1))
     return lanes[index]

@@ -13,6 +13,7 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
 from softcradle.physics.timed_force import on_other_beads
+from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of
 from softcradle.sandbox.session.lane_setup import LaneSetup
@@ -46,24 +47,24 @@ def edited_start(item: inputs.LaneInput, setup: LaneSetup) -> State:
 
 @edited.register
 def _(item: inputs.Place, setup: LaneSetup, state: State) -> Changed:
-    _check_index("bead", item.bead, setup.chain.contacts + 1)
-    place_bead(setup.chain, state, item.bead, _finite("position", item.position))
+    _check_index(N_("bead"), item.bead, setup.chain.contacts + 1)
+    place_bead(setup.chain, state, item.bead, _finite(N_("position"), item.position))
     return setup, state
 
 
 @edited.register
 def _(item: inputs.SetVelocity, setup: LaneSetup, state: State) -> Changed:
-    _check_index("bead", item.bead, setup.chain.contacts + 1)
-    set_velocity(setup.chain, state, item.bead, _finite("velocity", item.velocity))
+    _check_index(N_("bead"), item.bead, setup.chain.contacts + 1)
+    set_velocity(setup.chain, state, item.bead, _finite(N_("velocity"), item.velocity))
     return setup, state
 
 
 @edited.register
 def _(item: inputs.SetMass, setup: LaneSetup, state: State) -> Changed:
     chain = setup.chain
-    _check_index("bead", item.bead, chain.contacts + 1)
+    _check_index(N_("bead"), item.bead, chain.contacts + 1)
     if not math.isinf(item.mass):
-        _finite("mass", item.mass)
+        _finite(N_("mass"), item.mass)
     chosen = [i for i, mass in enumerate(chain.mass) if item.bead in (i, None) and (item.bead == i or mass < math.inf)]
     masses = [item.mass if i in chosen else mass for i, mass in enumerate(chain.mass)]
     return _with_chain(setup, state, replace(chain, mass=tuple(masses)))
@@ -101,9 +102,11 @@ def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
 
 @edited.register
 def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
-    _check_index("contact", item.contact, setup.chain.contacts)
+    _check_index(N_("contact"), item.contact, setup.chain.contacts)
     if not 0.0 <= item.gap <= LARGEST:
-        raise ValueError(f"a gap must be a number from 0 to {LARGEST:g}, not {item.gap!r}")
+        raise ValueError(
+            gettext("a gap must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=item.gap)
+        )
     displacement = np.zeros(setup.chain.contacts + 1)
     displacement[item.contact + 1 :] = item.gap + float(state.overlap[item.contact])
     displace(setup.chain, state, displacement)
@@ -114,8 +117,8 @@ def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetDrive, setup: LaneSetup, state: State) -> Changed:
     chain = setup.chain
-    _check_index("bead", item.bead, chain.contacts + 1)
-    force = _finite("force", item.force)
+    _check_index(N_("bead"), item.bead, chain.contacts + 1)
+    force = _finite(N_("force"), item.force)
     drive = [force if item.bead in (i, None) else old for i, old in enumerate(chain.drive or (0.0,) * len(chain.mass))]
     return _with_chain(setup, state, replace(chain, drive=tuple(drive)))
 
@@ -123,7 +126,9 @@ def _(item: inputs.SetDrive, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetFriction, setup: LaneSetup, state: State) -> Changed:
     if not 0.0 <= item.friction <= LARGEST:
-        raise ValueError(f"friction must be a number from 0 to {LARGEST:g}, not {item.friction!r}")
+        raise ValueError(
+            gettext("friction must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=item.friction)
+        )
     return _with_chain(setup, state, replace(setup.chain, friction=float(item.friction)))
 
 
@@ -135,18 +140,18 @@ def _(item: inputs.SetMethod, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetStep, setup: LaneSetup, state: State) -> Changed:
     if item.step is not None and not 0.0 < item.step <= LARGEST:
-        raise ValueError(f"a step must be a time > 0, not {item.step!r}")
+        raise ValueError(gettext("a step must be a time > 0, not {given!r}", given=item.step))
     return setup.with_step(item.step), state
 
 
 @edited.register
 def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
     chain, n = setup.chain, setup.chain.contacts
-    _check_index("bead", item.bead, n + 2)
+    _check_index(N_("bead"), item.bead, n + 2)
     if n + 2 > MOST_BEADS:
-        raise ValueError(f"a lane holds at most {MOST_BEADS} beads")
+        raise ValueError(gettext("a lane holds at most {most} beads", most=MOST_BEADS))
     if not math.isinf(item.mass):
-        _finite("mass", item.mass)
+        _finite(N_("mass"), item.mass)
     near = min(max(item.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
     law = chain.power_laws[near] if item.law is None else item.law
     _check_law(law)
@@ -162,7 +167,7 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
     forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
     longer = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
     return setup.with_chain(longer, locked, origin), _inserted(
-        chain, longer, state, item.bead, abs(_finite("gap", item.gap))
+        chain, longer, state, item.bead, abs(_finite(N_("gap"), item.gap))
     )
 
 
@@ -189,9 +194,9 @@ def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) 
 @edited.register
 def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     chain, n = setup.chain, setup.chain.contacts
-    _check_index("bead", item.bead, n + 1)
+    _check_index(N_("bead"), item.bead, n + 1)
     if n < 2:
-        raise ValueError("a lane needs at least 2 beads")
+        raise ValueError(gettext("a lane needs at least 2 beads"))
     removed = min(item.bead, n - 1)
     rest = [i for i in range(n) if i != removed]
     masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
@@ -219,7 +224,7 @@ def _with_contacts(
     setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]
 ) -> Changed:
     """The lane with contact `index` (None: each) replaced by what `change` makes of it."""
-    _check_index("contact", index, setup.chain.contacts)
+    _check_index(N_("contact"), index, setup.chain.contacts)
     contacts, locked = list(setup.chain.power_laws), list(setup.locked)
     origin = [setup.origin_of(i) for i in range(len(contacts))]
     for i in range(len(contacts)) if index is None else (index,):
@@ -243,16 +248,27 @@ def _with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
 
 def _check_index(name: str, index: int | None, count: int) -> None:
     if index is not None and not 0 <= index < count:
-        raise ValueError(f"there is no {name} {index}; they are numbered 0 to {count - 1}")
+        raise ValueError(
+            gettext(
+                "there is no {name} {index}; they are numbered 0 to {last}",
+                name=gettext(name),
+                index=index,
+                last=count - 1,
+            )
+        )
 
 
 def _check_law(law: Contact) -> None:
     """Refuse a law whose numbers are beyond any use, a slip of the keyboard; a Contact has checked its exponent itself."""
-    for name, number in (("preload", law.preload), ("stiffness", law.stiffness)):
+    for name, number in ((N_("preload"), law.preload), (N_("stiffness"), law.stiffness)):
         _finite(name, number)
 
 
 def _finite(name: str, number: float) -> float:
     if not (math.isfinite(number) and abs(number) <= LARGEST):
-        raise ValueError(f"{name} must be a number within {LARGEST:g}, not {number!r}")
+        raise ValueError(
+            gettext(
+                "{name} must be a number within {most:g}, not {given!r}", name=gettext(name), most=LARGEST, given=number
+            )
+        )
     return float(number)

@@ -9,6 +9,7 @@ from itertools import takewhile
 
 import numpy as np
 from softcradle.physics.methods import find_method
+from softcradle.sandbox.languages import N_, _, localized
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup
@@ -26,6 +27,13 @@ FINE_STEPS = 8.0  # to the shortest contact: with fewer, velocities lose digits
 COARSE_STEPS = 2.0  # to the shortest contact: with fewer, velocities are arbitrary
 ON_TIME = 0.9  # least clock ratio that is good
 WINDOW = 120  # frames over which chatter is counted: one second of wall time
+BOUNCING = N_(
+    "contacts bounce {times:.0f} times faster than steps resolve: single beads may be off; take more slow motion"
+)
+CHATTERING = N_(
+    "contacts that should rest open and close {times:.0f} times faster than beads can: "
+    "{method} is past its limit; take conserving"
+)
 
 
 @dataclass(frozen=True)
@@ -81,15 +89,21 @@ def health_of(
     passed = np.flatnonzero(slices[-1].overlap[-1] > length)
     if passed.size and level != BAD:
         bead = int(passed[0])
-        text = f"beads {bead} and {bead + 1} have passed through each other: the contact is too weak for this speed"
+        text = _(
+            "beads {left} and {right} have passed through each other: the contact is too weak for this speed",
+            left=bead,
+            right=bead + 1,
+        )
         level, sentence = BAD, text
     if warning and level != BAD:
         level, sentence = BAD, warning
     if level == GOOD and velocity_error is not None and velocity_error > FAIR_VELOCITY:
         level = BAD if velocity_error > BAD_VELOCITY else FAIR
-        sentence = f"velocities are off by {_percent(velocity_error)} of the closing speed: take more slow motion"
+        text = N_("velocities are off by {error} of the closing speed: take more slow motion")
+        sentence = _(text, error=_percent(velocity_error))
     if level == GOOD and pacer.clock_ratio < ON_TIME:
-        level, sentence = FAIR, f"{_percent(pacer.clock_ratio)} of the set speed: a frame takes too long"
+        level = FAIR
+        sentence = _("{share} of the set speed: a frame takes too long", share=_percent(pacer.clock_ratio))
     return Health(energy, momentum, chatter, steps, pacer.milliseconds, level, sentence, velocity_error)
 
 
@@ -107,32 +121,60 @@ def _verdict(setup: LaneSetup, errors: tuple[float, float], chatter: float, step
     """Level and sentence of the gravest finding."""
     method = setup.method
     worst, name = max(zip(errors, ("energy", "momentum"), strict=True))
-    remedy = "take a smaller step or more slow motion" if setup.step_given else "take more slow motion"
+    remedy = _("take a smaller step or more slow motion") if setup.step_given else _("take more slow motion")
+    values = {"method": method, "error": _percent(worst)}
+    off, off_badly = _off(name)
     findings = (
-        (not math.isfinite(sum(errors)), BAD, f"{method} has blown up: restart, and take conserving or a smaller step"),
+        (
+            not math.isfinite(sum(errors)),
+            BAD,
+            _("{method} has blown up: restart, and take conserving or a smaller step", method=method),
+        ),
         (
             worst > BAD_ERROR,
             BAD,
-            f"{method} is off by {_percent(worst)} of the {name}: take conserving or a smaller step",
+            _(off_badly, **values),
         ),
         (chatter > MOST_CHATTER, *_chattering(method, chatter)),
-        (steps < COARSE_STEPS, BAD, f"{steps:.1g} steps to a whole contact: velocities are arbitrary; {remedy}"),
-        (worst > FAIR_ERROR, FAIR, f"{method} is off by {_percent(worst)} of the {name}"),
-        (steps < FINE_STEPS, FAIR, f"only {steps:.0f} steps to the shortest contact: velocities are rough; {remedy}"),
+        (
+            steps < COARSE_STEPS,
+            BAD,
+            _("{steps:.1g} steps to a whole contact: velocities are arbitrary; {remedy}", steps=steps, remedy=remedy),
+        ),
+        (worst > FAIR_ERROR, FAIR, _(off, **values)),
+        (
+            steps < FINE_STEPS,
+            FAIR,
+            _(
+                "only {steps:.0f} steps to the shortest contact: velocities are rough; {remedy}",
+                steps=steps,
+                remedy=remedy,
+            ),
+        ),
     )
-    good = (GOOD, f"{method} holds its errors")
+    good = (GOOD, _("{method} holds its errors", method=method))
     return next(((level, sentence) for found, level, sentence in findings if found), good)
 
 
 def _chattering(method: str, chatter: float) -> tuple[str, str]:
     """Level and sentence where contacts close and open more often than is plausible."""
     if find_method(method).set_valued:
-        return FAIR, (
-            f"contacts bounce {chatter:.0f} times faster than steps resolve: single beads may be off; take more slow motion"
+        return FAIR, _(BOUNCING, times=chatter)
+    return BAD, _(CHATTERING, times=chatter, method=method)
+
+
+def _off(name: str) -> tuple[str, str]:
+    """What is said of a method that is off by some energy or momentum, a little or badly."""
+    if name == "energy":
+        return (
+            N_("{method} is off by {error} of the energy"),
+            N_("{method} is off by {error} of the energy: take conserving or a smaller step"),
         )
-    at_rest = f"contacts that should rest open and close {chatter:.0f} times faster than beads can"
-    return BAD, f"{at_rest}: {method} is past its limit; take conserving"
+    return (
+        N_("{method} is off by {error} of the momentum"),
+        N_("{method} is off by {error} of the momentum: take conserving or a smaller step"),
+    )
 
 
 def _percent(value: float) -> str:
-    return f"{100.0 * value:.2g} %"
+    return localized(f"{100.0 * value:.2g} %")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.session.edits import edited, edited_start
 from softcradle.sandbox.session.inputs import LaneInput, SetVelocity
@@ -111,7 +112,7 @@ class LiveLane:
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
         self._take_warning(" ".join(map(str, state.warnings)))
         if not _within_bounds(state):
-            raise BlownUpError(f"{setup.method} has blown up: take conserving or a smaller step")
+            raise BlownUpError(_("{method} has blown up: take conserving or a smaller step", method=setup.method))
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
         book_frame(

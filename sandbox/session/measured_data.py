@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.user_error import UserError
 
 DELIMITERS = ",;\t"
+TIMES_ASCEND = N_("{path}: times must ascend, but {next:.6g} s in row {row} follows {last:.6g} s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,30 +42,42 @@ def load_measured(path: str | Path) -> MeasuredData:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise UserError(f"cannot read {path}: {(error.strerror or str(error)).lower()}") from None
+        raise UserError(
+            _("cannot read {path}: {error}", path=path, error=(error.strerror or str(error)).lower())
+        ) from None
     except UnicodeDecodeError:
-        raise UserError(f"{path}: not a table in UTF-8") from None
+        raise UserError(_("{path}: not a table in UTF-8", path=path)) from None
     head = text.partition("\n")[0]
     delimiter = max(DELIMITERS, key=head.count)
     rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if any(cell.strip() for cell in row)]
     if len(rows) < 3 or len(rows[0]) < 2:
-        raise UserError(f"{path}: needs a line of names, time first, and at least two rows of numbers below it")
+        raise UserError(
+            _("{path}: needs a line of names, time first, and at least two rows of numbers below it", path=path)
+        )
     names = tuple(cell.strip() for cell in rows[0])
     if all(_is_number(cell, delimiter) for cell in rows[0]):
-        raise UserError(f"{path}: its first line must be names, time first, not numbers")
+        raise UserError(_("{path}: its first line must be names, time first, not numbers", path=path))
     numbers = np.array([_row(path, row, k + 2, names, delimiter) for k, row in enumerate(rows[1:])])
     time = numbers[:, 0]
     late = np.flatnonzero(~(np.diff(time) > 0.0))
     if late.size:
         k = int(late[0])
-        raise UserError(f"{path}: times must ascend, but {time[k + 1]:.6g} s in row {k + 3} follows {time[k]:.6g} s")
+        raise UserError(_(TIMES_ASCEND, path=path, next=float(time[k + 1]), row=k + 3, last=float(time[k])))
     return MeasuredData(path.name, names[1:], time, numbers[:, 1:])
 
 
 def _row(path: Path, row: list[str], line: int, names: tuple[str, ...], delimiter: str) -> list[float]:
     """The numbers of one line; an empty cell is nan, but for the time."""
     if len(row) != len(names):
-        raise UserError(f"{path}: row {line} has {len(row)} cells, and {len(names)} names are above it")
+        raise UserError(
+            _(
+                "{path}: row {row} has {cells} cells, and {names} names are above it",
+                path=path,
+                row=line,
+                cells=len(row),
+                names=len(names),
+            )
+        )
     found: list[float] = []
     for name, cell in zip(names, row, strict=True):
         if not cell.strip() and found:
@@ -71,7 +85,15 @@ def _row(path: Path, row: list[str], line: int, names: tuple[str, ...], delimite
         elif _is_number(cell, delimiter):
             found.append(_number(cell, delimiter))
         else:
-            raise UserError(f"{path}: {name!r} in row {line} is {cell.strip()!r}, not a finite number")
+            raise UserError(
+                _(
+                    "{path}: {name!r} in row {row} is {cell!r}, not a finite number",
+                    path=path,
+                    name=name,
+                    row=line,
+                    cell=cell.strip(),
+                )
+            )
     return found
 
 

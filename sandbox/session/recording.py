@@ -13,6 +13,7 @@ from os import PathLike
 
 import numpy as np
 from softcradle.physics.trajectory_file import versions
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.snapshots import Snapshot, snapshot_from_table, snapshot_table
@@ -101,7 +102,7 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
         if metadata["softcradle recording"] != FORMAT:
-            raise UserError(f"{path}: recorded by a later softcradle")
+            raise UserError(_("{path}: recorded by a later softcradle", path=path))
         scene = parse(metadata["scene"])
         base = snapshot_from_table(metadata["base"], scene.view.length)
         recording = Recording(base, int(metadata["frame"]))
@@ -109,9 +110,11 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         recording.hashes = array("Q", hashes.tolist())
         return recording, scene
     except OSError as error:
-        raise UserError(f"cannot read {path}: {(error.strerror or str(error)).lower()}") from None
+        raise UserError(
+            _("cannot read {path}: {error}", path=path, error=(error.strerror or str(error)).lower())
+        ) from None
     except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError, SceneError):
-        raise UserError(f"{path}: not a recording of softcradle") from None
+        raise UserError(_("{path}: not a recording of softcradle", path=path)) from None
 
 
 def hash_of(snapshot: Snapshot) -> int:

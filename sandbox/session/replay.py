@@ -6,6 +6,7 @@ from collections.abc import Callable
 from itertools import groupby
 from time import perf_counter
 
+from softcradle.sandbox.languages import _, ngettext
 from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.session.recording import Path, Recording, hash_of, load_recording
 from softcradle.sandbox.session.session import Session
@@ -46,8 +47,10 @@ class Replay:
         """Its progress, for the screen."""
         frame, last = self.session.history.last - self.recording.frame, self.recording.last - self.recording.frame
         if self.diverged is not None:
-            return f"DIVERGED at frame {self.diverged - self.recording.frame} of {last}"
-        return f"replay agrees in all {last} frames" if self.done else f"replay, frame {frame} of {last}"
+            return _("DIVERGED at frame {frame} of {last}", frame=self.diverged - self.recording.frame, last=last)
+        if self.done:
+            return ngettext("replay agrees in the one frame", "replay agrees in all {n} frames", last)
+        return _("replay, frame {frame} of {last}", frame=frame, last=last)
 
     def tick(self, wall_seconds: float) -> int:
         """Go on by `wall_seconds` of the wall clock; returns the frames run."""

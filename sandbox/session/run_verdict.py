@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.methods import find_method
+from softcradle.sandbox.languages import N_, _, language
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.health import BAD, BAD_ERROR, FAIR, FAIR_ERROR, LEVELS, MOST_CHATTER, WINDOW
 from softcradle.sandbox.session.history import Block, History
@@ -17,7 +18,7 @@ from softcradle.sandbox.session.history_slices import HistorySlice, history_slic
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
 from softcradle.sandbox.session.method_choice import contact_time
 
-PASSED = "beads passed through each other"
+PASSED = N_("beads passed through each other")
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Finding:
     """Something that was wrong for a while.
 
     Attributes:
-        cause: in some words.
+        cause: in some words of the language in use.
         level: 'fair' or 'bad', the worst of that while.
         first, last: frames.
         begin, end: times [s].
@@ -49,7 +50,7 @@ class RunVerdicts:
 
     def __init__(self, history: History, length: float) -> None:
         self.history, self.length = history, length
-        self._known: dict[tuple[int, int], tuple[Block, int, list[Finding]]] = {}
+        self._known: dict[tuple[int, int, str], tuple[Block, int, list[Finding]]] = {}
 
     def of(self, lane: int) -> list[Finding]:
         """The findings of a lane, in order of time; those of one cause that follow each other closely are one."""
@@ -59,7 +60,7 @@ class RunVerdicts:
         return _merged(found)
 
     def _of_block(self, block: Block, lane: int) -> list[Finding]:
-        key = (id(block), lane)
+        key = (id(block), lane, language())
         known = self._known.get(key)
         if known and known[0] is block and known[1] == block.revision and block is not self.history.blocks[-1]:
             return known[2]
@@ -80,13 +81,14 @@ def findings_of(part: HistorySlice, length: float) -> list[Finding]:
     energy: Array = np.atleast_1d(energy_error(part.ledger))
     momentum: Array = np.atleast_1d(momentum_error(part.ledger))
     passed: NDArray[np.bool_] = np.asarray((part.overlap > length).any(axis=1), dtype=bool)
+    lost_energy, lost_momentum = _("{method} lost energy", method=method), _("{method} lost momentum", method=method)
     rows: list[tuple[str, str, NDArray[np.bool_]]] = [
-        (PASSED, BAD, passed),
-        (f"{method} chattered", chatter, _chatter(part) > MOST_CHATTER),
-        (f"{method} lost energy", BAD, energy > BAD_ERROR),
-        (f"{method} lost momentum", BAD, momentum > BAD_ERROR),
-        (f"{method} lost energy", FAIR, (energy > FAIR_ERROR) & (energy <= BAD_ERROR)),
-        (f"{method} lost momentum", FAIR, (momentum > FAIR_ERROR) & (momentum <= BAD_ERROR)),
+        (_(PASSED), BAD, passed),
+        (_("{method} chattered", method=method), chatter, _chatter(part) > MOST_CHATTER),
+        (lost_energy, BAD, energy > BAD_ERROR),
+        (lost_momentum, BAD, momentum > BAD_ERROR),
+        (lost_energy, FAIR, (energy > FAIR_ERROR) & (energy <= BAD_ERROR)),
+        (lost_momentum, FAIR, (momentum > FAIR_ERROR) & (momentum <= BAD_ERROR)),
     ]
     return [item for cause, level, mask in rows if mask.any() for item in _spells(part, cause, level, mask)]
 

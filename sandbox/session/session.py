@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from softcradle.physics.trajectory import Trajectory
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session.approach import approach_velocity
@@ -101,7 +102,7 @@ class Session(Player):
         try:
             text = self.to_scene().to_toml()
         except ValueError as error:
-            raise UserError(f"this cannot be a scene file: {error}") from None
+            raise UserError(_("this cannot be a scene file: {error}", error=error)) from None
         with output_file(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
         self.undo_stack.mark_saved()
@@ -122,7 +123,7 @@ class Session(Player):
         """
         target = Path(path)
         if target.suffix not in (".npz", ".csv"):
-            raise UserError(f"{target}: a history is exported as .npz or .csv")
+            raise UserError(_("{path}: a history is exported as .npz or .csv", path=target))
         paths = self.export_paths(target)
         try:
             for lane, file in enumerate(paths):

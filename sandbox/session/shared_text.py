@@ -6,6 +6,7 @@ import base64
 import binascii
 import zlib
 
+from softcradle.sandbox.languages import _
 from softcradle.scenes import Scene, parse
 
 PREFIX = "softcradle:"
@@ -34,5 +35,5 @@ def scene_from_text(text: str) -> Scene:
     except (binascii.Error, zlib.error, ValueError):
         complete, toml = False, b""
     if not complete:
-        raise ValueError("the text is not a whole scene: copy all of it, from 'softcradle:' to its end")
-    return parse(toml.decode(errors="replace"), "the pasted scene")
+        raise ValueError(_("the text is not a whole scene: copy all of it, from 'softcradle:' to its end"))
+    return parse(toml.decode(errors="replace"), _("the pasted scene"))

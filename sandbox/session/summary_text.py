@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.contact import is_closed
+from softcradle.sandbox.languages import _, label_words, ngettext
 from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, number_in_words
 from softcradle.sandbox.session.session import Session
 
@@ -10,10 +11,11 @@ from softcradle.sandbox.session.session import Session
 def summary_text(session: Session) -> str:
     """Some sentences about each lane, up to the frame shown."""
     several = len(session.lanes) > 1
-    parts = [f"At {number_in_words(session.time)} seconds."]
+    parts = [_("At {time} seconds.", time=number_in_words(session.time))]
     for lane in range(len(session.lanes)):
-        label = session.label(lane)
-        parts.append((f"{label}: " if several and label else "") + _lane(session, lane))
+        label = label_words(session.label(lane))
+        words = _lane(session, lane)
+        parts.append(_("{label}: {words}", label=label, words=words) if several and label else words)
     return " ".join(parts)
 
 
@@ -22,7 +24,10 @@ def _lane(session: Session, lane: int) -> str:
     sentences = [_contacts(session, lane), clusters_in_words(live.velocity.tolist(), live.setup.speed)]
     worst = next((item for item in session.findings(lane) if item.level == "bad"), None)
     if worst is not None:
-        sentences.append(f"Do not trust it: {worst.cause} from {number_in_words(worst.begin)} seconds on.")
+        text = _(
+            "Do not trust it: {cause} from {time} seconds on.", cause=worst.cause, time=number_in_words(worst.begin)
+        )
+        sentences.append(text)
     return " ".join(sentence for sentence in sentences if sentence)
 
 
@@ -38,10 +43,10 @@ def _contacts(session: Session, lane: int) -> str:
         k, time, speed = int(hits.contact[0]), float(hits.time[0]), float(hits.speed[0])
         first = f"{hit_in_words(k, time, speed)} "
     if closed:
-        return f"{first}{closed} of {len(state.overlap)} contacts are closed."
+        return first + ngettext(
+            "{n} of {all} contacts is closed.", "{n} of {all} contacts are closed.", closed, all=len(state.overlap)
+        )
     last = own.select(~own.closed).time
-    return (
-        f"{first}No contact has been closed since {number_in_words(float(last[-1]))} seconds."
-        if len(last)
-        else first.strip()
-    )
+    if not len(last):
+        return first.strip()
+    return first + _("No contact has been closed since {time} seconds.", time=number_in_words(float(last[-1])))

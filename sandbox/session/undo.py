@@ -10,6 +10,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from itertools import count
 
+from softcradle.sandbox.languages import N_
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.history import Block
 from softcradle.sandbox.session.recording import Recording
@@ -20,20 +21,20 @@ MEMORY = 24 * 2**20  # bytes of blocks and recordings that only undo steps hold
 FrozenSession = tuple[int, tuple[Block, ...], Recording]  # the frame shown, the history, the recording
 
 NAMES = {
-    inputs.SetVelocity: "velocity",
-    inputs.SetMass: "mass",
-    inputs.SetContact: "contact",
-    inputs.SetKind: "kind of contact",
-    inputs.Lock: "lock",
-    inputs.SetGap: "gap",
-    inputs.SetDrive: "drive",
-    inputs.SetFriction: "friction",
-    inputs.AddBead: "bead added",
-    inputs.RemoveBead: "bead removed",
-    inputs.SetMethod: "method",
-    inputs.SetStep: "step",
-    inputs.Place: "bead moved",
-    inputs.Drag: "bead pulled",
+    inputs.SetVelocity: N_("velocity"),
+    inputs.SetMass: N_("mass"),
+    inputs.SetContact: N_("contact"),
+    inputs.SetKind: N_("kind of contact"),
+    inputs.Lock: N_("lock"),
+    inputs.SetGap: N_("gap"),
+    inputs.SetDrive: N_("drive"),
+    inputs.SetFriction: N_("friction"),
+    inputs.AddBead: N_("bead added"),
+    inputs.RemoveBead: N_("bead removed"),
+    inputs.SetMethod: N_("method"),
+    inputs.SetStep: N_("step"),
+    inputs.Place: N_("bead moved"),
+    inputs.Drag: N_("bead pulled"),
 }  # what an undo step is called; other inputs are no steps
 
 

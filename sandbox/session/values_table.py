@@ -7,15 +7,29 @@ import io
 import math
 from dataclasses import dataclass
 
+from softcradle.sandbox.languages import NP_
 from softcradle.sandbox.session.session import Session
 
-BEAD_COLUMNS = ("bead", "mass (kg)", "position (m)", "velocity (m/s)", "momentum (N s)", "kinetic energy (J)")
-CONTACT_COLUMNS = ("contact", "overlap (m)", "rate (m/s)", "force (N)", "stored energy (J)")
+BEAD_COLUMNS = (
+    NP_("column", "bead"),
+    NP_("column", "mass (kg)"),
+    NP_("column", "position (m)"),
+    NP_("column", "velocity (m/s)"),
+    NP_("column", "momentum (N s)"),
+    NP_("column", "kinetic energy (J)"),
+)
+CONTACT_COLUMNS = (
+    NP_("column", "contact"),
+    NP_("column", "overlap (m)"),
+    NP_("column", "rate (m/s)"),
+    NP_("column", "force (N)"),
+    NP_("column", "stored energy (J)"),
+)
 
 
 @dataclass(frozen=True)
 class ValuesTable:
-    """Headers, and a row of numbers for each bead or contact; the first number is its index."""
+    """Headers, marked in the context "column", and a row of numbers for each bead or contact; the first number is its index."""
 
     columns: tuple[str, ...]
     rows: list[tuple[float, ...]]

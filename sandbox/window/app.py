@@ -10,6 +10,7 @@ from time import perf_counter
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
+from softcradle.sandbox.languages import ENGLISH, LANGUAGES, _, language, scene_words, use_language
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import main_loop, theme
 from softcradle.sandbox.window.dialog import Choices, Dialog, PathDialog
@@ -23,6 +24,7 @@ from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.opening import page_of
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
 from softcradle.sandbox.window.settings import Settings
+from softcradle.sandbox.window.system_language import system_language
 from softcradle.sandbox.window.widget_cleanup import collect_garbage
 from softcradle.sandbox.window.window_page import Modal, Page
 from softcradle.scenes import SceneError
@@ -51,6 +53,7 @@ class App:
         self.scale, self.running, self.help = 1.0, True, False
         self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
         use_theme(self.settings.theme)
+        use_language(self.settings.language or system_language())
         self.dialog: Modal | None = None
         self.gallery: GalleryPage | None = None
         self.minimised, self._quiet = False, 0.0
@@ -70,6 +73,7 @@ class App:
             "open": self.ask_path,
             "paste": self.paste,
             "theme": self.toggle_theme,
+            "language": self.next_language,
             "next_control": partial(self.focus.move, 1),
             "previous_control": partial(self.focus.move, -1),
         }
@@ -114,7 +118,7 @@ class App:
             self.manager.set_window_resolution(self.size)
         else:
             self.manager = theme.manager(self.size, self.unit)
-        pygame.display.set_caption(f"{self.page.title} - softcradle" if self.page.title else "softcradle")
+        pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
         if self.dialog is not None and self.dialog.open:
             self.dialog.build()
@@ -125,6 +129,18 @@ class App:
         self.settings.theme = names[(names.index(self.settings.theme) + 1) % len(names)]
         self.settings.save()
         use_theme(self.settings.theme)
+        self._draw_anew()
+
+    def next_language(self) -> None:
+        """Take the next language, now and after the next start."""
+        codes = list(LANGUAGES)
+        self.settings.language = codes[(codes.index(language()) + 1) % len(codes)]
+        self.settings.save()
+        use_language(self.settings.language)
+        self._draw_anew()
+        self.messages.show(LANGUAGES[language()].name)
+
+    def _draw_anew(self) -> None:
         clear_cached_surfaces()
         self.unit = 0.0  # no widget keeps its drawing
         self.rebuild()
@@ -153,8 +169,8 @@ class App:
 
     def ask_path(self) -> None:
         """Ask for the path of a file to open."""
-        note = "a scene (.toml), a session (.npz), or the name of a scene"
-        self.put_over(PathDialog(self, "Open", note, "", self.open, self.settings.recent))
+        note = _("a scene (.toml), a session (.npz), or the name of a scene")
+        self.put_over(PathDialog(self, _("Open"), note, "", self.open, self.settings.recent))
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask for a line of text in a box over the page."""
@@ -175,8 +191,12 @@ class App:
         if not self.page.unsaved:
             go_on()
             return
-        choices = {"Save ...": self.page.actions["save_scene"], "Discard them": go_on, "Stay": lambda: None}
-        self.choose("Keep the edits?", "This scene has edits that are not saved.", choices)
+        choices = {
+            _("Save ..."): self.page.actions["save_scene"],
+            _("Discard them"): go_on,
+            _("Stay"): lambda: None,
+        }
+        self.choose(_("Keep the edits?"), _("This scene has edits that are not saved."), choices)
 
     def quit(self) -> None:
         """End at the end of this frame."""
@@ -197,7 +217,7 @@ class App:
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
         self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
         self.rebuild()
-        self.messages.show(f"scale {100 * self.scale:.0f} %")
+        self.messages.show(_("scale {percent:.0f} %", percent=100 * self.scale))
 
     def run(self) -> None:
         """Frames until the user quits."""
@@ -207,6 +227,7 @@ class App:
         """Close the page, the thread and the display."""
         self.page.close()
         self.warmup.stop()
+        use_language(ENGLISH)  # the window alone has another one
         gc.unfreeze()
         pygame.display.quit()
 

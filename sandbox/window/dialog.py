@@ -11,6 +11,7 @@ from pygame_gui.core import UIElement
 from pygame_gui.elements import UIButton, UITextEntryLine
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.window.overlay import Overlay
 from softcradle.sandbox.window.window_page import Host
 
@@ -125,7 +126,7 @@ class PathDialog(Dialog):
         self.text, self.take, self.recent = text, take, tuple(recent)
         self.rows: list[UIButton] = []
         self.body = ENTRY_ROOM + RECENT * len(self.recent)
-        super().__init__(host, title, note, {"OK": self._finish, "Cancel": lambda: None})
+        super().__init__(host, title, note, {_("OK"): self._finish, _("Cancel"): lambda: None})
 
     def make_widgets(self) -> None:
         """The buttons, and the line above them."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.window.keys import Binding, groups
 
 LINE = 21.0  # design pixels
@@ -12,16 +13,20 @@ KEYS = 126.0  # design pixels of the keys
 COLUMN = 362.0  # design pixels
 TITLE = 27.0  # design pixels
 MOUSE = (
-    ("drag a bead", "pull it by a spring; release to throw"),
-    ("drag it, paused", "place it"),
-    ("click", "select a bead or a contact"),
-    ("wheel", "zoom, over the beads"),
-    ("drag beside beads", "move the view; F frames all beads"),
-    ("drag the timeline", "scrub; playing on starts a new branch"),
-    ("over a plot", "read values at the cursor"),
-    ("drop a file", "open it; a table or a picture: over a plot"),
+    (N_("drag a bead"), N_("pull it by a spring; release to throw")),
+    (N_("drag it, paused"), N_("place it")),
+    (N_("click"), N_("select a bead or a contact")),
+    (N_("wheel"), N_("zoom, over the beads")),
+    (N_("drag beside beads"), N_("move the view; F frames all beads")),
+    (N_("drag the timeline"), N_("scrub; playing on starts a new branch")),
+    (N_("over a plot"), N_("read values at the cursor")),
+    (N_("drop a file"), N_("open it; a table or a picture: over a plot")),
 )
-COLUMNS = (("Time", "Mouse", "Save"), ("Beads", "Window", "View"), ("Plots", "Tools"))
+COLUMNS = (
+    (N_("Time"), N_("Mouse"), N_("Save")),
+    (N_("Beads"), N_("Window"), N_("View")),
+    (N_("Plots"), N_("Tools")),
+)
 
 
 def paint_help(surface: pygame.Surface, unit: float) -> None:
@@ -31,8 +36,8 @@ def paint_help(surface: pygame.Surface, unit: float) -> None:
     shade.fill(tones.shadow)
     shade.set_alpha(130)
     surface.blit(shade, (0, 0))
-    blocks = {name: [(_keys(b), b.text) for b in bindings] for name, bindings in groups().items()}
-    blocks["Mouse"] = list(MOUSE)
+    blocks = {name: [(_keys(b), _(b.text)) for b in bindings] for name, bindings in groups().items()}
+    blocks["Mouse"] = [(_(what), _(text)) for what, text in MOUSE]
     rows = max(sum(len(blocks[name]) * LINE + TITLE + 10 for name in column) for column in COLUMNS)
     unit = min(unit, size[1] / (rows + 100), size[0] / 1230)
     board = pygame.Rect(0, 0, round(1190 * unit), round((rows + 78) * unit))
@@ -40,14 +45,14 @@ def paint_help(surface: pygame.Surface, unit: float) -> None:
     pygame.draw.rect(surface, tones.background, board, border_radius=round(10 * unit))
     write(
         surface,
-        "Keys and mouse",
+        _("Keys and mouse"),
         (board.left + 26 * unit, board.top + 16 * unit),
         22 * unit,
         tones.foreground,
         bold=True,
     )
     place = (board.right - 26 * unit, board.top + 22 * unit)
-    write(surface, "Esc or a click closes this", place, 13.5 * unit, tones.muted, align=(1, 0))
+    write(surface, _("Esc or a click closes this"), place, 13.5 * unit, tones.muted, align=(1, 0))
     for k, column in enumerate(COLUMNS):
         x, y = board.left + (26 + k * 388) * unit, board.top + 58 * unit
         for name in column:
@@ -63,7 +68,7 @@ def _block(
 ) -> float:
     """Draw one group; returns where the next begins."""
     x, y = place
-    write(surface, name, (x, y), 15 * unit, tones.foreground, bold=True)
+    write(surface, _(name), (x, y), 15 * unit, tones.foreground, bold=True)
     surface.fill(tones.faint, (round(x), round(y + 21 * unit), round(COLUMN * unit), max(1, round(unit))))
     y += TITLE * unit
     for keys, text in rows:

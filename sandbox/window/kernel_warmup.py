@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from softcradle.physics.warm_up import WITHOUT_KERNELS, call_kernels
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.window import look_ahead
 
 if TYPE_CHECKING:
@@ -107,5 +108,5 @@ class KernelWarmup:
             if method.dissipative or not dissipative:  # a chain that the method refuses needs no kernels
                 call_kernels(method.name, dissipative)
         except Exception as error:
-            self.problem = f"method {method.name} cannot be loaded: {error}"
+            self.problem = _("method {method} cannot be loaded: {error}", method=method.name, error=error)
         self._warm.add((method.name, dissipative))

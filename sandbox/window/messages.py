@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
+from softcradle.sandbox.languages import refusal_words
 
 MOST = 4  # on screen at once
 LEAST_SECONDS = 2.5  # that a message stays
@@ -32,6 +33,7 @@ class Messages:
 
     def show(self, text: str, warning: bool = False) -> None:
         """Show `text`; a text that is on screen already stays longer."""
+        text = refusal_words(text)
         self.visible = [message for message in self.visible if message.text != text][-(MOST - 1) :]
         seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if warning else 1.0)
         self.visible.append(Message(text, warning, seconds))

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.shared_text import is_shared_text, scene_from_text
 from softcradle.sandbox.window.hanging.hanging_page import HangingPage
 from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME
@@ -22,7 +23,7 @@ def page_of(host: Host, name_or_path: str, leave: Callable[[], None]) -> Page:
     if is_shared_text(name_or_path) or name_or_path == STANDARD_INPUT:
         text = sys.stdin.read() if name_or_path == STANDARD_INPUT else name_or_path
         return _scene_page(
-            host, scene_from_text(text) if is_shared_text(text) else parse(text, "standard input"), leave
+            host, scene_from_text(text) if is_shared_text(text) else parse(text, _("standard input")), leave
         )
     wanted = name_or_path if name_or_path in names() else str(Path(name_or_path).expanduser())
     if wanted.lower().endswith(".npz"):

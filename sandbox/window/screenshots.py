@@ -14,6 +14,7 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
+from softcradle.sandbox.languages import ENGLISH, LANGUAGES, language
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
@@ -32,11 +33,11 @@ PRESSED = 0.055  # s: all contacts of beads-against-gear are closed
 
 @contextmanager
 def usual_settings() -> Iterator[None]:
-    """Theme, recent files and cache as at the very first start; those of whoever makes the pictures stay as they are."""
+    """English, and theme, recent files and cache as at the very first start; those of whoever makes the pictures stay."""
     names = "SOFTCRADLE_CONFIG", "SOFTCRADLE_CACHE"
-    before = {name: os.environ.get(name) for name in names}
+    before = {name: os.environ.get(name) for name in (*names, "LANGUAGE")}
     with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
-        os.environ |= {name: str(Path(folder) / name) for name in names}
+        os.environ |= {name: str(Path(folder) / name) for name in names} | {"LANGUAGE": ENGLISH}
         try:
             yield
         finally:
@@ -103,11 +104,21 @@ def save_all(folder: Path) -> None:
     run_frames(app, 1)
     save(app, folder, "help")
     app.toggle_help()
+    _save_languages(app, folder)
     app.open("hanging-cradle")
     app.act("play_pause")
     run_frames(app, 72)
     save(app, folder, "hanging-cradle")
     app.close()
+
+
+def _save_languages(app: App, folder: Path) -> None:
+    """A contact in each of the other languages, and back to English."""
+    for _ in LANGUAGES:
+        app.next_language()
+        if language() != ENGLISH:
+            _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
+            save(app, folder, f"scene-{language()}")
 
 
 def _save_sweep(app: App, folder: Path) -> None:

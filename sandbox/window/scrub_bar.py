@@ -6,6 +6,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import fixed, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.window.page_geometry import MARGIN
 
 GROWTH = 1.5  # of the frames that the width stands for, relative to the history
@@ -99,7 +100,7 @@ class ScrubBar:
         self.paint_marks(surface)
         if first > 0:
             place = (rect.left + 6 * unit, rect.centery)
-            write(surface, "older frames are dropped", place, 11 * unit, tones.muted, align=(0, 0.5))
+            write(surface, _("older frames are dropped"), place, 11 * unit, tones.muted, align=(0, 0.5))
         knob = pygame.Rect(0, 0, round(4 * unit), rect.height + round(8 * unit))
         knob.center = (x, rect.centery)
         pygame.draw.rect(surface, tones.foreground, knob, border_radius=round(2 * unit))

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from softcradle.sandbox.draw.palette import THEMES
+from softcradle.sandbox.languages import LANGUAGES
 
 FILE = "window.json"
 MOST_RECENT = 6  # files that are remembered
@@ -29,10 +30,12 @@ class Settings:
 
     Attributes:
         theme: a name of THEMES.
+        language: a code of LANGUAGES; empty until one is chosen: that of the locale.
         recent: paths of files, the one opened or saved last first.
     """
 
     theme: str = "light"
+    language: str = ""
     recent: list[str] = field(default_factory=list)
 
     @classmethod
@@ -46,6 +49,7 @@ class Settings:
         except (OSError, ValueError, TypeError):
             return cls()
         loaded.theme = loaded.theme if loaded.theme in THEMES else cls.theme
+        loaded.language = loaded.language if loaded.language in LANGUAGES else cls.language
         return loaded
 
     def save(self) -> None:

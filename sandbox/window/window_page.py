@@ -48,6 +48,9 @@ class Host(Protocol):
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
 
+    def next_language(self) -> None:
+        """Take the next language."""
+
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask the user for a line of text, beginning with `text`."""
 

@@ -45,6 +45,7 @@ SANDBOX = (
         "user_error",
         "console",
         "output_files",
+        "languages",
         "scene_runs",
         "trajectory_summary",
         "motion_words",

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.sections import Section
 
@@ -45,7 +46,7 @@ class CardGrid:
         high = round(self.picture_size[1] + CAPTION * unit)
         self._cards, self._titles, y = [], [], HEADER * unit
         for section in sections:
-            self._titles.append((section.title, y))
+            self._titles.append((_(section.title), y))
             y += TITLE * unit
             for k in range(len(section.names)):
                 row, column = divmod(k, self.columns)

@@ -10,12 +10,13 @@ import pygame_gui
 from pygame_gui.elements import UITextEntryLine
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.card_drawing import paint_border, paint_caption
 from softcradle.sandbox.window.gallery.card_grid import HEADER, MARGIN, CardGrid
 from softcradle.sandbox.window.gallery.sections import found, sections_of
 from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
-from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_TEXT, HANGING_TITLE
+from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_SOURCE, HANGING_TEXT, HANGING_TITLE
 from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import load, names
@@ -39,8 +40,8 @@ class GalleryPage:
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
         self.scenes = {name: load(name) for name in names()}
-        self.captions = {name: (scene.title, scene.text, scene.source) for name, scene in self.scenes.items()}
-        self.captions[HANGING_NAME] = (HANGING_TITLE, HANGING_TEXT, "SoftChain, PinJoint strings, gravity")
+        self.captions: dict[str, tuple[str, str, str]] = {}
+        self._take_language()
         self.pictures: dict[str, pygame.Surface] = {}
         self.theme = ""
         self.scaled: dict[tuple[str, tuple[int, int]], pygame.Surface] = {}
@@ -59,7 +60,16 @@ class GalleryPage:
             "first": partial(self.select, 0),
             "last": lambda: self.select(len(self.names) - 1),
             "search": self.focus_search,
-            "leave": lambda: host.messages.show("Ctrl+Q quits"),
+            "leave": lambda: host.messages.show(_("Ctrl+Q quits")),
+        }
+
+    def _take_language(self) -> None:
+        """Take the captions in the language in use."""
+        own = {name: (scene.title, scene.text, scene.source) for name, scene in self.scenes.items()}
+        own[HANGING_NAME] = (HANGING_TITLE, HANGING_TEXT, HANGING_SOURCE)
+        self.captions = {
+            name: (scene_words(title), scene_words(text), scene_words(source))
+            for name, (title, text, source) in own.items()
         }
 
     def _take_theme(self) -> None:
@@ -96,9 +106,10 @@ class GalleryPage:
         left = width - round((MARGIN + SEARCH) * unit)
         place = pygame.Rect(left, round(18 * unit), round(SEARCH * unit), round(30 * unit))
         self.entry = UITextEntryLine(
-            place, self.host.manager, initial_text=self.search, placeholder_text="search (Ctrl+F)"
+            place, self.host.manager, initial_text=self.search, placeholder_text=_("search (Ctrl+F)")
         )
         self.scaled.clear()
+        self._take_language()
         if self.theme != self.host.settings.theme:
             self._take_theme()
         self._arrange()
@@ -211,12 +222,12 @@ class GalleryPage:
         surface.fill(tones.background, (0, 0, width, round((HEADER - 4) * unit)))
         x, y = MARGIN * unit, 16 * unit
         write(surface, "softcradle", (x, y), 28 * unit, tones.foreground, bold=True)
-        line = "Beads that only push on each other, softly. Choose a scene, or drop a scene file here."
+        line = _("Beads that only push on each other, softly. Choose a scene, or drop a scene file here.")
         room = width - 2 * x - 80 * unit
         write(surface, shortened(line, 15 * unit, room), (x, y + 38 * unit), 15 * unit, tones.muted)
-        write(surface, "F1: help", (width - x, y + 38 * unit), 15 * unit, tones.muted, align=(1, 0))
+        write(surface, _("F1: help"), (width - x, y + 38 * unit), 15 * unit, tones.muted, align=(1, 0))
         if not self.names:
-            text = f"No scene has {self.search!r} in its title, text or source. Esc shows all."
+            text = _("No scene has {text!r} in its title, text or source. Esc shows all.", text=self.search)
             write(surface, text, (x, (HEADER + 20) * unit), 15 * unit, tones.muted)
         self.grid.paint_bar(surface)
 

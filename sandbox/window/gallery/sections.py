@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from softcradle.sandbox.languages import N_
 from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME
 
 
@@ -16,20 +17,20 @@ class Section(NamedTuple):
 
 
 SECTIONS = (
-    Section("Start here", ("one-on-four", "locked-pistons", "draft-gear-one-on-three", HANGING_NAME)),
+    Section(N_("Start here"), ("one-on-four", "locked-pistons", "draft-gear-one-on-three", HANGING_NAME)),
     Section(
-        "The paper",
+        N_("The paper"),
         (
             *("one-on-four-softer", "one-on-ten", "two-on-two", "three-on-five", "galilean", "mixed"),
             *("hooke-interface", "weak-contact", "prestressed", "driven-cluster", "stiff-springs"),
             *("experiment-one-on-three", "experiment-two-on-two"),
         ),
     ),
-    Section("Draft gears", ("beads-against-gear", "draft-gear-two-on-two")),
-    Section("Cradles", ("hertz-cradle", "hooke-cradle")),
-    Section("Trains", ("train-shunting", "train-cut", "train-braking")),
+    Section(N_("Draft gears"), ("beads-against-gear", "draft-gear-two-on-two")),
+    Section(N_("Cradles"), ("hertz-cradle", "hooke-cradle")),
+    Section(N_("Trains"), ("train-shunting", "train-cut", "train-braking")),
 )
-REST = "More"  # title above scenes that no section names
+REST = N_("More")  # title above scenes that no section names
 
 
 def sections_of(names: Sequence[str]) -> list[Section]:

@@ -7,6 +7,7 @@ from softcradle.sandbox.draw.curve_panels import linear_axis
 from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.draw.palette import OKABE_ITO, tones
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.window.hanging.hanging_badges import NAMES
 from softcradle.sandbox.window.hanging.hanging_model import HangingModel
 
@@ -18,7 +19,7 @@ def paint_energies(surface: pygame.Surface, rect: pygame.Rect, unit: float, mode
     """Draw axes, both curves up to the last frame, and a line at the frame that is shown."""
     area = pygame.Rect(rect.left + round(44 * unit), rect.top + round(22 * unit), 1, 1)
     area.width, area.height = rect.right - area.left - round(8 * unit), rect.bottom - area.top - round(24 * unit)
-    title = "energy, as a share of that at the start"
+    title = _("energy, as a share of that at the start")
     write(surface, title, (area.left, area.top - 5 * unit), 13 * unit, align=(0, 1))
     begin = max(model.frames[0].time, model.time - SPAN)
     shares = [[pair for pair in model.energy_shares(side) if begin <= pair[0] <= begin + SPAN] for side in (0, 1)]
@@ -43,5 +44,5 @@ def paint_energies(surface: pygame.Surface, rect: pygame.Rect, unit: float, mode
     for side, colour in enumerate(CURVES):
         surface.fill(colour, (round(x), round(area.bottom + 12 * unit), round(16 * unit), max(2, round(2 * unit))))
         place = (x + 22 * unit, area.bottom + 5 * unit)
-        x = write(surface, NAMES[side], place, 12 * unit, tones.foreground).right + 20 * unit
+        x = write(surface, _(NAMES[side]), place, 12 * unit, tones.foreground).right + 20 * unit
     write(surface, f"{fixed(SPAN, 0)} s", (area.right, area.bottom + 5 * unit), 11.5 * unit, tones.muted, align=(1, 0))

@@ -8,6 +8,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import fixed, scientific
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.health import BAD, FAIR, GOOD
 from softcradle.sandbox.window.hanging.hanging_cradle import CHAIN
 from softcradle.sandbox.window.hanging.hanging_model import HangingModel
@@ -15,7 +16,8 @@ from softcradle.sandbox.window.hanging.hanging_model import HangingModel
 FAIR_CHANGE = 0.02  # of the energy, the largest that is good: less cannot be seen in the height of a swing
 BAD_CHANGE = 0.10  # of the energy, the largest that is fair
 HEIGHT = 118.0  # design pixels of a badge
-NAMES = ("soft contacts", "pymunk's rigid collisions")
+NAMES = (N_("soft contacts"), N_("pymunk's rigid collisions"))
+LOST = N_("{percent:.2g} % of the energy was lost; {remedy}")
 
 
 class Verdict(NamedTuple):
@@ -35,12 +37,13 @@ def verdict(model: HangingModel, side: int) -> Verdict:
     worst = max(abs(change), greatest)
     level = GOOD if worst <= FAIR_CHANGE else FAIR if worst <= BAD_CHANGE else BAD
     if level == GOOD:
-        return Verdict(level, "the energy is kept", change, stretch)
-    remedy = "strings lose it too: take more steps a second"
+        return Verdict(level, _("the energy is kept"), change, stretch)
+    remedy = _("strings lose it too: take more steps a second")
     if side == 0 and model.method != CHAIN:
-        remedy = f"each spring is a step late: take {CHAIN}, or more steps a second"
-    word = "gained" if greatest > abs(change) or change > 0.0 else "lost"
-    return Verdict(level, f"{100.0 * worst:.2g} % of the energy was {word}; {remedy}", change, stretch)
+        remedy = _("each spring is a step late: take {method}, or more steps a second", method=CHAIN)
+    gained = greatest > abs(change) or change > 0.0
+    text = N_("{percent:.2g} % of the energy was gained; {remedy}") if gained else LOST
+    return Verdict(level, _(text, percent=100.0 * worst, remedy=remedy), change, stretch)
 
 
 def paint_badge(surface: pygame.Surface, rect: pygame.Rect, unit: float, side: int, model: HangingModel) -> None:
@@ -51,10 +54,10 @@ def paint_badge(surface: pygame.Surface, rect: pygame.Rect, unit: float, side: i
     border = tones.faint if found.level == GOOD else tint
     pygame.draw.rect(surface, border, rect, max(1, round(1.5 * unit)), border_radius=6)
     room = rect.width - 20 * unit
-    title = shortened(NAMES[side], 14 * unit, room, bold=True)
+    title = shortened(_(NAMES[side]), 14 * unit, room, bold=True)
     write(surface, title, (x, rect.top + 9 * unit), 14 * unit, tones.foreground, bold=True)
     change = f"{fixed(100.0 * found.change, 2)} %"
-    numbers = (("energy", change), ("strings stretched", f"{scientific(found.stretch, 1)} m"))
+    numbers = ((_("energy"), change), (_("strings stretched"), f"{scientific(found.stretch, 1)} m"))
     for row, (name, text) in enumerate(numbers):
         y = rect.top + (32 + 17 * row) * unit
         write(surface, name, (x, y), 12.5 * unit, tones.muted)

@@ -10,6 +10,7 @@ from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, LAWS, METHODS
 from softcradle.sandbox.window.hanging.hanging_model import FRAME, RATES, HangingModel
 from softcradle.sandbox.window.scene.time_controls import paint_icons, speed_text, time_buttons
@@ -23,10 +24,10 @@ MENU_ROW = 34.0  # design pixels of a menu in the panel
 MENU = 166.0  # design pixels, the width of a menu
 # Of each menu: the field of the model, its name, and the choices.
 MENUS: tuple[tuple[str, str, Sequence[str]], ...] = (
-    ("method", "method", METHODS),
-    ("law", "contacts", tuple(LAWS)),
-    ("rate", "steps a second", tuple(map(str, RATES))),
-    ("lifted", "balls lifted", tuple(str(k) for k in range(1, BALLS))),
+    ("method", N_("method"), METHODS),
+    ("law", N_("contacts"), tuple(LAWS)),
+    ("rate", N_("steps a second"), tuple(map(str, RATES))),
+    ("lifted", N_("balls lifted"), tuple(str(k) for k in range(1, BALLS))),
 )
 
 
@@ -77,14 +78,15 @@ class HangingControls:
         left = max(button.rect.right for button in self.buttons.values()) + round(19 * unit)
         place = pygame.Rect(left, row.centery + round(2 * unit), round(190 * unit), round(14 * unit))
         self.slider = Slider(place, self._share(), (0.0, 1.0), self.host.manager)
-        self.slider.name = "slow motion"
+        self.slider.name = _("slow motion")
         self.clock_left = place.right + round(22 * unit)
         self.menus, self.labels, y = {}, [], panel.top
         for field, name, choices in MENUS:
             wide = round(MENU * unit)
             place = pygame.Rect(panel.right - wide, y, wide, round(27 * unit))
-            self.menus[field] = UIDropDownMenu(list(choices), str(getattr(model, field)), place, self.host.manager)
-            self.labels.append((name, panel.left, place.centery))
+            present = _(str(getattr(model, field)))
+            self.menus[field] = UIDropDownMenu([*map(_, choices)], present, place, self.host.manager)
+            self.labels.append((_(name), panel.left, place.centery))
             y += round(MENU_ROW * unit)
         return y
 
@@ -102,10 +104,10 @@ class HangingControls:
         if event.type == pygame_gui.UI_HORIZONTAL_SLIDER_MOVED and event.ui_element is self.slider:
             self.slow = SLOW_MOTIONS[round(event.value * (len(SLOW_MOTIONS) - 1))]
         if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED:
-            for field, menu in self.menus.items():
-                if event.ui_element is menu:
-                    kind = type(getattr(model, field))
-                    return model.with_choice(**{field: kind(event.text)})
+            for field, _name, choices in MENUS:
+                if event.ui_element is self.menus[field]:
+                    kind, chosen = type(getattr(model, field)), {_(choice): choice for choice in choices}[event.text]
+                    return model.with_choice(**{field: kind(chosen)})
         return None
 
     def paint(self, surface: pygame.Surface) -> None:
@@ -120,5 +122,5 @@ class HangingControls:
         write(surface, speed_text(self.slow), (self.slider.rect.left, middle - 17 * unit), 13 * unit, tones.foreground)
         place = (self.clock_left, middle - 17 * unit)
         write(surface, f"t = {fixed(model.time, 2)} s", place, 16 * unit, tones.foreground, bold=True)
-        state = "looking back" if model.scrubbed else activity
+        state = _("looking back") if model.scrubbed else _(activity)
         write(surface, state, (self.clock_left, middle + 4 * unit), 12 * unit, tones.muted)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.window.hanging.energy_plot import paint_energies
 from softcradle.sandbox.window.hanging.hanging_badges import HEIGHT, NAMES, paint_badge
 from softcradle.sandbox.window.hanging.hanging_controls import HangingControls, HangingScrubBar
@@ -40,8 +41,8 @@ class HangingPage:
         self.pointer = (0, 0)
         self.film = WindowFilm(host)
         self.toolbar = Toolbar(host, self.film)
-        note = "a .csv table: the centres of all balls and the energies, a row a frame"
-        saving = Saving("Export the history", note, ".csv", (".csv",), self._export)
+        note = N_("a .csv table: the centres of all balls and the energies, a row a frame")
+        saving = Saving(N_("Export the history"), note, ".csv", (".csv",), self._export)
         self.dialogs = SaveDialogs(host, HANGING_TITLE, self.film, {"export": saving})
         self.actions: dict[str, Callable[[], None]] = {
             "play_pause": self.play_pause,
@@ -88,7 +89,7 @@ class HangingPage:
         self.model.step(by)
 
     def _export(self, path: Path) -> None:
-        report(self.host.messages, partial(self.model.write_csv, path), f"saved {shown_path(path)}")
+        report(self.host.messages, partial(self.model.write_csv, path), _("saved {path}", path=shown_path(path)))
 
     def cancel_typing(self) -> None:
         """Nothing is typed here."""
@@ -161,7 +162,7 @@ class HangingPage:
         """Draw all but the widgets."""
         unit, places = self.host.unit, self.places
         surface.fill(tones.background)
-        title = shortened(HANGING_TITLE, 19 * unit, self.toolbar.title_room, bold=True)
+        title = shortened(_(HANGING_TITLE), 19 * unit, self.toolbar.title_room, bold=True)
         place = (TITLE_LEFT * unit, places.toolbar.centery)
         write(surface, title, place, 19 * unit, tones.foreground, bold=True, align=(0, 0.5))
         for y in (places.toolbar.bottom - 1, places.footer.top):
@@ -169,7 +170,7 @@ class HangingPage:
         surface.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
         for side, (rect, centres) in enumerate(zip(self.pictures, self.model.moment.places, strict=True)):
             surface.fill(tones.lane_background, rect)
-            name = f"{NAMES[side]}: {self.model.law}" if side == 0 else NAMES[side]
+            name = _("{name}: {law}", name=_(NAMES[side]), law=_(self.model.law)) if side == 0 else _(NAMES[side])
             name = shortened(name, 15 * unit, rect.width - 20 * unit, bold=True)
             write(surface, name, (rect.left + 10 * unit, rect.top + 7 * unit), 15 * unit, tones.foreground, bold=True)
             paint_cradle(surface, rect, centres)
@@ -182,7 +183,7 @@ class HangingPage:
     def _paint_text(self, surface: pygame.Surface) -> None:
         """As many lines of the text as there is room for."""
         unit, line = self.host.unit, 18 * self.host.unit
-        lines = wrapped(HANGING_TEXT, 13 * unit, self.text.width)
+        lines = wrapped(_(HANGING_TEXT), 13 * unit, self.text.width)
         room = max(0, int(self.text.height // line))
         for row, text in enumerate(lines[:room]):
             shown = shortened(f"{text} …", 13 * unit, self.text.width) if row == room - 1 < len(lines) - 1 else text

@@ -1,8 +1,11 @@
 """Name, title and text of the hanging cradle."""
 
+from softcradle.sandbox.languages import N_
+
 HANGING_NAME = "hanging-cradle"
-HANGING_TITLE = "A hanging cradle in pymunk"
-HANGING_TEXT = (
+HANGING_TITLE = N_("A hanging cradle in pymunk")
+HANGING_SOURCE = N_("SoftChain, PinJoint strings, gravity")
+HANGING_TEXT = N_(
     "Balls on strings in an ordinary pymunk Space, once with soft contacts between them and once with pymunk's own "
     "rigid collisions. Strings, gravity and steps are the same. With a small exponent the balls that are hit swing off "
     "nearly as one body; steel balls pass the blow on to the last; rigid ones share it in the order in which they "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.lessons.lesson_list import Lesson, lessons
@@ -29,12 +30,12 @@ class LessonRunner:
     def ask(self) -> None:
         """Ask the next question about this scene."""
         if not self.own:
-            scenes = ", ".join(dict.fromkeys(load(lesson.scene).title for lesson in lessons()))
-            self.host.messages.show(f"there are lessons about: {scenes}")
+            scenes = ", ".join(dict.fromkeys(scene_words(load(lesson.scene).title) for lesson in lessons()))
+            self.host.messages.show(_("there are lessons about: {scenes}", scenes=scenes))
             return
         lesson = self.own[self._next % len(self.own)]
-        choices = {text: partial(self._predict, k) for k, text in enumerate(lesson.choices)}
-        self.host.choose("What do you predict?", lesson.question, choices)
+        choices = {_(text): partial(self._predict, k) for k, text in enumerate(lesson.choices)}
+        self.host.choose(_("What do you predict?"), _(lesson.question), choices)
 
     @property
     def lesson(self) -> Lesson:
@@ -56,7 +57,7 @@ class LessonRunner:
         ends = [lane.velocity for lane in self.session.lanes]
         answer = lesson.answer([(one.velocity[0], end) for one, end in zip(begin, ends, strict=True)])
         self._next += 1
-        title = "As you predicted" if answer == predicted else "Not as you predicted"
-        note = f"Measured: {lesson.choices[answer]}. {lesson.why}"
-        more = {"Next question": self.ask} if self._next < len(self.own) else {}
-        self.host.choose(title, note, {"Close": lambda: None, **more})
+        title = _("As you predicted") if answer == predicted else _("Not as you predicted")
+        note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why))
+        more = {_("Next question"): self.ask} if self._next < len(self.own) else {}
+        self.host.choose(title, note, {_("Close"): lambda: None, **more})

@@ -8,7 +8,9 @@ from typing import Protocol
 
 import numpy as np
 import pygame
+from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.measured_data import MeasuredData
@@ -104,16 +106,21 @@ def load_picture(path: Path) -> pygame.Surface:
     try:
         return pygame.image.load(str(path)).convert()
     except (OSError, pygame.error) as error:
-        raise UserError(f"{path}: not a picture that can be read ({str(error).lower()})") from None
+        raise UserError(
+            _("{path}: not a picture that can be read ({error})", path=path, error=str(error).lower())
+        ) from None
 
 
 def edges_of(text: str) -> tuple[float, float, float, float]:
     """Four numbers that were typed: times at the left and right edge, places at the top and bottom. ValueError else."""
-    parts = text.replace(",", " ").split()
+    parts = [part.replace(",", ".").replace(MINUS, "-") for part in text.replace(", ", " ").replace(";", " ").split()]
+    if len(parts) == 1:
+        parts = text.split(",")
     try:
         begin, end, top, bottom = map(float, parts)
     except ValueError:
-        raise ValueError(f"{text!r}: four numbers are needed: t left, t right, x top, x bottom") from None
+        raise ValueError(_("{text!r}: four numbers are needed: t left, t right, x top, x bottom", text=text)) from None
     if not (np.isfinite([begin, end, top, bottom]).all() and end > begin and top != bottom):
-        raise ValueError(f"{text!r}: t right must be later than t left, and x top another place than x bottom")
+        wrong = _("{text!r}: t right must be later than t left, and x top another place than x bottom", text=text)
+        raise ValueError(wrong)
     return begin, end, top, bottom

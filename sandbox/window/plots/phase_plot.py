@@ -11,6 +11,7 @@ from softcradle.sandbox.draw.number_format import TIMES, power_of_ten
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.window.plots.live_plots import Plot
@@ -60,7 +61,11 @@ class PhasePlot(Plot):
         surface.fill(tones.background, self.rect)
         low, high = (_ends(points[:, column], values[column - 1]) for column in (1, 2))
         names = [f"{name}{_factor(ends)}" for name, ends in zip(self.content.names, (low, high), strict=True)]
-        title = shortened(f"{names[0]} against {names[1]}", 13 * unit, area.width + 20 * unit)
+        title = shortened(
+            _("{vertical} against {horizontal}", vertical=names[0], horizontal=names[1]),
+            13 * unit,
+            area.width + 20 * unit,
+        )
         write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
 
         def places(rows: Array) -> Array:

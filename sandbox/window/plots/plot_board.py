@@ -8,6 +8,7 @@ from itertools import pairwise
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
+from softcradle.sandbox.languages import label_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.plots.cursor_readout import paint_readout
 from softcradle.sandbox.window.plots.data_overlay import Overlaid
@@ -101,7 +102,7 @@ class PlotBoard:
 
     def _plot(self, name: str, lane: int, rect: pygame.Rect, unit: float, scales: Scales) -> Plot:
         kind, live, session = PLOT_KINDS[name], self.session.lanes[lane], self.session
-        label = session.label(lane) if len(session.lanes) > 1 and not kind.two_lanes else ""
+        label = label_words(session.label(lane)) if len(session.lanes) > 1 and not kind.two_lanes else ""
         length = session.scene.view.length
         content = kind.content(PlotSetting(scales, lane, live.chain.contacts + 1, length, self.logarithmic, self.pair))
         return kind.plot(rect, unit, content.labelled(label), session.history, lane, self.span)

@@ -11,6 +11,7 @@ from softcradle.sandbox.draw.curve_panels import Axis, decade_axis, linear_axis
 from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales
+from softcradle.sandbox.languages import N_, NP_, _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.window.plots.difference_plot import DifferencePlot
 from softcradle.sandbox.window.plots.kymograph_plot import KymographPlot
@@ -64,7 +65,7 @@ class PlotKind:
     """One kind of plot.
 
     Attributes:
-        name: on its button; also of the action that shows and hides it.
+        name: on its button, where it is translated in the context "button"; also of the action that shows and hides it.
         key: pygame's code of the key for that.
         help: the line of the help.
         content: what it shows: title, axis, curves.
@@ -84,12 +85,12 @@ class PlotKind:
 
 def _velocities(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", *setting.scales.velocity)
-    return PlotContent("velocity (m/s)", axis, setting.bead_names("v"), setting.colours, _velocity)
+    return PlotContent(_("velocity (m/s)"), axis, setting.bead_names("v"), setting.colours, _velocity)
 
 
 def _forces(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", 0.0, setting.scales.force)
-    return PlotContent("contact force (N)", axis, setting.contact_names("f"), setting.colours[1:], _force)
+    return PlotContent(_("contact force (N)"), axis, setting.contact_names("f"), setting.colours[1:], _force)
 
 
 def _overlaps(setting: PlotSetting) -> PlotContent:
@@ -97,18 +98,18 @@ def _overlaps(setting: PlotSetting) -> PlotContent:
         axis = decade_axis("", *setting.scales.decades)
     else:
         axis = linear_axis("", 0.0, 1.1 * (max(map(max, setting.scales.deepest)) or 1.0))
-    return PlotContent("overlap (m)", axis, setting.contact_names("δ"), setting.colours[1:], _overlap)
+    return PlotContent(_("overlap (m)"), axis, setting.contact_names("δ"), setting.colours[1:], _overlap)
 
 
 def _energies(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", 0.0, 1.05 * setting.scales.energy)
-    names, colours = [*setting.bead_names("E"), "stored"], (*setting.colours, tones.steel)
-    return PlotContent("energy (J): beads, contacts grey", axis, names, colours, _energy_layers)
+    names, colours = [*setting.bead_names("E"), _("stored")], (*setting.colours, tones.steel)
+    return PlotContent(_("energy (J): beads, contacts grey"), axis, names, colours, _energy_layers)
 
 
 def _contact_forces_by_row(setting: PlotSetting) -> PlotContent:
     axis, names = _row_axis(setting.contact_names("")), setting.contact_names("f")
-    title, darkest = "contact forces (N), row by row", setting.scales.force
+    title, darkest = _("contact forces (N), row by row"), setting.scales.force
     return PlotContent(title, axis, names, setting.colours[1:], _force, darkest=darkest)
 
 
@@ -119,7 +120,7 @@ def _bead_markers(setting: PlotSetting) -> PlotContent:
         return places
 
     axis, names = linear_axis("", *setting.scales.window), setting.bead_names("x")
-    title, band = "markers of the beads (m)", BEAD_HEIGHT * setting.length
+    title, band = _("markers of the beads (m)"), BEAD_HEIGHT * setting.length
     return PlotContent(title, axis, names, setting.colours, middles, band=band)
 
 
@@ -127,11 +128,16 @@ def _difference(setting: PlotSetting) -> PlotContent:
     """Velocities beside the first lane, forces beside the second."""
     if setting.lane == 0:
         half = 0.5 * max(map(abs, setting.scales.velocity))
-        title, names, colours, values = "second less first (m/s)", setting.bead_names("Δv"), setting.colours, _velocity
+        title, names, colours, values = (
+            _("second less first (m/s)"),
+            setting.bead_names("Δv"),
+            setting.colours,
+            _velocity,
+        )
     else:
         half = 0.5 * setting.scales.force
         title, names, colours, values = (
-            "second less first (N)",
+            _("second less first (N)"),
             setting.contact_names("Δf"),
             setting.colours[1:],
             _force,
@@ -146,7 +152,8 @@ def _chosen(setting: PlotSetting) -> PlotContent:
     def both(motion: Motion) -> Array:
         return np.column_stack((vertical.values(motion), horizontal.values(motion)))
 
-    title, names = f"{vertical.label} against {horizontal.label}", (vertical.label, horizontal.label)
+    title = _("{vertical} against {horizontal}", vertical=vertical.label, horizontal=horizontal.label)
+    names = vertical.label, horizontal.label
     return PlotContent(title, linear_axis("", 0.0, 1.0), names, (tones.accent, tones.accent), both)
 
 
@@ -172,20 +179,30 @@ def _row_axis(names: Sequence[str]) -> Axis:
     return Axis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
 
 
-VELOCITIES, KYMOGRAPH, OWN = "velocities", "kymograph", "x-y"  # kinds that are asked for by name
+VELOCITIES, KYMOGRAPH, OWN = (
+    NP_("button", "velocities"),
+    NP_("button", "kymograph"),
+    "x-y",
+)  # kinds that are asked for by name
 
 PLOT_KINDS: dict[str, PlotKind] = {
     kind.name: kind
     for kind in (
-        PlotKind(VELOCITIES, pygame.K_1, "velocities", _velocities, shown=True),
-        PlotKind("forces", pygame.K_2, "forces", _forces, shown=True),
-        PlotKind("overlaps", pygame.K_3, "overlaps", _overlaps, shown=True),
-        PlotKind("energy", pygame.K_4, "energy split", _energies, StackedPlot),
-        PlotKind("space-time", pygame.K_5, "space-time strip", _contact_forces_by_row, StripPlot),
-        PlotKind(KYMOGRAPH, pygame.K_7, "kymograph of the beads' markers", _bead_markers, KymographPlot),
-        PlotKind(OWN, pygame.K_8, "a signal against another", _chosen, PhasePlot),
+        PlotKind(VELOCITIES, pygame.K_1, N_("velocities"), _velocities, shown=True),
+        PlotKind(NP_("button", "forces"), pygame.K_2, N_("forces"), _forces, shown=True),
+        PlotKind(NP_("button", "overlaps"), pygame.K_3, N_("overlaps"), _overlaps, shown=True),
+        PlotKind(NP_("button", "energy"), pygame.K_4, N_("energy split"), _energies, StackedPlot),
+        PlotKind(NP_("button", "space-time"), pygame.K_5, N_("space-time strip"), _contact_forces_by_row, StripPlot),
+        PlotKind(KYMOGRAPH, pygame.K_7, N_("kymograph of the beads' markers"), _bead_markers, KymographPlot),
+        PlotKind(OWN, pygame.K_8, N_("a signal against another"), _chosen, PhasePlot),
         PlotKind(
-            "difference", pygame.K_6, "difference of two lanes", _difference, DifferencePlot, shown=True, two_lanes=True
+            NP_("button", "difference"),
+            pygame.K_6,
+            N_("difference of two lanes"),
+            _difference,
+            DifferencePlot,
+            shown=True,
+            two_lanes=True,
         ),
     )
 }

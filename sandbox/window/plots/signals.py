@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from softcradle.sandbox.draw.number_format import subscript
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import Array, Motion
 
 BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
@@ -35,9 +36,13 @@ QUANTITIES: dict[str, Quantity] = {
     "f": Quantity("force", "f", "N", CONTACT, lambda motion: motion.force),
     "s": Quantity("stored energy", "S", "J", CHAIN, lambda motion: motion.stored[:, None]),
 }
-KEY = (
+KEY = N_(
     "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"
 )
+
+
+BEADS_NUMBERED = N_("{text!r}: the beads of this lane are numbered 0 to {last}")
+CONTACTS_NUMBERED = N_("{text!r}: the contacts of this lane are numbered 0 to {last}")
 
 
 @dataclass(frozen=True)
@@ -75,20 +80,24 @@ def signal_of(text: str, beads: int) -> Signal:
     """The signal that is written as v0, f1 or t, of a lane with so many beads. ValueError in a sentence else."""
     found = re.fullmatch(r"([a-z])_?(\d*)(?:-\d+)?", text.strip().lower())
     if found is None or found[1] not in QUANTITIES:
-        raise ValueError(f"{text.strip()!r} is no signal; there are {', '.join(QUANTITIES)}, with a number: v0, f1")
+        known = ", ".join(QUANTITIES)
+        wrong = _("{text!r} is no signal; there are {known}, with a number: v0, f1", text=text.strip(), known=known)
+        raise ValueError(wrong)
     letter, digits = found[1], found[2]
     owner = QUANTITIES[letter].owner
     if owner == CHAIN:
         return Signal(letter)
     count = beads if owner == BEAD else beads - 1
     if not digits or int(digits) >= count:
-        raise ValueError(f"{text.strip()!r}: the {owner}s of this lane are numbered 0 to {count - 1}")
+        numbered = BEADS_NUMBERED if owner == BEAD else CONTACTS_NUMBERED
+        raise ValueError(_(numbered, text=text.strip(), last=count - 1))
     return Signal(letter, int(digits))
 
 
 def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
     """The signals of "f0 against d0": the vertical one, and the horizontal one. ValueError in a sentence else."""
-    parts = re.split(r"\s+against\s+|\s*,\s*|\s+", text.strip())
+    between = _("{vertical} against {horizontal}", vertical="", horizontal="").strip()
+    parts = re.split(rf"\s+(?:against|{re.escape(between)})\s+|\s*,\s*|\s+", text.strip())
     if len(parts) != 2:
-        raise ValueError(f"{text!r}: write two signals, as f0 against d0")
+        raise ValueError(_("{text!r}: write two signals, as f0 against d0", text=text))
     return signal_of(parts[0], beads), signal_of(parts[1], beads)

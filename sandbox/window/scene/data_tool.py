@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
+from softcradle.sandbox.languages import _, localized, ngettext
 from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
@@ -38,14 +39,19 @@ class DataTool:
         """Ask for the path of a file to lay over the plots; nothing typed removes what lies there."""
         if any(self.board.overlays.values()):
             self.board.overlays.clear()
-            self.host.messages.show("measured data removed")
+            self.host.messages.show(_("measured data removed"))
             return
-        note = f"a table ({', '.join(TABLES)}: time in s, then a column a curve) or a picture of a kymograph"
-        self.host.ask("Measured data over a plot", note, "", self._take_typed)
+        note = _(
+            "a table ({endings}: time in s, then a column a curve) or a picture of a kymograph",
+            endings=", ".join(TABLES),
+        )
+        self.host.ask(_("Measured data over a plot"), note, "", self._take_typed)
 
     def _take_typed(self, text: str) -> None:
         if not self.take_file(text, (-1, -1)):
-            self.host.messages.show(f"{text}: needs the ending {', '.join((*TABLES, *PICTURES))}", warning=True)
+            endings = ", ".join((*TABLES, *PICTURES))
+            wrong = _("{path}: needs the ending {endings}", path=text, endings=endings)
+            self.host.messages.show(wrong, warning=True)
 
     def take_file(self, text: str, point: tuple[int, int]) -> bool:
         """Lay a file over the plot at `point`, or over the usual one; whether it is a table or a picture."""
@@ -79,22 +85,29 @@ class DataTool:
         key, plot = self._plot(VELOCITIES, point)
         curves = len(plot.content.colours)
         if len(data.columns) > curves:
-            raise UserError(f"{path}: has {len(data.columns)} columns after the time, and the plot has {curves} curves")
+            raise UserError(_too_many(path, len(data.columns), curves))
         laid = NumbersOverlay(data)
         self.board.overlays[key] = [laid]
-        text = f"{len(data.time)} times from {shown_path(path)} over {plot.content.title}"
+        text = ngettext(
+            "{n} time from {path} over {plot}",
+            "{n} times from {path} over {plot}",
+            len(data.time),
+            path=shown_path(path),
+            plot=plot.content.title,
+        )
         differences = laid.differences(plot)
         if differences.size:
-            text += f"; they differ by {scientific(float(np.sqrt(np.mean(differences**2))), 1)} (root mean square)"
+            difference = scientific(float(np.sqrt(np.mean(differences**2))), 1)
+            text += _("; they differ by {difference} (root mean square)", difference=difference)
         self.host.messages.show(text)
 
     def _ask_edges(self, path: Path) -> None:
         picture = load_picture(path)
         key, plot = self._plot(KYMOGRAPH)
         begin, end = max(0.0, plot.span.time(0)), plot.span.time(plot.area.width)
-        proposed = f"{begin:.4g} {end:.4g} {plot.axis.high:.4g} {plot.axis.low:.4g}"
-        note = "where its edges lie: time at the left and right [s], place at the top and bottom [m]"
-        self.host.ask("A picture over the kymograph", note, proposed, partial(self._lay_picture, picture, key))
+        proposed = localized(f"{begin:.4g} {end:.4g} {plot.axis.high:.4g} {plot.axis.low:.4g}")
+        note = _("where its edges lie: time at the left and right [s], place at the top and bottom [m]")
+        self.host.ask(_("A picture over the kymograph"), note, proposed, partial(self._lay_picture, picture, key))
 
     def _lay_picture(self, picture: pygame.Surface, key: tuple[str, int], text: str) -> None:
         try:
@@ -105,7 +118,8 @@ class DataTool:
     def ask_signals(self) -> None:
         """Ask which signal is plotted against which."""
         vertical, horizontal = self.board.pair
-        self.host.ask("A signal against another", KEY, f"{vertical} against {horizontal}", self._take_signals)
+        text = _("{vertical} against {horizontal}", vertical=vertical, horizontal=horizontal)
+        self.host.ask(_("A signal against another"), _(KEY), text, self._take_signals)
 
     def _take_signals(self, text: str) -> None:
         try:
@@ -117,3 +131,14 @@ class DataTool:
             self.board.toggle(OWN)
         self.board.hidden = False
         self.host.rebuild()
+
+
+def _too_many(path: Path, columns: int, curves: int) -> str:
+    """That a table has more columns than a plot has curves."""
+    return ngettext(
+        "{path}: has {columns} columns after the time, and the plot has {n} curve",
+        "{path}: has {columns} columns after the time, and the plot has {n} curves",
+        curves,
+        path=path,
+        columns=columns,
+    )

@@ -10,6 +10,7 @@ from functools import partial
 from softcradle.physics import Contact
 from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import MINUS
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
@@ -89,7 +90,7 @@ def _of_drive(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
     most = 2.0 * (given or max(LEAST, _impact_force(lane, min(pick.index, lane.chain.contacts - 1))))
     force = (lane.chain.drive or (0.0,) * len(lane.chain.mass))[pick.index]
     edit = partial(SetDrive, pick.lane, pick.index)
-    return [Parameter("drive", "steady force", "N", -most, most, False, force, edit)]
+    return [Parameter("drive", N_("steady force"), "N", -most, most, False, force, edit)]
 
 
 def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
@@ -97,7 +98,7 @@ def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
     friction = lane.chain.friction
     most = max(MOST_FRICTION, friction)
     edit = partial(SetFriction, pick.lane)
-    return [Parameter("friction", "friction of the bed", "", 0.0, most, False, friction, edit)]
+    return [Parameter("friction", N_("friction of the bed"), "", 0.0, most, False, friction, edit)]
 
 
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
@@ -117,17 +118,17 @@ def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]
         found.append(Parameter("exponent", alpha, "", 0.01, 3.0, True, law.exponent, set_field("exponent")))
     return [
         *found,
-        Parameter("preload", "preload", "N", 0.0, force, False, law.preload, set_field("preload")),
-        Parameter("loss", "loss (0: elastic)", "", 0.0, MOST_LOSS, False, law.loss, set_field("loss")),
-        Parameter("gap", "gap to the next bead", "m", 0.0, MOST_GAP * length, False, gap, set_gap),
+        Parameter("preload", N_("preload"), "N", 0.0, force, False, law.preload, set_field("preload")),
+        Parameter("loss", N_("loss (0: elastic)"), "", 0.0, MOST_LOSS, False, law.loss, set_field("loss")),
+        Parameter("gap", N_("gap to the next bead"), "m", 0.0, MOST_GAP * length, False, gap, set_gap),
     ]
 
 
 def _stiffness_names(law: Contact) -> tuple[tuple[str, str], str]:
     """Name and unit of the stiffness, and the name of the exponent."""
     gear = law.preload > 0.0
-    factor = ("stiffness k", "N/m") if gear and law.exponent == 1.0 else ("f0 (stiffness)", "N/m^a")
-    return factor, "exponent (1: spring)" if gear else "alpha (exponent)"
+    factor = (N_("stiffness k"), "N/m") if gear and law.exponent == 1.0 else (N_("f0 (stiffness)"), "N/m^a")
+    return factor, N_("exponent (1: spring)") if gear else N_("alpha (exponent)")
 
 
 def _stiffness_range(session: Session, pick: Pick, present: float) -> tuple[float, float]:
@@ -155,8 +156,8 @@ def number(text: str) -> float:
     cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
     numerator, slash, denominator = cleaned.partition("/")
     if slash and float(denominator) == 0.0:
-        raise ValueError(f"{text!r} divides by zero")
+        raise ValueError(_("{text!r} divides by zero", text=text))
     value = float(numerator) / float(denominator) if slash else float(cleaned)
     if not math.isfinite(value):
-        raise ValueError(f"{text!r} is not finite")
+        raise ValueError(_("{text!r} is not finite", text=text))
     return value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.window_page import Host
@@ -32,8 +33,12 @@ class EndOfMotion:
     def toggle(self) -> None:
         """Pause at the end, or go on."""
         self.enabled = not self.enabled
-        text = "the clock pauses when all contacts are open for good" if self.enabled else "the clock does not pause"
-        self.host.messages.show(text)
+        text = (
+            N_("the clock pauses when all contacts are open for good")
+            if self.enabled
+            else N_("the clock does not pause")
+        )
+        self.host.messages.show(_(text))
 
     def update(self, frames: int) -> None:
         """After a tick of so many frames."""
@@ -44,4 +49,4 @@ class EndOfMotion:
         before, self._frames = self._frames, self._frames + frames
         if self.enabled and before < LINGER <= self._frames:
             session.pause()
-            self.host.messages.show("all contacts are open for good: paused (E changes that, Space plays on)")
+            self.host.messages.show(_("all contacts are open for good: paused (E changes that, Space plays on)"))

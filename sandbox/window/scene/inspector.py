@@ -13,6 +13,7 @@ from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.languages import NP_, _, label_words, pgettext
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
@@ -27,7 +28,11 @@ from softcradle.sandbox.window.window_page import Host
 
 ROW = 40.0  # design pixels of a parameter
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
-KIND_NAMES = {"power": "power law", "gear": "draft gear", "hard": "hard"}
+KIND_NAMES = {
+    "power": NP_("button", "power law"),
+    "gear": NP_("button", "draft gear"),
+    "hard": NP_("button", "hard"),
+}
 
 
 class Inspector:
@@ -90,24 +95,24 @@ class Inspector:
         for k, (kind, name) in enumerate(KIND_NAMES.items()):
             place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
             convert = partial(self.editor.apply, SetKind(pick.lane, pick.index, kind))
-            button = self._button(place, name, convert, "law of this contact", "#chip")
+            button = self._button(place, pgettext("button", name), convert, _("law of this contact"), "#chip")
             if kind == present:
                 button.select()
 
     def _make_contact_buttons(self, pick: Pick, y: float) -> None:
         locked = self.session.lanes[pick.lane].setup.locked[pick.index] is not None
         left, right = self._halves(y)
-        self._button(left, "unlock piston" if locked else "lock piston", self.editor.lock, hint("lock"))
-        self._button(right, "all alike", self._copy_to_all, "give this law to every contact of the lane")
+        self._button(left, _("unlock piston") if locked else _("lock piston"), self.editor.lock, hint("lock"))
+        self._button(right, _("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
 
     def _make_bead_buttons(self, pick: Pick, y: float) -> None:
         left, right = self._halves(y)
-        self._button(left, "add bead", self.editor.add_bead, hint("add_bead"))
-        self._button(right, "remove bead", self.editor.remove_bead, hint("remove_bead"))
+        self._button(left, _("add bead"), self.editor.add_bead, hint("add_bead"))
+        self._button(right, _("remove bead"), self.editor.remove_bead, hint("remove_bead"))
         wall = math.isinf(self.session.lanes[pick.lane].chain.mass[pick.index])
-        below, _ = self._halves(y + 33 * self.host.unit)
-        text = "free it" if wall else "make it a wall"
-        self._button(below, text, self._toggle_wall, "a wall has no mass to move: it keeps its velocity")
+        below = self._halves(y + 33 * self.host.unit)[0]
+        text = _("free it") if wall else _("make it a wall")
+        self._button(below, text, self._toggle_wall, _("a wall has no mass to move: it keeps its velocity"))
 
     def _halves(self, y: float) -> tuple[pygame.Rect, pygame.Rect]:
         """Places of two buttons side by side."""
@@ -137,10 +142,10 @@ class Inspector:
     def sweep(self, key: str = "") -> None:
         """Show nine values of a parameter side by side: the one with that key, else the one changed last, else the first."""
         if self.pick is None:
-            self.host.messages.show("select a bead or a contact: its sliders can be swept")
+            self.host.messages.show(_("select a bead or a contact: its sliders can be swept"))
             return
         if self.editor.preparing:
-            self.host.messages.show(PREPARING)
+            self.host.messages.show(_(PREPARING))
             return
         found = parameters(self.session, self.pick)
         wanted = key or self._last
@@ -152,7 +157,7 @@ class Inspector:
         try:
             self.host.put_over(SweepBoard(self.host, self.session, self.pick, parameter, take))
         except ValueError as error:
-            self.host.messages.show(f"this cannot be swept: {error}", warning=True)
+            self.host.messages.show(_("this cannot be swept: {error}", error=error), warning=True)
 
     def handle(self, event: pygame.Event) -> bool:
         """Sliders and typed numbers."""
@@ -189,7 +194,8 @@ class Inspector:
         try:
             value = number(text)
         except ValueError:
-            self.host.messages.show(f"{control.parameter.name}: {text!r} is not a number", warning=True)
+            wrong = _("{name}: {text!r} is not a number", name=_(control.parameter.name), text=text)
+            self.host.messages.show(wrong, warning=True)
             self.refresh(force=True)
             return
         self._set(control, value, typed=True)
@@ -246,18 +252,19 @@ class Inspector:
         self._title(surface, self.pick)
         for control in self.controls.values():
             parameter, y = control.parameter, control.entry.rect.centery
-            end = write(surface, parameter.name, (rect.left, y), 13 * unit, tones.foreground, align=(0, 0.5)).right
+            end = write(surface, _(parameter.name), (rect.left, y), 13 * unit, tones.foreground, align=(0, 0.5)).right
             if parameter.unit:
                 write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, tones.muted, align=(0, 0.5))
 
     def _title(self, surface: pygame.Surface, pick: Pick) -> None:
         unit, rect, lane = self.host.unit, self.rect, self.session.lanes[pick.lane]
-        label = self.session.label(pick.lane)
+        label = label_words(self.session.label(pick.lane))
         colours = bead_colours(lane.chain.contacts + 1)
         if pick.kind == "bead":
-            title, colour = f"Bead {pick.index}", colours[pick.index]
+            title, colour = _("Bead {number}", number=pick.index), colours[pick.index]
         else:
-            title, colour = f"Contact {subscript(pick.index, pick.index + 1)}", colours[pick.index + 1]
+            title = _("Contact {number}", number=subscript(pick.index, pick.index + 1))
+            colour = colours[pick.index + 1]
         if len(self.session.lanes) > 1 and label:
             title = f"{title} · {label}"
         draw_marker(surface, pick.index, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)

@@ -12,6 +12,7 @@ from softcradle.physics import METHODS
 from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.languages import _, label_words, pgettext
 from softcradle.sandbox.session import health
 from softcradle.sandbox.session.health import Health
 from softcradle.sandbox.session.inputs import SetMethod
@@ -82,7 +83,9 @@ class LaneCards:
         high, margin = round(24 * unit), round(6 * unit)
         place = pygame.Rect(rect.left + margin, rect.bottom - high - margin // 2, rect.width - 2 * margin, high)
         show = partial(self.show_fault, lane)
-        return UIButton(place, "", self.host.manager, object_id="#chip", tool_tip_text="of the whole run", command=show)
+        return UIButton(
+            place, "", self.host.manager, object_id="#chip", tool_tip_text=_("of the whole run"), command=show
+        )
 
     def show_fault(self, lane: int) -> None:
         """Scrub to where the worst fault of the run begins."""
@@ -130,11 +133,15 @@ class LaneCards:
     def _verdict_text(self, lane: int) -> str:
         worst = _worst(self.session.findings(lane))
         if worst is None:
-            return "whole run: no fault"
+            return _("whole run: no fault")
         size, name = time_unit(max(self.session.span[1], 1e-9))
         first, last = (fixed(time / size, 2) for time in (worst.begin, worst.end))
         room = self.rects[lane].width - 24 * self.host.unit
-        return shortened(f"{worst.cause}, {first} to {last} {name}", 12 * self.host.unit, room)
+        return shortened(
+            _("{cause}, {first} to {last} {unit}", cause=worst.cause, first=first, last=last, unit=name),
+            12 * self.host.unit,
+            room,
+        )
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the badges."""
@@ -156,8 +163,8 @@ class LaneCards:
         self._sentence(surface, rect, state, y)
 
     def _title(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> None:
-        unit, label = self.host.unit, self.session.label(number)
-        title = label if len(self.session.lanes) > 1 and label else "method"
+        unit, label = self.host.unit, label_words(self.session.label(number))
+        title = label if len(self.session.lanes) > 1 and label else _("method")
         title = shortened(title, 14 * unit, rect.width - 160 * unit, bold=True)
         write(surface, title, (rect.left + 10 * unit, rect.top + 12 * unit), 14 * unit, tones.foreground, bold=True)
 
@@ -168,23 +175,29 @@ class LaneCards:
         x, y = rect.left + 10 * unit, rect.top + 12 * unit
         step = lane.setup.step_for(self.session.setup.frame_time)
         method = lane.setup.method
-        line = f"{method}, step {scientific(step)} s" if step else f"{method}, adaptive"
+        line = (
+            _("{method}, step {step} s", method=method, step=scientific(step))
+            if step
+            else _("{method}, adaptive", method=method)
+        )
         write(surface, line, (x, y + 26 * unit), 12 * unit, tones.muted)
         y += 43 * unit
         if len(self.rects) == 1:
-            summary = shortened(SUMMARIES[method], 12 * unit, rect.width - 20 * unit)
+            summary = shortened(_(SUMMARIES[method]), 12 * unit, rect.width - 20 * unit)
             write(surface, summary, (x, y), 12 * unit, tones.muted)
             y += 19 * unit
         return y
 
-    def _numbers(self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str]], y: float) -> float:
+    def _numbers(
+        self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str, str]], y: float
+    ) -> float:
         """One a line, two where there are two cards; returns where the next line is."""
         unit, columns = self.host.unit, 1 if len(self.rects) == 1 else 2
         width = (rect.width - 20 * unit) / columns
-        for k, (name, text) in enumerate(numbers):
+        for k, (name, short, text) in enumerate(numbers):
             x = rect.left + 10 * unit + (k % columns) * width
-            short = name.split()[0] if columns == 2 else name
-            write(surface, short, (x, y), 12.5 * unit, tones.muted)
+            shown = short if columns == 2 else name
+            write(surface, shown, (x, y), 12.5 * unit, tones.muted)
             right = x + width - (8 * unit if columns == 2 and k % 2 == 0 else 0)
             write(surface, text, (right, y), 12.5 * unit, tones.foreground, align=(1, 0))
             y += 16.5 * unit if k % columns == columns - 1 else 0.0
@@ -209,18 +222,20 @@ def _worst(found: list[Finding]) -> Finding | None:
     return gravest[0] if gravest else None
 
 
-def _numbers(state: Health) -> list[tuple[str, str]]:
-    """Names and values of the badge."""
+def _numbers(state: Health) -> list[tuple[str, str, str]]:
+    """Names, short names and values of the badge."""
+    velocity = _("not known") if state.velocity_error is None else _error(state.velocity_error)
+    chatter = fixed(state.chatter, 1) if state.chatter < 1e4 else scientific(state.chatter)
     return [
-        ("velocity error", "not known" if state.velocity_error is None else _error(state.velocity_error)),
-        ("energy error", _error(state.energy_error)),
-        ("momentum error", _error(state.momentum_error)),
-        ("chatter", f"{state.chatter:.1f}" if state.chatter < 1e4 else scientific(state.chatter)),
-        ("physics a frame", f"{state.milliseconds:.2f} ms"),
+        (_("velocity error"), pgettext("short", "velocity"), velocity),
+        (_("energy error"), pgettext("short", "energy"), _error(state.energy_error)),
+        (_("momentum error"), pgettext("short", "momentum"), _error(state.momentum_error)),
+        (_("chatter"), pgettext("short", "chatter"), chatter),
+        (_("physics a frame"), pgettext("short", "physics"), f"{fixed(state.milliseconds, 2)} ms"),
     ]
 
 
 def _error(error: float | None) -> str:
     if error is None:
-        return "wall or bed takes it"
+        return _("wall or bed takes it")
     return scientific(error) if error >= 1e-17 else "0"

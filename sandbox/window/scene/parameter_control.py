@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import pygame
 from pygame_gui.elements import UIButton, UITextEntryLine
+from softcradle.sandbox.languages import _, localized
 from softcradle.sandbox.window.scene.editable_parameters import Parameter
 from softcradle.sandbox.window.slider import Slider
 from softcradle.sandbox.window.window_page import Host
@@ -69,13 +70,13 @@ def parameter_control(
     wide = round(SWEEP * unit)
     bar = pygame.Rect(left, round(y + 26 * unit), right - left - wide - round(4 * unit), round(12 * unit))
     place = pygame.Rect(right - wide, bar.top, wide, bar.height)
-    tip = f"{parameter.name}: nine values side by side"
+    tip = _("{name}: nine values side by side", name=_(parameter.name))
     button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
-    slider.name = f"{parameter.name} {parameter.unit}".strip()
+    slider.name = f"{_(parameter.name)} {parameter.unit}".strip()
     return Control(parameter, slider, entry, button, parameter.value)
 
 
 def number_text(value: float) -> str:
     """A number as the box shows it."""
-    return f"{value:.5g}"
+    return localized(f"{value:.5g}")

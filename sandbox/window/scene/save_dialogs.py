@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from softcradle.sandbox.draw.png_file import write_png
+from softcradle.sandbox.languages import N_, _, english
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page import write_page
 from softcradle.sandbox.session.session import Session
@@ -35,34 +36,34 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
     """The files that come from a session."""
 
     def reporting(write: Callable[[Path], object]) -> Callable[[Path], None]:
-        return lambda path: report(messages, partial(write, path), f"saved {shown_path(path)}")
+        return lambda path: report(messages, partial(write, path), _("saved {path}", path=shown_path(path)))
 
     return {
         "save_scene": Saving(
-            "Save the scene",
-            "a .toml file with all edits, to be opened here, rendered or run",
+            N_("Save the scene"),
+            N_("a .toml file with all edits, to be opened here, rendered or run"),
             "-edited.toml",
             (".toml",),
             reporting(session.save_scene),
         ),
         "save_session": Saving(
-            "Save the session",
-            "an .npz file: drop it here to replay the session",
+            N_("Save the session"),
+            N_("an .npz file: drop it here to replay the session"),
             "-session.npz",
             (".npz",),
             reporting(session.save_recording),
         ),
         "export": Saving(
-            "Export the history",
-            ".csv (a table) or .npz (everything); a file a lane",
+            N_("Export the history"),
+            N_(".csv (a table) or .npz (everything); a file a lane"),
             ".csv",
             (".csv", ".npz"),
             reporting(session.export),
             session.export_paths,
         ),
         "share_page": Saving(
-            "Share as a page",
-            "an .html file: any browser plays what was recorded, no network needed",
+            N_("Share as a page"),
+            N_("an .html file: any browser plays what was recorded, no network needed"),
             ".html",
             (".html", ".htm"),
             reporting(partial(share_page, session)),
@@ -75,8 +76,8 @@ class SaveDialogs:
 
     def __init__(self, host: Host, title: str, film: WindowFilm, savings: dict[str, Saving]) -> None:
         self.host, self.title, self.film = host, title, film
-        note = "a .mp4, .gif or .webp file; it records from now on until Stop"
-        self.savings = {**savings, "film": Saving("Film the window", note, ".mp4", FILM_ENDINGS, film.begin)}
+        note = N_("a .mp4, .gif or .webp file; it records from now on until Stop")
+        self.savings = {**savings, "film": Saving(N_("Film the window"), note, ".mp4", FILM_ENDINGS, film.begin)}
         self.actions: dict[str, Callable[[], None]] = {
             **{name: partial(self.ask, name) for name in self.savings},
             "film": self.toggle_film,
@@ -87,7 +88,8 @@ class SaveDialogs:
         """Ask for the path of a kind of file."""
         saving = self.savings[name]
         proposed = str(free_path(self.title, saving.proposed))
-        self.host.ask(saving.title, f"{saving.note}, in {shown_path(Path())}", proposed, partial(self.save, name))
+        note = _("{note}, in {folder}", note=_(saving.note), folder=shown_path(Path()))
+        self.host.ask(_(saving.title), note, proposed, partial(self.save, name))
 
     def save(self, name: str, text: str) -> None:
         """Write that kind of file to the path `text`; ask first where there is a file already."""
@@ -97,14 +99,14 @@ class SaveDialogs:
         if not taken:
             self._write(saving, path)
             return
-        names = " and ".join(shown_path(file) for file in taken)
+        names = _(" and ").join(shown_path(file) for file in taken)
         self.host.choose(
-            "Replace it?",
-            f"There is already {names}.",
+            _("Replace it?"),
+            _("There is already {names}.", names=names),
             {
-                "Another name ...": partial(self.ask, name),
-                "Replace": partial(self._write, saving, path),
-                "Cancel": lambda: None,
+                _("Another name ..."): partial(self.ask, name),
+                _("Replace"): partial(self._write, saving, path),
+                _("Cancel"): lambda: None,
             },
         )
 
@@ -129,7 +131,7 @@ class SaveDialogs:
             with output_file(path) as temporary:
                 write_png(self.host.surface, temporary)
 
-        report(self.host.messages, work, f"saved {shown_path(path)}")
+        report(self.host.messages, work, _("saved {path}", path=shown_path(path)))
 
 
 def share_page(session: Session, path: Path) -> None:
@@ -140,12 +142,13 @@ def share_page(session: Session, path: Path) -> None:
     """
     found = [session.trajectory(lane) for lane in range(len(session.lanes))]
     if any(trajectory.time.size < 2 for trajectory in found):
-        raise UserError("nothing has been recorded yet: let the scene run, then share it")
+        raise UserError(_("nothing has been recorded yet: let the scene run, then share it"))
     try:
         scene = session.to_scene()
     except ValueError as error:
-        raise UserError(f"this cannot be shared: {error}") from None
-    write_page(found, scene, path)
+        raise UserError(_("this cannot be shared: {error}", error=error)) from None
+    with english():  # as all else on a page
+        write_page(found, scene, path)
 
 
 def report(messages: Messages, work: Callable[[], object], done: str) -> None:

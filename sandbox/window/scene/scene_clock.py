@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.end_of_motion import EndOfMotion
@@ -60,8 +61,8 @@ class SceneClock:
     def activity(self) -> str:
         """What the clock does: 'playing', 'replaying' or 'paused'."""
         if self._running is not None:
-            return "replaying" if self._running.playing else "paused"
-        return "playing" if self.session.playing else "paused"
+            return N_("replaying") if self._running.playing else N_("paused")
+        return N_("playing") if self.session.playing else N_("paused")
 
     def play_pause(self) -> None:
         """Play or pause."""
@@ -70,7 +71,7 @@ class SceneClock:
         elif self.session.playing:
             self.session.pause()
         elif self.editor.preparing:
-            self.host.messages.show(PREPARING)
+            self.host.messages.show(_(PREPARING))
         else:
             self.controls.apply_slow()
             self.session.play()

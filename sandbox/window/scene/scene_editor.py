@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
@@ -13,8 +14,8 @@ from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.window_page import Host
 
 AUTO = "auto"  # the entry of the method menu by which the method is chosen
-PREPARING = "preparing the physics: some seconds, once"
-PLURALS = {"power": "power laws", "gear": "draft gears"}
+PREPARING = N_("preparing the physics: some seconds, once")
+ALL_NOW = {"power": N_("all contacts are power laws now"), "gear": N_("all contacts are draft gears now")}
 
 
 class SceneEditor:
@@ -36,8 +37,12 @@ class SceneEditor:
             "select_right": partial(self.select_neighbour, 1),
             "add_bead": self.add_bead,
             "remove_bead": self.remove_bead,
-            "undo": partial(self._go, self.session.undo, "undone", "nothing to undo"),
-            "redo": partial(self._go, self.session.redo, "done again", "nothing to redo"),
+            "undo": partial(
+                self._go, self.session.undo, N_("undone: {edit}, at t = {time:.4g} s"), N_("nothing to undo")
+            ),
+            "redo": partial(
+                self._go, self.session.redo, N_("done again: {edit}, at t = {time:.4g} s"), N_("nothing to redo")
+            ),
             "lock": self.lock,
             "law": self.convert,
             "law_all": self.convert_all,
@@ -66,10 +71,11 @@ class SceneEditor:
         Inputs of one `gesture` are one undo step.
         """
         if self.preparing:
-            self.host.messages.show(PREPARING)
+            self.host.messages.show(_(PREPARING))
             return False
         if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
-            self.host.messages.show(f"method {item.method} is still being prepared: try again in some seconds")
+            text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
+            self.host.messages.show(text)
             self.host.rebuild()  # the menu goes back to the present method
             return False
         try:
@@ -91,7 +97,7 @@ class SceneEditor:
         """Undo or redo, and say what."""
         name = step()
         if name:
-            self.host.messages.show(f"{done}: {name}, at t = {self.session.time:.4g} s")
+            self.host.messages.show(_(done, edit=_(name), time=self.session.time))
         else:
             self.host.messages.show(nothing)
 
@@ -127,7 +133,7 @@ class SceneEditor:
         """Remove the selected bead."""
         pick = self.selection
         if pick is None or pick.kind != "bead":
-            self.host.messages.show("select the bead to remove")
+            self.host.messages.show(_("select the bead to remove"))
             return
         self.apply(RemoveBead(pick.lane, pick.index))
 
@@ -140,13 +146,13 @@ class SceneEditor:
             return
         locked = all(law is not None for lane in lanes for law in lane.setup.locked)
         if self._apply_to_lanes(lambda lane: Lock(lane, None, not locked)):
-            self.host.messages.show("all pistons unlocked" if locked else "all pistons locked: the usual cradle")
+            self.host.messages.show(_("all pistons unlocked") if locked else _("all pistons locked: the usual cradle"))
 
     def convert(self) -> None:
         """Convert the selected contact into a power law or a draft gear."""
         pick = self.selection
         if pick is None or pick.kind != "contact":
-            text = "select a contact: click between two beads, on its force bar or on its magnified inset"
+            text = _("select a contact: click between two beads, on its force bar or on its magnified inset")
             self.host.messages.show(text)
             return
         law = self.session.lanes[pick.lane].chain.power_laws[pick.index]
@@ -157,4 +163,4 @@ class SceneEditor:
         gears = all(kind_of(law) == "gear" for lane in self.session.lanes for law in lane.chain.power_laws)
         kind = "power" if gears else "gear"
         if self._apply_to_lanes(lambda lane: SetKind(lane, None, kind)):
-            self.host.messages.show(f"all contacts are {PLURALS[kind]} now")
+            self.host.messages.show(_(ALL_NOW[kind]))

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
@@ -65,6 +66,7 @@ class ScenePage:
             **self.dialogs.actions,
             "sound": self.sound.toggle,
             "help": host.toggle_help,
+            "language": host.next_language,
             "leave": self.escape,
         }
 
@@ -211,7 +213,7 @@ class ScenePage:
         self.tools.paint_over(surface)
         self.timeline.paint_reading(surface, point)
         if self.editor.preparing or self.replay is not None:
-            text = PREPARING if self.replay is None else self.replay.sentence
+            text = _(PREPARING) if self.replay is None else self.replay.sentence
             bad = self.replay is not None and self.replay.diverged is not None
             place = (places.lanes[0].centerx, places.lanes[0].top + 30 * unit)
             write(surface, text, place, 15 * unit, tones.warning if bad else tones.muted, bold=bad, align=(0.5, 0.5))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pygame
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.sound import Clicks, ForceTones
 from softcradle.sandbox.window.window_page import Host
@@ -27,17 +28,17 @@ class SceneSound:
         """Go on to the next: clicks, clicks and tones of the forces, silence."""
         if self.tones is not None:
             self.close()
-            self.host.messages.show("sound off")
+            self.host.messages.show(_("sound off"))
             return
         try:
             if self.clicks is None:
                 self.clicks = Clicks()
-                self.host.messages.show("clicks at impacts")
+                self.host.messages.show(_("clicks at impacts"))
             else:
                 self.tones = ForceTones()
-                self.host.messages.show("clicks at impacts, and a tone for the force of each contact")
+                self.host.messages.show(_("clicks at impacts, and a tone for the force of each contact"))
         except pygame.error as error:
-            self.host.messages.show(f"there is no sound here: {error}", warning=True)
+            self.host.messages.show(_("there is no sound here: {error}", error=error), warning=True)
 
     def update(self, greatest_force: float) -> None:
         """Sound the impacts of the last tick, and the forces now relative to the greatest of the scene [N]."""

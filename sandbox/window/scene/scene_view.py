@@ -7,6 +7,7 @@ from softcradle.sandbox.draw.bead_arrows import ARROWS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.languages import scene_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.look_ahead import motions_ahead
@@ -223,7 +224,7 @@ class SceneView:
         if self.panel_shown:
             backdrop.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
         mark = "• " if self.session.undo_stack.unsaved else ""
-        title = shortened(mark + self.session.scene.title, 19 * unit, self.title_room, bold=True)
+        title = shortened(mark + scene_words(self.session.scene.title), 19 * unit, self.title_room, bold=True)
         write(
             backdrop,
             title,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pygame
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.session.summary_text import summary_text
@@ -21,25 +22,27 @@ class Sharing:
 
     def copy_values(self) -> None:
         """Put all values at the frame shown on the clipboard as CSV."""
-        self._copy(lambda: values_csv(self.session), "the values are on the clipboard, as CSV")
+        self._copy(lambda: values_csv(self.session), _("the values are on the clipboard, as CSV"))
 
     def tell(self) -> None:
         """Show what has happened in words; it can be copied, to be read aloud."""
         text = summary_text(self.session)
         self.host.choose(
-            "What happened", text, {"Close": lambda: None, "Copy": lambda: self._copy(lambda: text, "copied")}
+            _("What happened"),
+            text,
+            {_("Close"): lambda: None, _("Copy"): lambda: self._copy(lambda: text, _("copied"))},
         )
 
     def copy_scene(self) -> None:
         """Put the scene with all edits on the clipboard as text."""
-        done = "the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V"
+        done = _("the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V")
         self._copy(lambda: shared_text(self.session.to_scene()), done)
 
     def _copy(self, text: Callable[[], str], done: str) -> None:
         try:
             pygame.scrap.put_text(text())
         except (ValueError, pygame.error) as error:
-            self.host.messages.show(f"nothing was copied: {error}", warning=True)
+            self.host.messages.show(_("nothing was copied: {error}", error=error), warning=True)
         else:
             self.host.messages.show(done)
 

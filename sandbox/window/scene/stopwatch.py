@@ -8,6 +8,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.scene_view import SceneView
 from softcradle.sandbox.window.window_page import Host
@@ -44,8 +45,8 @@ class Stopwatch:
         if self.elapsed is None:
             return
         size, name = time_unit(max(abs(self.elapsed), 1e-9))
-        state = "running" if self.end is None else "stopped"
-        _tag(surface, f"stopwatch {fixed(self.elapsed / size, 3)} {name} ({state})", place, self.host.unit)
+        text = N_("stopwatch {time} (running)") if self.end is None else N_("stopwatch {time} (stopped)")
+        _tag(surface, _(text, time=f"{fixed(self.elapsed / size, 3)} {name}"), place, self.host.unit)
 
 
 class Ruler:

@@ -11,6 +11,7 @@ from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.parameter_sweep import Variant, variants
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.look_ahead import motions_ahead
@@ -61,7 +62,7 @@ class SweepBoard(Overlay):
             self._make_panels()
         else:
             self.close()
-            self.host.messages.show(f"this cannot be swept: {found}", warning=True)
+            self.host.messages.show(_("this cannot be swept: {error}", error=found), warning=True)
 
     def make_widgets(self) -> None:
         """Take a place in the middle of the page, with a button that closes it."""
@@ -71,7 +72,7 @@ class SweepBoard(Overlay):
         margin, head = round(MARGIN * unit), round(HEAD * unit)
         place = pygame.Rect(self.box.right - margin - round(84 * unit), self.box.top + round(10 * unit), 1, 1)
         place.size = round(84 * unit), round(28 * unit)
-        self.button = UIButton(place, "Close", self.manager, command=self.close)
+        self.button = UIButton(place, _("Close"), self.manager, command=self.close)
         inner = pygame.Rect(self.box.left + margin, self.box.top + head, self.box.width - 2 * margin, 1)
         inner.height = self.box.bottom - margin // 2 - inner.top
         pitch = inner.width / COLUMNS, inner.height / ROWS
@@ -99,7 +100,7 @@ class SweepBoard(Overlay):
         for variant, place in zip(self.found or (), self.places, strict=True):
             motion = variant.motion or motions[0]
             time = float(motion.time[0]), float(motion.time[-1])
-            title = f"{self.parameter.name} = {number_text(variant.value)} {self.parameter.unit}".strip()
+            title = f"{_(self.parameter.name)} = {number_text(variant.value)} {self.parameter.unit}".strip()
             axis = linear_axis(shortened(title, 13.5 * self.host.unit, 0.8 * place.width), low - room, high + room)
             panel = Panel(place, self.host.unit, time, axis, colours=colours, names=[""] * len(colours))
             panel.labelled = False
@@ -147,12 +148,12 @@ class SweepBoard(Overlay):
         surface.blit(shade, (0, 0))
         pygame.draw.rect(surface, tones.background, self.box, border_radius=round(8 * unit))
         pygame.draw.rect(surface, tones.faint, self.box, max(1, round(2 * unit)), border_radius=round(8 * unit))
-        title = f"Velocities (m/s) for nine values: {self.parameter.name}. A click takes one."
+        title = _("Velocities (m/s) for nine values: {name}. A click takes one.", name=_(self.parameter.name))
         room = self.button.rect.left - self.box.left - 2 * MARGIN * unit
         place = (self.box.left + MARGIN * unit, self.box.top + 13 * unit)
         write(surface, shortened(title, 16 * unit, room, bold=True), place, 16 * unit, tones.foreground, bold=True)
         if self.found is None:
-            write(surface, "computing ...", self.box.center, 15 * unit, tones.muted, align=(0.5, 0.5))
+            write(surface, _("computing ..."), self.box.center, 15 * unit, tones.muted, align=(0.5, 0.5))
         for variant, panel in zip(self.found or (), self._panels, strict=False):
             self._paint_variant(surface, variant, panel)
         if self.found is not None:

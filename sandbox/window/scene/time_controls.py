@@ -11,6 +11,7 @@ from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.number_format import fixed, time_unit
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.languages import _, pgettext
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.icons import draw_icon
@@ -72,7 +73,7 @@ class TimeControls:
         self.slow_left = self.buttons[BUTTONS[-1]].rect.right + round(19 * unit)
         place = pygame.Rect(self.slow_left, rect.centery + round(2 * unit), round(190 * unit), round(14 * unit))
         self.slider = Slider(place, self._share(), (0.0, 1.0), manager)
-        self.slider.name = "slow motion"
+        self.slider.name = _("slow motion")
         self.clock_left = place.right + round(22 * unit)
         self._build_toggles(second, actions)
 
@@ -86,10 +87,10 @@ class TimeControls:
             place = pygame.Rect(round(x), rect.centery - round(13 * unit), round(wide * unit), round(26 * unit))
             self.toggles[name] = UIButton(
                 place,
-                name,
+                pgettext("button", name),
                 self.host.manager,
                 object_id="#chip",
-                tool_tip_text="plot: " + hint(name),
+                tool_tip_text=_("plot: {what}", what=hint(name)),
                 command=actions[name],
             )
             if name in self.board.shown and not self.board.hidden:
@@ -151,11 +152,12 @@ class TimeControls:
         ratio = session.pacer.clock_ratio
         below = (self.clock_left, self.rect.centery + 4 * unit)
         if session.playing and ratio < LATE:
-            write(surface, f"late: clock at {100 * ratio:.0f} %", below, 12 * unit, tones.warning, bold=True)
+            text = _("late: clock at {percent:.0f} %", percent=100 * ratio)
+            write(surface, text, below, 12 * unit, tones.warning, bold=True)
         elif session.scrubbed:
-            write(surface, "looking back", below, 12 * unit, tones.muted)
+            write(surface, _("looking back"), below, 12 * unit, tones.muted)
         else:
-            write(surface, self.activity(), below, 12 * unit, tones.muted)
+            write(surface, _(self.activity()), below, 12 * unit, tones.muted)
 
 
 def time_buttons(host: Host, rect: pygame.Rect, actions: Actions) -> dict[str, UIButton]:
@@ -185,11 +187,13 @@ def paint_icons(surface: pygame.Surface, buttons: Mapping[str, UIButton], moving
 
 def toggle_width(name: str) -> float:
     """Design pixels of the toggle button `name`."""
-    return width(name, 12.0) + TOGGLE_MARGIN
+    return width(pgettext("button", name), 12.0) + TOGGLE_MARGIN
 
 
 def speed_text(slow: float) -> str:
     """How fast the clock is, for `slow` wall seconds for one of the model."""
     if abs(slow - 1.0) < 0.005:
-        return "real time"
-    return f"slow motion 1/{slow:.4g}" if slow > 1.0 else f"{1.0 / slow:.3g} times as fast"
+        return _("real time")
+    if slow > 1.0:
+        return _("slow motion 1/{times:.4g}", times=slow)
+    return _("{times:.3g} times as fast", times=1.0 / slow)

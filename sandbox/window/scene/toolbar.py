@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import pygame
 from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.undo import UndoStack
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.scene.window_film import WindowFilm
@@ -14,15 +15,15 @@ from softcradle.sandbox.window.window_page import Host
 
 # Action and text of each button on the right.
 TOOLS = (
-    ("undo", "Undo"),
-    ("redo", "Redo"),
-    ("save_scene", "Save scene"),
-    ("save_session", "Save session"),
-    ("export", "Export"),
-    ("screenshot", "Screenshot"),
-    ("film", "Film"),
-    ("tools", "Tools"),
-    ("help", "Help"),
+    ("undo", N_("Undo")),
+    ("redo", N_("Redo")),
+    ("save_scene", N_("Save scene")),
+    ("save_session", N_("Save session")),
+    ("export", N_("Export")),
+    ("screenshot", N_("Screenshot")),
+    ("film", N_("Film")),
+    ("tools", N_("Tools")),
+    ("help", N_("Help")),
 )
 MARGIN = 20.0  # design pixels of a button beside its text
 TITLE_LEFT = 110.0  # design pixels
@@ -46,14 +47,15 @@ class Toolbar:
         unit, manager, height = self.host.unit, self.host.manager, round(30 * self.host.unit)
         y = rect.centery - height // 2
         place = pygame.Rect(round(12 * unit), y, round(84 * unit), height)
-        UIButton(place, "← Scenes", manager, tool_tip_text="back to the gallery", command=leave)
+        UIButton(place, "← " + _("Scenes"), manager, tool_tip_text=_("back to the gallery"), command=leave)
         x = rect.right - round(12 * unit)
         for name, usual in reversed([tool for tool in TOOLS if tool[0] in actions]):
-            text = "Stop" if name == "film" and self.film.film is not None else usual
+            filming = name == "film" and self.film.film is not None
+            text = _("Stop") if filming else _(usual)
             wide = round(width(text, 13 * unit) + MARGIN * unit)
             x -= wide + round(5 * unit)
             place = pygame.Rect(x, y, wide, height)
-            style = "#primary" if text == "Stop" else None
+            style = "#primary" if filming else None
             self.buttons[name] = UIButton(
                 place, text, manager, object_id=style, tool_tip_text=hint(name), command=actions[name]
             )

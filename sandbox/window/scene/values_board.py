@@ -10,6 +10,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import MINUS, scientific, subscript
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.languages import _, ngettext, pgettext
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import ValuesTable, bead_table, contact_table
 from softcradle.sandbox.window.scene.pick import Pick
@@ -64,7 +65,7 @@ def _column_width(name: str, unit: float, digits: int, first: bool) -> float:
 
 
 def _head(name: str) -> list[str]:
-    return name.replace(" (", "\n(").split("\n")
+    return pgettext("column", name).replace(" (", "\n(").split("\n")
 
 
 class ValuesBoard:
@@ -115,7 +116,7 @@ class ValuesBoard:
         room = max(0, int((rect.bottom - y) // line))
         for row, numbers in enumerate(table.rows[:room]):
             if row == room - 1 and len(table.rows) > room:
-                text = f"and {len(table.rows) - row} more: copy them with C"
+                text = ngettext("and {n} more: copy it with C", "and {n} more: copy them with C", len(table.rows) - row)
                 write(surface, text, (rect.left + 8 * unit, y), 12 * unit, tones.muted)
                 break
             pick = Pick(lane, kind, row)
@@ -134,4 +135,4 @@ def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:
     """The cells of a row; its first number is that of the bead or contact."""
     first = int(numbers[0])
     name = str(first) if kind == "bead" else subscript(first, first + 1)
-    return [name, *(scientific(value, digits) if math.isfinite(value) else "wall" for value in numbers[1:])]
+    return [name, *(scientific(value, digits) if math.isfinite(value) else _("wall") for value in numbers[1:])]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from softcradle.sandbox.languages import _, pgettext
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
@@ -39,7 +40,7 @@ class ViewKeys:
     def toggle_plot(self, name: str) -> None:
         """Show or hide one kind of plot."""
         if name not in self.board.available():
-            self.host.messages.show(f"the {name} needs two lanes")
+            self.host.messages.show(_("the {name} needs two lanes", name=pgettext("button", name)))
             return
         self.board.toggle(name)
         self.host.rebuild()

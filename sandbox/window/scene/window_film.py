@@ -9,6 +9,7 @@ from typing import Any
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.scene.file_names import shown_path
 from softcradle.sandbox.window.window_page import Host
@@ -57,9 +58,10 @@ class WindowFilm:
         try:
             stack.close()
         except (UserError, OSError, ValueError) as error:
-            self.host.messages.show(f"the film is lost: {error}", warning=True)
+            self.host.messages.show(_("the film is lost: {error}", error=error), warning=True)
         else:
-            self.host.messages.show(f"saved {self.seconds:.0f} s to {shown_path(self.path)}")
+            text = _("saved {seconds:.0f} s to {path}", seconds=self.seconds, path=shown_path(self.path))
+            self.host.messages.show(text)
 
     def record(self, surface: pygame.Surface, seconds: float) -> None:
         """Add the finished picture to the film, if one is due after `seconds` more."""
@@ -76,7 +78,7 @@ class WindowFilm:
             self.film.add(frame)
         except (UserError, OSError, ValueError, pygame.error) as error:
             self.film = None
-            self.host.messages.show(f"the film stopped: {error}", warning=True)
+            self.host.messages.show(_("the film stopped: {error}", error=error), warning=True)
 
     def paint(self, surface: pygame.Surface, right: float, top: float) -> None:
         """Draw a red dot and the time while recording, left of `right` and below `top`."""
@@ -84,7 +86,7 @@ class WindowFilm:
             unit = self.host.unit
             x, y = right, top + 14 * unit
             pygame.draw.circle(surface, tones.bad, (x, y), 6 * unit)
-            text = f"rec {int(self.seconds) // 60}:{int(self.seconds) % 60:02d}"
+            text = _("rec {time}", time=f"{int(self.seconds) // 60}:{int(self.seconds) % 60:02d}")
             write(surface, text, (x - 10 * unit, y), 12 * unit, tones.bad, bold=True, align=(1, 0.5))
 
 

@@ -1,0 +1,42 @@
+"""The languages of the window: English in the code, the others in a catalogue each, LC_MESSAGES/softcradle.po."""
+
+from softcradle.sandbox.languages.refusals import refusal_words
+from softcradle.sandbox.languages.scene_words import label_words, scene_words
+from softcradle.sandbox.languages.translation import (
+    ENGLISH,
+    LANGUAGES,
+    N_,
+    NP_,
+    VARIABLES,
+    Language,
+    _,
+    english,
+    gettext,
+    language,
+    language_of_environment,
+    localized,
+    ngettext,
+    pgettext,
+    use_language,
+)
+
+__all__ = [
+    "ENGLISH",
+    "LANGUAGES",
+    "NP_",
+    "N_",
+    "VARIABLES",
+    "Language",
+    "_",
+    "english",
+    "gettext",
+    "label_words",
+    "language",
+    "language_of_environment",
+    "localized",
+    "ngettext",
+    "pgettext",
+    "refusal_words",
+    "scene_words",
+    "use_language",
+]

@@ -1,0 +1,129 @@
+"""Updates the catalogues from the code, scenes and lessons: python -m softcradle.sandbox.languages.update_catalogues.
+
+Needs Babel, which `pip install softcradle[dev]` brings. Translations that are there stay; new messages come in empty, for
+people to translate; messages that are gone are dropped. A catalogue that is not there yet is begun for a code in LANGUAGES.
+"""
+
+from __future__ import annotations
+
+import io
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.languages.translation import DOMAIN, ENGLISH, LANGUAGES, catalogue_path
+
+if TYPE_CHECKING:
+    from babel.messages import Catalog, Message
+
+KEYWORDS = {"_": None, "gettext": None, "N_": None, "ngettext": (1, 2), "pgettext": ((1, "c"), 2), "NP_": ((1, "c"), 2)}
+WIDTH = 120  # of the lines of a catalogue
+# Lines of a header that would change with each update, or name nobody.
+DATED = (
+    b'"POT-Creation-Date',
+    b'"PO-Revision-Date',
+    b'"Report-Msgid',
+    b'"Last-Tr',
+    b'"Language-Team',
+    b'"Generated-By',
+)
+SANDBOX = Path(__file__).parents[1]
+Found = tuple[str | tuple[str, str], str, str | None]  # message (and its plural), file, context
+
+
+def messages() -> Iterator[Found]:
+    """Every message: those of the code, of the scenes, of the lessons, and the summaries of methods."""
+    yield from _of_code()
+    yield from _of_scenes()
+    lessons = SANDBOX / "window" / "lessons" / "lessons.toml"
+    for lesson in tomllib.loads(lessons.read_text(encoding="utf-8"))["lesson"]:
+        for text in (lesson["question"], *lesson["choices"], lesson["why"]):
+            yield text, _name(lessons), None
+    from softcradle.physics import METHODS
+
+    for method in METHODS:
+        yield method.summary, "physics/methods.py", None
+
+
+def _of_code() -> Iterator[Found]:
+    from babel.messages.extract import extract_from_file
+
+    for path in sorted(SANDBOX.rglob("*.py")):
+        for _line, message, _comments, context in extract_from_file("python", str(path), keywords=KEYWORDS):
+            yield message if isinstance(message, str) else (message[0], message[1]), _name(path), context
+
+
+def _of_scenes() -> Iterator[Found]:
+    from softcradle.scenes import load, names
+
+    for name in names():
+        scene = load(name)
+        for text in (scene.title, scene.text, scene.source, *(lane.label for lane in scene.lanes)):
+            if text:
+                yield " ".join(text.split()), f"scenes/catalogue/{name}.toml", None
+
+
+def _name(path: Path) -> str:
+    return f"sandbox/{path.relative_to(SANDBOX).as_posix()}"
+
+
+def template() -> Catalog:
+    """All messages, untranslated."""
+    from babel.messages import Catalog
+
+    found = Catalog(domain=DOMAIN, project=DOMAIN, charset="utf-8", fuzzy=False)
+    for message, file, context in messages():
+        found.add(message, locations=[(file, 1)], context=context)
+    return found
+
+
+def read_catalogue(code: str) -> Catalog:
+    """The catalogue of a language as Babel reads it; empty where there is none."""
+    from babel.messages import Catalog
+    from babel.messages.pofile import read_po
+
+    path = catalogue_path(code)
+    if not path.exists():
+        return Catalog(locale=code, domain=DOMAIN, project=DOMAIN, fuzzy=False)
+    with path.open("rb") as file:
+        return read_po(file, locale=code, domain=DOMAIN)
+
+
+def written(catalogue: Catalog) -> bytes:
+    """The text of a catalogue: names of files without numbers of lines, so that it changes only where messages do."""
+    from babel.messages.pofile import write_po
+
+    text = io.BytesIO()
+    catalogue.header_comment = f"# Messages of softcradle in {LANGUAGES[str(catalogue.locale)].name}."
+    write_po(text, catalogue, width=WIDTH, include_lineno=False, ignore_obsolete=True)
+    lines = text.getvalue().splitlines(keepends=True)
+    return b"".join(line for line in lines if not line.startswith(DATED)).lstrip()
+
+
+def update(code: str) -> int:
+    """Update the catalogue of a language; returns how many messages wait for a translation."""
+    catalogue = read_catalogue(code)
+    found = template()
+    catalogue.update(found, no_fuzzy_matching=True)
+    path = catalogue_path(code)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(written(catalogue))
+    return sum(not is_translated(message) for message in catalogue if message.id)
+
+
+def is_translated(message: Message) -> bool:
+    """Whether a message has a translation, in each of its plural forms."""
+    forms = [message.string] if isinstance(message.string, str) else list(message.string or [""])
+    return all(forms)
+
+
+def main() -> None:
+    """Update all catalogues, and say how many messages wait."""
+    for code, language in LANGUAGES.items():
+        if code != ENGLISH:
+            print(f"{catalogue_path(code)}: {update(code)} messages wait for {language.name}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+"""Translations at work: plural forms, forms of numbers, the locale, words of scenes, refusals of the physics."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from softcradle.physics import Chain, Contact, power_law
+from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, prefixed, scientific, ticks
+from softcradle.sandbox.languages import (
+    LANGUAGES,
+    _,
+    english,
+    label_words,
+    language,
+    language_of_environment,
+    localized,
+    ngettext,
+    pgettext,
+    refusal_words,
+    scene_words,
+    use_language,
+)
+from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words
+from softcradle.sandbox.session.lane_label import EDITED
+
+
+@pytest.fixture(autouse=True)
+def _english_again():
+    yield
+    use_language("en")
+
+
+def test_english_is_the_source():
+    assert language() == "en"
+    assert _("saved {seconds:.1f} s to {path}", seconds=1.25, path="a") == "saved 1.2 s to a"
+    assert ngettext("And {n} more group.", "And {n} more groups.", 1) == "And 1 more group."
+    assert pgettext("button", "velocities") == "velocities"
+    assert _("a brace { stays") == "a brace { stays"
+    assert _("") == ""
+
+
+def test_plural_forms_are_those_of_the_language():
+    forms = "And {n} more group.", "And {n} more groups."
+    said = {}
+    for code in LANGUAGES:
+        use_language(code)
+        said[code] = [ngettext(*forms, n).split()[-1] for n in (0, 1, 2)]
+    assert said["en"] == ["groups.", "group.", "groups."]
+    assert said["de"] == ["Gruppen.", "Gruppe.", "Gruppen."]
+    assert said["fr"] == ["groupe.", "groupe.", "groupes."]  # none is singular in French
+
+
+def test_numbers_have_the_decimal_mark_of_the_language():
+    use_language("de")
+    assert fixed(-1.5, 2) == f"{MINUS}1,50"
+    assert scientific(1.25e-7) == "1,2·10⁻⁷"
+    assert prefixed(1.25e6) == "1,25 M"
+    assert factor(0.5) == f"{TIMES}0,5"
+    assert number_text(12345.678) == "1,235e+04"
+    assert [text for _value, text in ticks(0.0, 1.0, 2)] == ["0,0", "0,5", "1,0"]
+    assert localized("0.1") == "0,1"
+    assert _("slow motion 1/{times:.4g}", times=2.5) == "Zeitlupe 1/2,5"
+    with english():
+        assert fixed(1.5, 1) == "1.5"
+    assert fixed(1.5, 1) == "1,5"
+
+
+@pytest.mark.parametrize(
+    ("variables", "code"),
+    [
+        ({"LANG": "de_DE.UTF-8"}, "de"),
+        ({"LANG": "de_DE.UTF-8", "LC_MESSAGES": "fr_CA"}, "fr"),
+        ({"LC_ALL": "C.UTF-8", "LANG": "de_DE.UTF-8"}, "en"),
+        ({"LANGUAGE": "ja:fr:de", "LANG": "de_DE.UTF-8"}, "fr"),
+        ({"LANGUAGE": "", "LANG": "fr"}, "fr"),
+        ({"LANG": "ja_JP.UTF-8"}, "en"),
+        ({}, "en"),
+    ],
+)
+def test_the_locale_chooses(variables, code):
+    assert language_of_environment(variables) == code
+
+
+def test_words_of_scenes_and_labels():
+    use_language("fr")
+    assert scene_words("One bead on four") == "Une bille contre quatre"
+    assert scene_words("One bead\n  on four, compared") == "Une bille contre quatre, comparé"
+    assert scene_words("A scene of mine") == "A scene of mine"
+    assert label_words("draft gear" + EDITED) == "amortisseur d'attelage, modifié"
+    assert label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
+    assert label_words("alpha = 0.123") == "alpha = 0,123"
+    assert label_words("version 1.2 and a half") == "version 1.2 et a half"
+
+
+def test_sentences_about_a_motion():
+    use_language("de")
+    assert hit_in_words(0, 0.5, 1.5) == "Kugel 0 stieß bei 0,5 s mit 1,5 m/s auf Kugel 1."
+    assert clusters_in_words([-0.5, 0.4, 0.4], 1.0) == (
+        "Kugel 0 läuft mit 0,5 m/s nach links. Die Kugeln 1 bis 2 laufen gemeinsam mit 0,4 m/s nach rechts."
+    )
+
+
+def _refused(call) -> str:
+    with pytest.raises(ValueError, match=r".") as raised:
+        call()
+    return str(raised.value)
+
+
+@pytest.mark.parametrize("code", ["de", "fr"])
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: Contact(1.0, 1.0, 95.0),
+        lambda: Contact(0.0, 0.0, 1.0),
+        lambda: Contact(1.0, 1.0, 1.0, loss=1.5),
+        lambda: Contact(-1.0, 1.0, 1.0),
+        lambda: Contact(0.0, 1e40, 1.0),
+        lambda: Chain([1.0, -1.0], power_law(1.0, 0.1)),
+        lambda: Chain([math.inf, math.inf], power_law(1.0, 0.1)),
+    ],
+)
+def test_refusals_of_the_physics_are_translated(code, call):
+    sentence = _refused(call)
+    use_language(code)
+    translated = refusal_words(sentence)
+    assert translated != sentence
+    assert not any(word in translated.split() for word in ("must", "contact", "be", "not", "two")) or code == "fr"
+
+
+def test_other_sentences_stay():
+    assert refusal_words("mine.toml: key 'x' is unknown") == "mine.toml: key 'x' is unknown"

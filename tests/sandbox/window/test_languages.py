@@ -1,0 +1,203 @@
+"""The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
+
+from __future__ import annotations
+
+import re
+import string
+from gettext import NullTranslations
+
+import pygame
+import pytest
+from softcradle.physics import METHODS
+from softcradle.sandbox.languages import LANGUAGES, VARIABLES, language, translation
+from softcradle.sandbox.window.app import App
+from softcradle.sandbox.window.keys import bindings
+from softcradle.sandbox.window.lessons.lesson_list import lessons
+from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.settings import Settings, settings_path
+from softcradle.sandbox.window.system_language import system_language
+
+from tests.helpers.drawn_text import drawn_texts
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Driver) -> None:
+    assert driver.page.toolbar.buttons["undo"].text == "Undo"
+    driver.key(pygame.K_F8)
+    assert driver.page.toolbar.buttons["undo"].text == "Rückgängig"
+    assert driver.messages == ["Deutsch"]
+    assert Settings.load().language == language() == "de"
+    with drawn_texts(driver.app.size) as texts:
+        driver.page.view.redraw()
+        driver.app.paint()
+    assert {"Eine Kugel auf vier", "Kontaktkraft (N)"} <= {one.text for one in texts}
+    driver.key(pygame.K_F8)
+    assert driver.page.toolbar.buttons["undo"].text == "Annuler"
+    driver.app.close()
+    assert language() == "en"  # what the window alone has
+    again = Driver()
+    assert language() == "fr"
+    assert again.app.page.names
+    again.key(pygame.K_F8)
+    assert language() == "en"
+    again.close()
+    driver.app = App()  # for the fixture to close
+
+
+def test_the_menu_of_tools_has_it(driver: Driver) -> None:
+    driver.key(pygame.K_F10)
+    row = driver.app.dialog.names.index("language")
+    driver.app.dialog.choose("language")
+    driver.frames(2)
+    assert row >= 0
+    assert language() == "de"
+
+
+def test_a_language_that_is_unknown_is_that_of_the_locale(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = settings_path()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text('{"language": "tlh"}', encoding="utf-8")
+    assert Settings.load().language == ""
+    monkeypatch.setenv("LANGUAGE", "de")
+    assert system_language() == "de"
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pygame.system, "get_pref_locales", lambda: [{"language": "ja"}, {"language": "fr"}])
+    assert system_language() == "fr"
+    monkeypatch.setattr(pygame.system, "get_pref_locales", list)
+    assert system_language() == "en"
+
+
+@pytest.fixture
+def german(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("LANGUAGE", "de")
+    made = Driver("one-on-four")
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize("typed", ["0,25", "0.25", "1/4"])
+def test_boxes_take_both_marks_and_show_that_of_the_language(german: Driver, typed: str) -> None:
+    german.page.editor.selection = Pick(0, "contact", 1)
+    german.frames(2)
+    control = german.page.inspector.controls["exponent"]
+    assert control.entry.get_text() == "0,1"
+    german.click(control.entry.rect.center)
+    control.entry.set_text(typed)
+    german.key(pygame.K_RETURN)
+    assert german.session.lanes[0].chain.power_laws[1].exponent == 0.25
+    assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
+
+
+def test_refusals_and_verdicts_follow_the_language(german: Driver) -> None:
+    german.page.editor.selection = Pick(0, "contact", 1)
+    german.frames(2)
+    control = german.page.inspector.controls["loss"]
+    german.click(control.entry.rect.center)
+    control.entry.set_text("1,5")
+    german.key(pygame.K_RETURN)
+    assert (
+        german.messages[-1]
+        == "der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5: mit 1 käme er nie wieder heraus"
+    )
+    assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
+    german.key(pygame.K_F8)
+    german.frames(30)
+    assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
+
+
+class Other(NullTranslations):
+    """A language in letters that are not those of English, with the placeholders of the source."""
+
+    LETTERS = str.maketrans(
+        {chr(65 + k): chr(0x410 + k) for k in range(26)} | {chr(97 + k): chr(0x430 + k) for k in range(26)}
+    )
+
+    def gettext(self, message: str) -> str:
+        if "{" not in message:
+            return message.translate(self.LETTERS)
+        parts = string.Formatter().parse(message)
+        return "".join(literal.translate(self.LETTERS) + self._field(*field) for literal, *field in parts)
+
+    @staticmethod
+    def _field(name: str | None, form: str | None, conversion: str | None) -> str:
+        if name is None:
+            return ""
+        return "{" + name + (f"!{conversion}" if conversion else "") + (f":{form}" if form else "") + "}"
+
+    def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
+        return self.gettext(msgid1 if n == 1 else msgid2)
+
+    def pgettext(self, context: str, message: str) -> str:
+        return self.gettext(message)
+
+
+NAMES = {"softcradle", "auto", "SoftChain", "SoftContact", *(method.name.strip("4") for method in METHODS)}
+NAMES |= {language.name for language in LANGUAGES.values()}
+LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")  # actions that leave the page or the language
+
+
+def english_words(text: str) -> list[str]:
+    """Words in English letters, apart from names and paths."""
+    tokens = [token for token in text.split() if not re.search(r"/|^.?\.\w|\w\.\w", token)]
+    return [word for token in tokens for word in re.findall(r"[A-Za-z]{3,}", token) if word not in NAMES]
+
+
+def shown_texts(driver: Driver) -> list[str]:
+    """All that is written, the texts and tooltips of widgets, messages and dialogs."""
+    app = driver.app
+    if hasattr(app.page, "view"):
+        app.page.view.redraw()
+    with drawn_texts(app.size) as drawn:
+        app.paint()
+    found = [one.text for one in drawn] + driver.messages
+    managers = [app.manager] + ([app.dialog.manager] if app.dialog is not None and app.dialog.open else [])
+    for one in [one for manager in managers for one in manager.get_root_container().elements]:
+        found += [getattr(one, "tool_tip_text", None) or "", getattr(one, "name", "")]
+        found += [] if hasattr(one, "get_text") else [getattr(one, "text", "")]
+    return [text for text in found if isinstance(text, str)]
+
+
+@pytest.fixture
+def other(monkeypatch: pytest.MonkeyPatch):
+    """The window in a language in which every message differs from the source in each letter."""
+    monkeypatch.setattr(translation, "catalogue", lambda code: Other())
+    monkeypatch.setenv("LANGUAGE", "de")
+    made = Driver()
+    yield made
+    made.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", [None, "one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle"])
+def test_no_text_of_the_window_stays_english(other: Driver, start: str | None) -> None:
+    app = other.app
+    if start is not None:
+        app.open(start)
+    other.frames(3)
+    found = {(word, text) for text in shown_texts(other) for word in english_words(text)}
+    picks = [None, Pick(0, "bead", 1), Pick(0, "contact", 1)] if start not in (None, "hanging-cradle") else [None]
+    for pick in picks:
+        for action in [binding.action for binding in bindings() if binding.action not in LEAVING]:
+            if pick is not None:
+                app.page.editor.selection = pick
+            app.act(action)
+            other.frames(4)
+            found |= {(f"{action}: {word}", text) for text in shown_texts(other) for word in english_words(text)}
+            if app.dialog is not None and app.dialog.open:
+                app.dialog.close()
+            app.help = False
+    app.page.playing = False
+    assert not found, "\n".join(map(str, sorted(found)[:40]))
+
+
+def test_lessons_are_asked_and_answered_in_the_language(other: Driver) -> None:
+    lesson = lessons()[0]
+    other.app.open(lesson.scene)
+    other.frames(2)
+    other.app.act("lesson")
+    other.frames(2)
+    assert not [word for text in shown_texts(other) for word in english_words(text)]
+    assert len(other.app.dialog.choices) == len(lesson.choices)
