@@ -10,7 +10,7 @@ from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
-from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.languages import N_, _, pgettext
 from softcradle.sandbox.window.hanging.hanging_cradle import BALLS, LAWS, METHODS
 from softcradle.sandbox.window.hanging.hanging_model import FRAME, RATES, HangingModel
 from softcradle.sandbox.window.scene.time_controls import paint_icons, speed_text, time_buttons
@@ -84,8 +84,8 @@ class HangingControls:
         for field, name, choices in MENUS:
             wide = round(MENU * unit)
             place = pygame.Rect(panel.right - wide, y, wide, round(27 * unit))
-            present = _(str(getattr(model, field)))
-            self.menus[field] = UIDropDownMenu([*map(_, choices)], present, place, self.host.manager)
+            present = _shown(str(getattr(model, field)))
+            self.menus[field] = UIDropDownMenu([*map(_shown, choices)], present, place, self.host.manager)
             self.labels.append((_(name), panel.left, place.centery))
             y += round(MENU_ROW * unit)
         return y
@@ -106,7 +106,10 @@ class HangingControls:
         if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED:
             for field, _name, choices in MENUS:
                 if event.ui_element is self.menus[field]:
-                    kind, chosen = type(getattr(model, field)), {_(choice): choice for choice in choices}[event.text]
+                    kind, chosen = (
+                        type(getattr(model, field)),
+                        {_shown(choice): choice for choice in choices}[event.text],
+                    )
                     return model.with_choice(**{field: kind(chosen)})
         return None
 
@@ -124,3 +127,8 @@ class HangingControls:
         write(surface, f"t = {fixed(model.time, 2)} s", place, 16 * unit, tones.foreground, bold=True)
         state = _("looking back") if model.scrubbed else _(activity)
         write(surface, state, (self.clock_left, middle + 4 * unit), 12 * unit, tones.muted)
+
+
+def _shown(choice: str) -> str:
+    """A choice in the language in use."""
+    return pgettext("button", choice)

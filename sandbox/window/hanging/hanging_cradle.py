@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import pymunk
 from softcradle.physics import Contact, SoftChain, SoftContact, draft_gear, hertz, power_law
-from softcradle.sandbox.languages import N_
+from softcradle.sandbox.languages import NP_
 
 RADIUS = 0.1  # m, of a ball
 STRING = 1.0  # m
@@ -21,10 +21,10 @@ ANGLE = 0.62  # rad, of the strings of the lifted balls
 BALLS = 5
 
 LAWS: dict[str, Contact] = {
-    N_("power law, alpha 1/14"): power_law(60.0, 1.0 / 14.0),
-    N_("power law, alpha 1/10"): power_law(60.0, 0.1),
-    N_("draft gear"): draft_gear(1500.0, 0.04),
-    N_("steel balls (Hertz)"): hertz(1e6),
+    NP_("button", "power law, alpha 1/14"): power_law(60.0, 1.0 / 14.0),
+    NP_("button", "power law, alpha 1/10"): power_law(60.0, 0.1),
+    NP_("button", "draft gear"): draft_gear(1500.0, 0.04),
+    NP_("button", "steel balls (Hertz)"): hertz(1e6),
 }
 CHAIN, SPRINGS = "SoftChain", "SoftContact"
 METHODS = (CHAIN, SPRINGS)  # all contacts solved at once, keeping energy; one spring for each contact

@@ -10,7 +10,7 @@ from pathlib import Path
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.languages import N_, _, pgettext
 from softcradle.sandbox.window.hanging.energy_plot import paint_energies
 from softcradle.sandbox.window.hanging.hanging_badges import HEIGHT, NAMES, paint_badge
 from softcradle.sandbox.window.hanging.hanging_controls import HangingControls, HangingScrubBar
@@ -170,7 +170,11 @@ class HangingPage:
         surface.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
         for side, (rect, centres) in enumerate(zip(self.pictures, self.model.moment.places, strict=True)):
             surface.fill(tones.lane_background, rect)
-            name = _("{name}: {law}", name=_(NAMES[side]), law=_(self.model.law)) if side == 0 else _(NAMES[side])
+            name = (
+                _("{name}: {law}", name=_(NAMES[side]), law=pgettext("button", self.model.law))
+                if side == 0
+                else _(NAMES[side])
+            )
             name = shortened(name, 15 * unit, rect.width - 20 * unit, bold=True)
             write(surface, name, (rect.left + 10 * unit, rect.top + 7 * unit), 15 * unit, tones.foreground, bold=True)
             paint_cradle(surface, rect, centres)

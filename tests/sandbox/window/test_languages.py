@@ -9,10 +9,14 @@ from gettext import NullTranslations
 import pygame
 import pytest
 from softcradle.physics import METHODS
+from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, VARIABLES, language, translation
+from softcradle.sandbox.window import page_geometry
 from softcradle.sandbox.window.app import App
+from softcradle.sandbox.window.hanging import hanging_controls, hanging_cradle
 from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.lessons.lesson_list import lessons
+from softcradle.sandbox.window.scene import inspector
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.settings import Settings, settings_path
 from softcradle.sandbox.window.system_language import system_language
@@ -106,6 +110,24 @@ def test_refusals_and_verdicts_follow_the_language(german: Driver) -> None:
     german.key(pygame.K_F8)
     german.frames(30)
     assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
+
+
+@pytest.fixture(params=list(LANGUAGES))
+def any_language(request: pytest.FixtureRequest):
+    translation.use_language(request.param)
+    yield request.param
+    translation.use_language("en")
+
+
+def test_short_names_fit_their_places(any_language: str) -> None:
+    summaries = [translation.gettext(method.summary) for method in METHODS]
+    assert not [text for text in summaries if any_language != "en" and width(text, 12.0) > page_geometry.PANEL - 44]
+    chips = [translation.pgettext("button", name) for name in inspector.KIND_NAMES.values()]
+    assert not [text for text in chips if width(text, 12.0) > (page_geometry.PANEL - 24) / 3 - 12]
+    labels = [translation.gettext(name) for _field, name, _choices in hanging_controls.MENUS]
+    assert not [text for text in labels if width(text, 13.0) > page_geometry.PANEL - 24 - hanging_controls.MENU]
+    choices = [translation.pgettext("button", name) for name in hanging_cradle.LAWS]
+    assert not [text for text in choices if width(text, 13.0) > hanging_controls.MENU - 36]
 
 
 class Other(NullTranslations):

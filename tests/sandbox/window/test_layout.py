@@ -23,6 +23,8 @@ pytestmark = [pytest.mark.usefixtures("own_folder"), pytest.mark.slow]
 
 SIZES = ((800, 600), (1000, 600), (1280, 720), (1366, 768), (1920, 1080), (2560, 1440))
 SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
+# German has the longest words; the smallest size and that of the design are the narrowest.
+CASES = [*((size, "en") for size in SIZES), *((size, code) for code in ("de", "fr") for size in (SIZES[0], SIZES[2]))]
 
 
 def _select(driver: Driver, pick: Pick | None, plots: bool = False) -> None:
@@ -149,8 +151,9 @@ def faults_of_scene(driver: Driver) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("size", SIZES, ids=str)
-def test_nothing_overlaps_or_is_cut(size: tuple[int, int]) -> None:
+@pytest.mark.parametrize(("size", "code"), CASES, ids=str)
+def test_nothing_overlaps_or_is_cut(size: tuple[int, int], code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LANGUAGE", code)
     driver = Driver()
     starts = dict.fromkeys(start for start, _ in PAGES.values())
     pages = {start: driver.app.page if start is None else page_of(driver.app, start, list) for start in starts}
