@@ -167,6 +167,11 @@ def test_fonts_theme_and_report_are_found(installed):
     assert [file for file in files if not file.is_relative_to(installed.packages)] == []
 
 
+def test_the_languages_are_found(installed):
+    program = "from softcradle.sandbox.languages import _, use_language\nuse_language('de')\nprint(ascii(_('Undo')))"
+    assert installed.run(installed.python, "-c", program) == ascii("Rückgängig") + "\n"
+
+
 USER_SCRIPT = """
 from typing import assert_type
 

@@ -16,6 +16,8 @@ from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.hanging import hanging_controls, hanging_cradle
 from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.lessons.lesson_list import lessons
+from softcradle.sandbox.window.plots.data_overlay import edges_of
+from softcradle.sandbox.window.plots.signals import pair_of
 from softcradle.sandbox.window.scene import inspector
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.settings import Settings, settings_path
@@ -93,6 +95,19 @@ def test_boxes_take_both_marks_and_show_that_of_the_language(german: Driver, typ
     german.key(pygame.K_RETURN)
     assert german.session.lanes[0].chain.power_laws[1].exponent == 0.25
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
+
+
+def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
+    for text in ("f0 über d0", "f0 against d0", "f0, d0", "f0 d0"):
+        assert [str(one) for one in pair_of(text, 5)] == ["f0", "d0"]
+    assert (
+        edges_of("0 2 1,5 -0,5") == edges_of("0; 2; 1.5; -0.5") == edges_of("0, 2, 1.5, -0.5") == (0.0, 2.0, 1.5, -0.5)
+    )
+    german.app.show_gallery()
+    gallery = german.app.page
+    gallery._search("federapparat")
+    assert "draft-gear-one-on-three" in gallery.names
+    gallery._search("")
 
 
 def test_refusals_and_verdicts_follow_the_language(german: Driver) -> None:
@@ -211,7 +226,6 @@ def test_no_text_of_the_window_stays_english(other: Driver, start: str | None) -
             if app.dialog is not None and app.dialog.open:
                 app.dialog.close()
             app.help = False
-    app.page.playing = False
     assert not found, "\n".join(map(str, sorted(found)[:40]))
 
 
