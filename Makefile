@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test check docs links play screenshots languages bench clean help
+.PHONY: demo test check docs links play screenshots charts languages bench clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make test   run the whole test suite"
@@ -13,7 +13,8 @@ help:
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
 	@echo "make play   open the sandbox window"
 	@echo "make languages   update the catalogues of messages, and say what waits for a translation"
-	@echo "make screenshots   pictures of the window and of a page, for this README"
+	@echo "make screenshots   pictures of the window, of a page and of films, for README and documentation"
+	@echo "make charts   the chart and the maps of stability, for the same"
 
 .venv/.installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "softcradle needs Python 3.11 or newer; set PYTHON=..."; exit 2; }
@@ -62,6 +63,13 @@ play: .venv/.installed
 screenshots: .venv/.installed
 	SDL_VIDEODRIVER=dummy $(BIN)/python -m softcradle.sandbox.window.screenshots docs/window
 	$(BIN)/python -m tests.helpers.page_pictures docs/page
+	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render one-on-four -o docs/one-on-four.png
+	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render draft-gear-two-on-two --size 960x480 -o docs/two-on-two.kymograph.png
+
+charts: .venv/.installed # minutes; other people's integrators are on the chart where they are installed: pip install -e '.[peers]'
+	$(BIN)/softcradle stability -o out/stability.png
+	$(BIN)/softcradle chart one-on-5 -o out/chart.png
+	cp out/stability.png out/chart.png docs/
 
 languages: .venv/.installed
 	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues

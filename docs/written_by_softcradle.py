@@ -54,7 +54,7 @@ def methods() -> Iterator[str]:
         [
             f"`{m.name}`",
             str(m.order),
-            "a tolerance" if m.adaptive else "a step",
+            "tolerance" if m.adaptive else "step",
             "yes" if m.set_valued else "no",
             m.summary,
         ]

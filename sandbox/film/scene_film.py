@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -13,16 +14,18 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film.codecs import check
-from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
+from softcradle.sandbox.film.scene_motion import first_force, scene_motions, strongest_row
 from softcradle.sandbox.film.writer import open_film
+from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 READING_TIME = 0.22  # seconds of film for a word of the scene's text
 LONGEST_READING_TIME = 5.0  # seconds of film for the scene's text
 LEAST_ROWS = 50.0  # rows of the motion for a second of film: curves are drawn of rows, also where frames are fewer
-FADE_TIME = 0.5  # seconds of film in which the text disappears
-LAST_FRAME_TIME = 1.2  # seconds of film for which the last frame stays
+FADE_TIME = 0.5  # seconds of film in which the text appears
+LAST_FRAME_TIME = 1.2  # seconds of film for which the last frame stays, before the text
+MOST_BEFORE_HIT = 0.2  # of a film, without the time of its text: a longer flight to the first force is left out
 FOLDER_RATE = 60.0  # frames a second of a folder of pictures, where none are given
 
 
@@ -37,7 +40,7 @@ class RenderReport:
         seconds: wall time of everything.
         simulated: wall time until the motion was computed [s].
         first_frame: wall time until the first frame was drawn [s].
-        clock: time of the first row of the motion [s]; where the scene has a text, that row is shown while it can be read.
+        clock: time of the first frame [s].
     """
 
     output: Path
@@ -95,7 +98,7 @@ def render_scene(
         picture.paint(sample, strongest)
         film.take_colours(sample)
         first_frame = perf_counter() - start
-        shots = [Shot(strongest)] if single else shot_list(scene, len(motions[0].time), rate, rows_a_frame)
+        shots = [Shot(strongest)] if single else film_shots(scene, motions, rate, rows_a_frame)
         bar.begin(sum(shot != before for shot, before in zip(shots, [None, *shots], strict=False)))
 
         def paint(surface: pygame.Surface, shot: Shot) -> None:
@@ -103,7 +106,7 @@ def render_scene(
             bar.advance()
 
         film.paint_frames(shots, paint)
-    duration, clock = 0.0 if single else len(shots) / rate, float(motions[0].time[0])
+    duration, clock = 0.0 if single else len(shots) / rate, float(motions[0].time[shots[0].row])
     return RenderReport(Path(output), len(shots), duration, perf_counter() - start, simulated, first_frame, clock)
 
 
@@ -115,14 +118,22 @@ class Shot:
     text_opacity: float = 0.0
 
 
-def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1) -> list[Shot]:
-    """The frames: the first row while the scene's text can be read, then the motion, then the last row for a moment."""
+def film_shots(scene: Scene, motions: Sequence[Motion], rate: float, rows_a_frame: int = 1) -> list[Shot]:
+    """The frames of a film of `motions` at `rate` frames a second."""
+    return shot_list(scene, len(motions[0].time), rate, rows_a_frame, first_force(motions))
+
+
+def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1, hit: int = 0) -> list[Shot]:
+    """The frames: the motion, the last row for a moment, then the same while the scene's text can be read.
+
+    `hit` is the row of the first force; of what comes before it, MOST_BEFORE_HIT of the film are shown.
+    """
     reading = round(min(READING_TIME * len(scene.text.split()), LONGEST_READING_TIME) * rate)
-    fade = max(1, round(FADE_TIME * rate))
-    opening = [Shot(0, min(1.0, (reading - k) / fade)) for k in range(reading)]
-    return (
-        opening + [Shot(row) for row in range(0, rows, rows_a_frame)] + [Shot(rows - 1)] * round(LAST_FRAME_TIME * rate)
-    )
+    fade, still = max(1, round(FADE_TIME * rate)), round(LAST_FRAME_TIME * rate)
+    whole = rows + rows_a_frame * still
+    begin = max(0, math.ceil((hit - MOST_BEFORE_HIT * whole) / (1.0 - MOST_BEFORE_HIT)))
+    text = [Shot(rows - 1, min(1.0, (k + 1) / fade)) for k in range(reading)]
+    return [Shot(row) for row in range(begin, rows, rows_a_frame)] + [Shot(rows - 1)] * still + text
 
 
 class _ProgressBar:

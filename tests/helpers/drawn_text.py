@@ -1,14 +1,16 @@
-"""What is written on the window: every text with its place, taken from the one function that writes."""
+"""What is written on the window and on films: every text with its place, taken from the one function that writes."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
 
 import pygame
-from softcradle.sandbox.draw import text
+from softcradle.sandbox.draw import Picture, text
+from softcradle.sandbox.motion import Motion
+from softcradle.scenes import Scene
 
 
 class DrawnText(NamedTuple):
@@ -40,3 +42,30 @@ def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
     finally:
         for module in users:
             module.write = original
+
+
+def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
+    """Pairs of texts that lie on each other by more than the leading of their lines; numbers of beads move over each other."""
+    found = []
+    for k, one in enumerate(texts):
+        for other in texts[:k]:
+            common = one.rect.clip(other.rect)
+            digits = one.text.isdigit() and other.text.isdigit()
+            if not digits and common.width > 2 and common.height > 0.3 * min(one.rect.height, other.rect.height):
+                found.append((other.text, one.text))
+    return found
+
+
+def film_texts(
+    scene: Scene, motions: Sequence[Motion], size: tuple[int, int], rows: Sequence[int]
+) -> list[list[DrawnText]]:
+    """The texts of the frames of those rows of a film, those of its background first."""
+    surface = pygame.Surface(size, 0, 32)
+    with drawn_texts(size) as background:
+        picture = Picture(scene, motions, size)
+    frames = []
+    for row in rows:
+        with drawn_texts(size) as moving:
+            picture.paint(surface, row)
+        frames.append([*background, *moving])
+    return frames

@@ -54,11 +54,42 @@ def test_bold_scenes_exist(page):
     assert named <= set(scenes.names())
 
 
-def test_python_blocks_are_python():
-    for name, text in TEXTS.items():
-        for kind, body in FENCED.findall(text):
-            if kind == "python":
-                compile(body, name, "exec")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = [
+    (name, body)
+    for name, text in [*TEXTS.items(), ("README.md", README)]
+    for kind, body in FENCED.findall(text)
+    if kind == "python"
+]
+
+
+@pytest.mark.usefixtures("own_folder")
+@pytest.mark.parametrize(("page", "body"), BLOCKS, ids=[page for page, _ in BLOCKS])
+def test_python_blocks_run(page, body, tmp_path, monkeypatch):
+    """In a folder of their own, where they leave what they say that they write."""
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    (tmp_path / "out").mkdir()
+    exec(compile(body, page, "exec"), {"__name__": "an example"})
+    written = {path.name for path in tmp_path.rglob("*") if path.is_file() and "cache" not in path.parts}
+    assert written == set(re.findall(r"[\w-]+\.(?:npz|html|pdf|csv)", body))
+
+
+def test_every_picture_is_made_by_a_command():
+    """Pictures in folders of their own are made together."""
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    folders = {path.parent.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*/*.png")} - {"docs/gallery"}
+    tracked = {folder for folder in folders if "_made" not in folder}
+    pictures = {path.name for path in (ROOT / "docs").glob("*.png")}
+    assert tracked == {"docs/window", "docs/page"}
+    assert [name for name in (*pictures, *tracked) if name not in makefile] == []
+
+
+def test_every_picture_is_shown():
+    texts = "".join(TEXTS.values()) + README
+    pictures = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").glob("**/*.png")]
+    kept = [name for name in pictures if name.split("/")[0] not in ("gallery", "_made")]
+    assert [name for name in kept if name not in texts] == []
 
 
 def documented():

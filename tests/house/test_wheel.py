@@ -128,6 +128,18 @@ def test_the_licences_are_in_it(wheel):
     assert licences >= {"LICENSE", "assets/Inter-LICENSE.txt"}
 
 
+def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        text = archive.read(name).decode()
+    assert "Description-Content-Type: text/markdown" in text
+    assert "## Three commands" in text
+    assert "where every equation, figure and sentence of the paper is" in text
+    assert "![" not in text
+    assert "](" not in text
+    assert "\n\n\n" not in text.partition("# softcradle")[2]
+
+
 def test_the_source_archive_builds_the_same_wheel(wheel, tmp_path):
     command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
@@ -233,7 +245,20 @@ def test_the_source_archive_holds_documentation_and_examples(tmp_path):
     (archive,) = tmp_path.glob("*.tar.gz")
     with tarfile.open(archive) as opened:
         names = {name.partition("/")[2] for name in opened.getnames()}
-    kept = ("README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "docs/architecture.md")
+    kept = (
+        "README.md",
+        "hatch_build.py",
+        "LICENSE",
+        "CHANGELOG.md",
+        "CITATION.cff",
+        "CONTRIBUTING.md",
+        "docs/architecture.md",
+    )
     assert names.issuperset(kept)
     assert {f"examples/{path.name}" for path in (ROOT / "examples").glob("*.ipynb")} <= names
-    assert {f"docs/{path.name}" for path in (ROOT / "docs").glob("*.png")} <= names
+    pictures = [path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("**/*.png")]
+    shown = [name for name in pictures if name.split("/")[1] not in ("_made", "gallery")]
+    assert len(shown) >= 15
+    assert names.issuperset(shown)
+    assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*.md")} <= names
+    assert {f"examples/gallery/{path.name}" for path in (ROOT / "examples" / "gallery").glob("*.py")} <= names

@@ -22,6 +22,8 @@ OUTPUTS = {
     "mp4": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "x.mp4"),
     "gif": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "x.gif"),
     "webp": ("render", "one-on-four", *SMALL, *COARSE, "--fps", "2", "-o", "x.webp"),
+    "page": ("render", "one-on-four", *COARSE, "-o", "x.html"),
+    "page of a comparison": ("compare", "one-on-four", "--contact", "hertz(1)", *COARSE, "-o", "x.html"),
     "csv": ("run", "one-on-four", *COARSE, "-o", "x.csv"),
     "npz": ("run", "one-on-four", *COARSE, "-o", "x.npz"),
     "numbers of a comparison": ("compare", "one-on-four", "--contact", "hertz(1)", *COARSE, "-o", "x.json"),

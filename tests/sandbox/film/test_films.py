@@ -10,13 +10,14 @@ from PIL import Image
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film import codecs, scene_film, scene_motion
 from softcradle.sandbox.film.codecs import pixels_of
-from softcradle.sandbox.film.scene_film import Shot, render_scene, shot_list
-from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
+from softcradle.sandbox.film.scene_film import LAST_FRAME_TIME, MOST_BEFORE_HIT, film_shots, render_scene, shot_list
+from softcradle.sandbox.film.scene_motion import first_force, scene_motions, scene_motions_quietly, strongest_row
 from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.library import parse
 
-from softcradle import physics
+from softcradle import physics, scenes
+from tests.helpers.drawn_text import colliding, film_texts
 
 SIZE = (480, 270)
 FPS = 12.0
@@ -43,7 +44,7 @@ def frames():
     motions = scene_motions(SCENE, FPS * ROWS)
     picture, surface = Picture(SCENE, motions, SIZE), pygame.Surface(SIZE, 0, 32)
     drawn = []
-    for shot in shot_list(SCENE, len(motions[0].time), FPS, ROWS):
+    for shot in film_shots(SCENE, motions, FPS, ROWS):
         picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
         drawn.append(pixels_of(surface)[..., 2::-1].copy())
     return np.array(drawn)
@@ -87,7 +88,7 @@ def test_colours_survive(tmp_path):
     _, found = read(tmp_path / "film.mp4")
     motions = scene_motions(SCENE, FPS * ROWS)
     picture, surface = Picture(SCENE, motions, size), pygame.Surface(size, 0, 32)
-    picture.paint(surface, len(motions[0].time) - 1)
+    picture.paint(surface, len(motions[0].time) - 1, text_opacity=1.0)
     frame = pixels_of(surface)[..., 2::-1]
     flat = _flat_places(frame)
     assert len(np.unique(frame[flat], axis=0)) >= 6, "background, lane and beads"
@@ -151,16 +152,53 @@ def test_the_same_scene_gives_the_same_film(tmp_path):
 
 def test_slow_motion_stretches_the_motion_only(tmp_path):
     plain, slow = rendered(tmp_path / "a.mp4"), rendered(tmp_path / "b.mp4", slow=2.0)
-    still = sum(shot.row == 0 for shot in shot_list(SCENE, 2, FPS)) - 1 + round(1.2 * FPS)
+    still = sum(shot.row == 1 for shot in shot_list(SCENE, 2, FPS)) - 1
     assert slow.frames - still == pytest.approx(2 * (plain.frames - still), abs=3)
 
 
-def test_the_first_frame_stays_for_the_text_and_the_last_for_a_moment():
+def test_the_last_frame_stays_for_a_moment_and_then_for_the_text():
     shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
-    assert shots[0] == Shot(0, 1.0)
-    assert opacity == sorted(opacity, reverse=True)
+    assert opacity == sorted(opacity)
+    assert opacity[-1] == 1.0
     assert [shot.row for shot in shots if shot.text_opacity == 0.0] == [*range(20), *[19] * 12]
+    assert {shot.row for shot in shots if shot.text_opacity > 0.0} == {19}
+
+
+@pytest.mark.parametrize("rows_a_frame", [1, 4])
+@pytest.mark.parametrize("hit", [0, 1, 7, 60, 99])
+def test_a_long_flight_before_the_hit_is_left_out(hit, rows_a_frame):
+    shots = shot_list(SCENE.model_copy(update={"text": ""}), 100, 10.0, rows_a_frame, hit)
+    before = sum(shot.row < hit for shot in shots)
+    assert before <= MOST_BEFORE_HIT * len(shots) + 1
+    assert shots[0].row == 0 or before >= MOST_BEFORE_HIT * len(shots) - 2
+    assert shots[-1].row == 99
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [(1280, 720), (854, 480)], ids=str)
+@pytest.mark.parametrize("name", scenes.names())
+def test_no_text_of_a_film_lies_on_another(name, size):
+    scene = scenes.load(name)
+    motions, _ = scene_motions_quietly(scene, 30.0 * scene.view.slow)
+    last, whole = len(motions[0].time) - 1, pygame.Rect(0, 0, *size)
+    for texts in film_texts(scene, motions, size, (0, last // 4, strongest_row(motions), last // 2, last)):
+        assert len(texts) > 30
+        assert colliding(texts) == []
+        assert [text.text for text in texts if not whole.contains(text.rect)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", scenes.names())
+def test_at_most_a_fifth_of_a_film_comes_before_the_hit(name):
+    """Of the time in which something moves, and more so of the whole film; by the frames as planned, none is drawn."""
+    scene, rate = scenes.load(name), 60.0
+    motions, _ = scene_motions_quietly(scene, rate * scene.view.slow)
+    shots, hit = film_shots(scene, motions, rate), first_force(motions)
+    moving = [shot for shot in shots if shot.text_opacity == 0.0]
+    assert moving[-1].row == len(motions[0].time) - 1
+    assert sum(shot.row < hit for shot in moving) <= MOST_BEFORE_HIT * len(moving) + 1
+    assert len(moving) > LAST_FRAME_TIME * rate
 
 
 def test_no_window_is_needed(tmp_path):

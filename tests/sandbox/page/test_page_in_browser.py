@@ -307,12 +307,15 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
         assert [text for text in words if text[1] < -1 or text[3] > room + 1] == []
 
 
-def test_every_control_is_large_enough_for_a_finger_and_not_covered(pages, browser):
-    browser.device(*DEVICES["telephone"])
+@pytest.mark.parametrize("width", [320, 390])
+def test_every_control_is_large_enough_for_a_finger_and_not_covered(pages, browser, width):
+    browser.device(width, 844)
     browser.visit(pages("one-on-four", "alpha").output, "#t=1")
     for name, free, height in browser.run(COVERED):
         assert free, name
         assert height >= 24.0, name  # WCAG 2.2, target size
+    assert browser.run(FITS)
+    assert browser.run("document.getElementById('clock').getBoundingClientRect().right") <= width - 8
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

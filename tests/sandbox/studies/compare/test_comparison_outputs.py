@@ -7,7 +7,13 @@ import json
 import av
 import pytest
 from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots
+from softcradle.sandbox.film.scene_motion import first_force, scene_motions_quietly, strongest_row
+from softcradle.sandbox.studies.compare.comparison_outputs import FilmSettings
+from softcradle.sandbox.studies.compare.sides import comparison_of
 from softcradle.sandbox.user_error import UserError
+
+from tests.helpers.drawn_text import colliding, film_texts
 
 PAIR = ["one-on-four", "--contact", "power_law(1,0.1)", "--contact", "draft_gear(5,0.2)"]
 
@@ -50,3 +56,26 @@ def test_film_is_simulated_with_the_given_method(tmp_path, monkeypatch):
     monkeypatch.setattr("softcradle.sandbox.studies.compare.comparison_outputs.render_scene", record)
     assert main(["compare", *PAIR, "-o", str(tmp_path / "x.mp4"), "--method", "verlet", "--step", "0.002"]) == 2
     assert (given["method"], given["step"]) == ("verlet", 0.002)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("names", "contacts"),
+    [
+        (["one-on-four"], ["draft_gear(5, 0.2)"]),
+        (["one-on-four"], ["hertz(1)", "hooke(1)", "power_law(1, 1/30)"]),
+        (["one-on-ten", "prestressed"], []),
+        (["train-shunting", "train-cut"], []),
+        (["draft-gear-one-on-three"], ["power_law(15, 0.1)"]),
+    ],
+    ids="-".join,
+)
+def test_the_film_begins_near_the_hit_and_no_text_lies_on_another(names, contacts):
+    comparison, settings = comparison_of(names, contacts), FilmSettings()
+    scene, size = comparison.as_scene(2.0), settings.pixels(comparison)
+    motions, _ = scene_motions_quietly(scene, 30.0 * scene.view.slow)
+    shots, hit = film_shots(scene, motions, 30.0), first_force(motions)
+    assert sum(shot.row < hit for shot in shots) <= MOST_BEFORE_HIT * len(shots) + 1
+    last = len(motions[0].time) - 1
+    for texts in film_texts(scene, motions, size, (shots[0].row, strongest_row(motions), last // 2, last)):
+        assert colliding(texts) == []
