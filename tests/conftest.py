@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +23,13 @@ settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
 settings.load_profile("softcradle")
+
+
+def pytest_runtest_teardown(item: pytest.Item) -> None:
+    """English again after a test that left the window in another language."""
+    languages = sys.modules.get("softcradle.sandbox.languages")
+    if languages is not None:
+        languages.use_language("en")
 
 
 @pytest.fixture

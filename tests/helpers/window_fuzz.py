@@ -147,6 +147,7 @@ def main() -> int:
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)  # random clicks also press the buttons that write files
+        os.environ["SOFTCRADLE_CONFIG"] = folder  # keys change settings
         growth = run(Fuzz(args.seed, Path(folder)), round(args.minutes * 60.0 / FRAME))
         os.chdir("/")
     print(f"growth after warm-up {growth:.1f} MB")

@@ -99,7 +99,7 @@ class SceneEditor:
         if name:
             self.host.messages.show(_(done, edit=_(name), time=self.session.time))
         else:
-            self.host.messages.show(nothing)
+            self.host.messages.show(_(nothing))
 
     # ---- edits that have keys
 

@@ -10,12 +10,11 @@ from softcradle.sandbox.session.inputs import AddBead, RemoveBead
 from tests.helpers.window_fuzz import Fuzz, run
 from tests.helpers.windows import Driver
 
+pytestmark = pytest.mark.usefixtures("own_folder")  # keys change settings
+
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_random_input_causes_no_exception_and_every_number_is_finite(
-    seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_random_input_causes_no_exception_and_every_number_is_finite(seed: int, tmp_path: Path) -> None:
     fuzz = Fuzz(seed, tmp_path)
     run(fuzz, 1800)
     assert fuzz.driver.app.running
