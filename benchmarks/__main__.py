@@ -98,6 +98,13 @@ def constants() -> Iterator[Report]:
     return reports()
 
 
+def cold_start() -> Iterator[Report]:
+    """The first use, with an empty cache of kernels."""
+    from benchmarks.cold_start import reports
+
+    return reports()
+
+
 BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "steps": steps,
     "chain-lengths": chain_lengths,
@@ -107,6 +114,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "render": render,
     "window": window,
     "sweeps": sweeps,
+    "cold-start": cold_start,
     "constants": constants,
 }
 BY_NAME_ONLY = ("constants",)  # left out where no names are given

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from softcradle.physics.chain import Chain
-from softcradle.physics.contact import power_law
-from softcradle.physics.methods import METHODS, find_method
-from softcradle.physics.simulation import move, solve
-from softcradle.physics.state import State
+from softcradle.physics.compile_log import log_compilation
+from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.methods import METHODS, Family, Method, find_method
 
-WITHOUT_KERNELS = ("pymunk", "scipy")
+SOFT_CHAIN = "SoftChain"
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:
@@ -19,7 +17,7 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     On a new machine this takes about half a minute a method, later a fraction of a second; the logger ``softcradle`` tells of it.
 
     Arguments:
-        methods: one name or several; None: all methods, and SoftChain.
+        methods: one name or several, "SoftChain" among them; None: all.
 
     Raises:
         ValueError: there is no such method.
@@ -28,30 +26,34 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     >>> warm("verlet")
     """
     names = [methods] if isinstance(methods, str) else methods
-    for method in METHODS if names is None else [find_method(name) for name in names]:
-        if method.name in WITHOUT_KERNELS:
-            continue
-        for dissipative in (False, True) if method.dissipative else (False,):
-            call_kernels(method.name, dissipative)
-    if methods is None:
-        _step_soft_chain()
+    if names is None:
+        names = [*(method.name for method in METHODS), SOFT_CHAIN]
+    log_compilation()
+    for name in names:
+        for kernels in _kernels_called(name):
+            kernels.load()
 
 
-def call_kernels(method: str, dissipative: bool) -> None:
-    """Call every compiled kernel of a method once, with the types that the window calls it with."""
-    chain, velocity = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1 if dissipative else 0.0), [1.0, 0.0, 0.0]
-    move(chain, State.at_start(chain, velocity), 1e-3, method, None, 1e-8, 1000)
-    solve(chain, velocity, duration=1e-3, method=method, samples=2)
+def _kernels_called(name: str) -> list[KernelTiers]:
+    """The kernels of a method by name, or of SoftChain."""
+    if name == SOFT_CHAIN:
+        from softcradle.physics.pymunk_contacts.soft_chain import KERNELS
+
+        return [KERNELS]
+    found = (kernels_of(find_method(name), dissipative) for dissipative in (False, True))
+    return [kernels for kernels in found if kernels is not None]
 
 
-def _step_soft_chain() -> None:
-    """A step of a SoftChain, with and without loss."""
-    import pymunk
-    from softcradle.physics.pymunk_contacts.soft_chain import SoftChain
+def kernels_of(method: Method, dissipative: bool) -> KernelTiers | None:
+    """The kernels of a method for chains with or without friction and loss; None where it has none, or takes no such chains."""
+    if dissipative and not method.dissipative:
+        return None
+    if method.family is Family.FIXED_STEP:
+        from softcradle.physics.fixed_step.runner import TIERS
 
-    for loss in (0.0, 0.1):
-        space, bodies = pymunk.Space(), [pymunk.Body(1, 1), pymunk.Body(1, 1)]
-        bodies[1].position = 1, 0
-        bodies[0].velocity = 1, 0
-        space.add(*bodies, *SoftChain(bodies, power_law(1.0, 1.0, loss), 1))
-        space.step(1e-3)
+        return TIERS["fixed-step-dissipative" if dissipative else "fixed-step"]
+    if method.family is Family.ADAPTIVE:
+        from softcradle.physics.adaptive.runner import KERNELS
+
+        return KERNELS
+    return None

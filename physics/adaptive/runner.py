@@ -24,6 +24,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.adaptive.undetermined import finish
 from softcradle.physics.chain import Chain
+from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
     NO_FLAGS,
@@ -35,6 +36,7 @@ from softcradle.physics.kernel_records import (
     log_warnings,
     motion_record,
 )
+from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
@@ -59,10 +61,11 @@ STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times i
 USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
 ERROR_GROWTH = 3.0  # times the sum of all local errors: the error that is stated where nothing makes it grow
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
+PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
+PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
 SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
 MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
 ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
-_loaded: set[str] = set()  # methods whose kernels are in memory
 
 
 @dataclass
@@ -88,9 +91,7 @@ class Memory:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
-    if not _loaded:  # so that the cost measured is that of the motion
-        _pass(problem, problem.state.time, NO_TIMES, False)
-        _loaded.add(problem.method)
+    KERNELS.load_made()  # so that the cost measured is that of the motion
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
         record = checked(problem, record, _scale(problem), completed)
@@ -128,7 +129,7 @@ def advance(problem: Problem) -> Status:
     memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain.contacts))
     memory.log.counter[:] = 0
     memory.log.closed[:] = state.closed
-    status, state.time = _integrate(problem, state, end, False, memory)
+    status, state.time = _integrate(problem, state, end, False, memory, live=True)
     return Status(status)
 
 
@@ -154,17 +155,23 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int 
     )  # fmt: skip
 
 
-def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: Memory) -> Any:
-    """Run the kernel on `state`. Returns its status and the time reached."""
+def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: Memory, live: bool = False) -> Any:
+    """Run the kernel on `state`, in a frame of `live` use by what is at hand. Returns its status and the time reached."""
     data, regime = _chain_and_regime(problem.chain, state)
     most, scale, counter = step_budget(problem), _scale(problem), memory.log.counter
     motion, code, time = motion_record(state, memory.mode, memory.held), PAUSED, state.time
     rest = tuple(map(tuple, (memory.trial, memory.look, memory.scratch, memory.samples, memory.log)))
+    work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
     with kernel_arithmetic():
         while code == PAUSED:
             spent = int(counter[STEP] + counter[REJECTED])
-            code, time = integrate(
-                ALLOWED[problem.method], spent > 0, time, end, stop, most, spent + PAUSE, scale, problem.tolerance, data,
+            kernel: Any = KERNELS.of_frame(integrate) if live else KERNELS.of(integrate, work)
+            pause = PAUSE
+            if kernel is not integrate:
+                pause = PLAIN_PAUSE
+                KERNELS.spent += 0.0 if live else work
+            code, time = kernel(
+                ALLOWED[problem.method], spent > 0, time, end, stop, most, spent + pause, scale, problem.tolerance, data,
                 regime, motion, *rest,
             )  # fmt: skip
     return code, time
@@ -244,3 +251,13 @@ def _energy_warnings(problem: Problem, record: Record) -> Warnings:
         "compare with method 'conserving', or with another tolerance"
     )
     return (CodedWarning(WarningCode.ENERGY, sentence, {"error": error}),)
+
+
+def _call_kernels() -> None:
+    """Call every kernel once."""
+    chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
+    run(Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", 1e-3, tolerance=1e-8))
+
+
+KERNELS = KernelTiers("adaptive", __name__, _call_kernels)
+TIERS = {KERNELS.name: KERNELS}

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.contact import power_law
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.splitting import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.splitting_simd import LONG
@@ -28,6 +30,7 @@ from softcradle.physics.kernel_records import (
     motion_record,
     require_finite_motion,
 )
+from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
@@ -49,8 +52,9 @@ Array = NDArray[np.float64]
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
 MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
-_march: Any = march  # its arguments are unpacked from tuples, which type checkers cannot count
-_loaded: set[tuple[str, bool, bool]] = set()  # (method, dissipative, with own laws) whose kernels are in memory
+PLAIN_STEPS = 20_000  # of a run without a duration, times its contacts: how far plain Python tries, in about a second
+
+_loaded: set[bool] = set()  # whether with friction or loss: kernels for laws of one's own that are in memory
 
 
 @dataclass
@@ -78,10 +82,11 @@ class Scratch:
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
     chain_records(problem.chain, problem.state)  # compiles laws of one's own
-    key = problem.method, problem.chain.dissipative, bool(problem.chain.own_laws)
-    if key not in _loaded:  # so that the cost measured is that of the motion
+    if not problem.chain.own_laws:
+        _kernels(problem.chain).load_made()  # so that the cost measured is that of the motion
+    elif problem.chain.dissipative not in _loaded:
         _pass(problem, problem.state.time, NO_TIMES, False)
-        _loaded.add(key)
+        _loaded.add(problem.chain.dissipative)
     return run_to_end(problem, _pass)
 
 
@@ -94,21 +99,32 @@ def advance(problem: Problem) -> Status:
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
-    status, state.time = _march_chain(problem, state, end, False, scratch)
+    kernel = march if problem.chain.own_laws else _kernels(problem.chain).of_frame(march)
+    status, state.time = _march_chain(kernel, MOST_STEPS, problem, state, end, False, scratch)
     state.switches += int(log.counter[SWITCH])
     return Status(status)
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int | None = None) -> Record:
-    """One run of the kernel; again with a larger log of switches where the first was too small."""
+def _pass(
+    problem: Problem, end: float, times: Array, stop: bool, log_size: int | None = None, plain: bool = True
+) -> Record:
+    """One run of the kernel; again with a larger log of switches where the first was too small.
+
+    Plain Python tries a run without an end for some steps, if `plain`; machine code begins it anew.
+    """
     state = problem.state.copy()
+    kernel, most = _kernel_and_steps(problem, end - state.time, plain)
     scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG)
     began = perf_counter()
-    status, state.time = _march_chain(problem, state, end, stop, scratch)
+    status, state.time = _march_chain(kernel, most, problem, state, end, stop, scratch)
     seconds = perf_counter() - began
+    if kernel is not march:
+        _kernels(problem.chain).spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
+    if most < MOST_STEPS and Status(status).gave_up:
+        return _pass(problem, end, times, stop, log_size, plain=False)
     larger = larger_log(scratch.log)
     if larger:
-        return _pass(problem, end, times, stop, larger)
+        return _pass(problem, end, times, stop, larger, plain)
     counter = scratch.log.counter
     rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
     overlap, rate, anchor, force, absorbed = (row[:rows] for row in scratch.samples[1:])
@@ -118,15 +134,35 @@ def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int 
     )  # fmt: skip
 
 
-def _march_chain(problem: Problem, state: State, end: float, stop: bool, scratch: Scratch) -> tuple[int, float]:
-    """Run the kernel on `state`. Returns its status and the time reached."""
+def _kernels(chain: Chain) -> KernelTiers:
+    """The kernels for a chain of power laws."""
+    return TIERS["fixed-step-dissipative" if chain.dissipative else "fixed-step"]
+
+
+def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[Any, int]:
+    """The tier of the kernel for a run of `duration` [s], and the steps that it may take."""
+    chain = problem.chain
+    if chain.own_laws or _kernels(chain).in_memory:
+        return march, MOST_STEPS
+    ends = np.isfinite(duration)
+    steps = duration / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
+    if not plain or _kind(problem.method, chain) == SPLITTING_SIMD:  # vector code is no plain Python
+        steps = np.inf
+    kernel = _kernels(chain).of(march, steps * chain.contacts)
+    return kernel, MOST_STEPS if kernel is march or ends else int(steps)
+
+
+def _march_chain(
+    kernel: Any, most: int, problem: Problem, state: State, end: float, stop: bool, scratch: Scratch
+) -> tuple[int, float]:
+    """Run a tier of the kernel on `state` for `most` steps. Returns its status and the time reached."""
     chain = problem.chain
     data, dissipation = chain_records(chain, state)
     method = _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method]
     records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log)
-    span = problem.step, state.time, end, stop, MOST_STEPS
+    span = problem.step, state.time, end, stop, most
     with kernel_arithmetic():
-        status, time = _march(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
+        status, time = kernel(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
     require_finite_motion(chain, state)
     return status, time
 
@@ -150,3 +186,17 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
         sentence = f"{failed} steps of {problem.method} did not converge: take a smaller step"
         found.append(CodedWarning(WarningCode.UNCONVERGED, sentence, {"steps": failed}))
     return (*found, *log_warnings(log))
+
+
+def _call_kernels(dissipative: bool) -> None:
+    """Call every kernel once, with friction or without."""
+    chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1 if dissipative else 0.0)
+    state = State.at_start(chain, [1.0, 0.0, 0.0])
+    run(Problem(chain, state, "verlet", 1e-3, 1e-3))
+    run(Problem(chain, state, "conserving", 1e-3, 1e-3))
+
+
+TIERS = {
+    "fixed-step": KernelTiers("fixed-step", __name__, partial(_call_kernels, False)),
+    "fixed-step-dissipative": KernelTiers("fixed-step-dissipative", __name__, partial(_call_kernels, True)),
+}

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
-from pathlib import Path
-from typing import TypeVar
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
 
-import platformdirs
-from softcradle.physics.source_digest import digest_of, kernel_sources
+from softcradle.physics.numerics.kernel_cache import cache_folder
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
-
-
-def cache_folder() -> Path:
-    """Where the compiled kernels of exactly this source are kept; NUMBA_CACHE_DIR moves it.
-
-    Its name follows every kernel source: numba itself notices only the file a kernel stands in, not its callees.
-    """
-    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("softcradle", appauthor=False)
-    return Path(base) / "kernels" / digest_of(kernel_sources())
 
 
 try:
@@ -38,15 +27,20 @@ else:
     )
     _FOLDER = str(cache_folder())
 
-    def _compiled(function: Kernel, **options: object) -> Kernel:
-        before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = _FOLDER  # read while decorating; other users of numba keep their own folder
+    @contextmanager
+    def _own_folder() -> Iterator[None]:
+        """Within it, what is decorated is kept in our folder; other users of numba keep theirs."""
+        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _FOLDER
         try:
+            yield
+        finally:
+            numba.config.CACHE_DIR = before
+
+    def _compiled(function: Kernel, **options: object) -> Kernel:
+        with _own_folder():
             compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=COUNTED, **options)(
                 function
             )
-        finally:
-            numba.config.CACHE_DIR = before
         return compiled
 
     def jit(function: Kernel) -> Kernel:
@@ -66,3 +60,16 @@ else:
     def fused(function: Kernel) -> Kernel:
         """`jit`, put into its caller; products and sums may be fused to one operation, and its loops become vector code."""
         return _compiled(function, forceinline=True, fastmath={"contract"})
+
+
+def c_function(function: Kernel, signature: Any) -> Any:
+    """`function` as machine code that C calls by its ``address``, compiled at once and kept on disk with the kernels.
+
+    Raises ImportError without numba, RuntimeError where NUMBA_DISABLE_JIT switches it off.
+    """
+    import numba
+
+    if numba.config.DISABLE_JIT:
+        raise RuntimeError("NUMBA_DISABLE_JIT switches compiled code off")
+    with _own_folder():
+        return numba.cfunc(signature, cache=True, error_model="numpy")(function)

@@ -6,7 +6,7 @@ import math
 from functools import cache
 
 from softcradle.physics.numerics.contact_law import force
-from softcradle.physics.numerics.jit import cache_folder
+from softcradle.physics.numerics.jit import c_function
 
 LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address of its law
 
@@ -29,17 +29,10 @@ def push_address():
 
     Raises ImportError without numba, RuntimeError where NUMBA_DISABLE_JIT switches it off.
     """
-    import numba
     from numba import types
 
-    if numba.config.DISABLE_JIT:
-        raise RuntimeError("NUMBA_DISABLE_JIT switches compiled code off")
     signature = types.float64(types.CPointer(types.CPointer(types.float64)), types.float64)
-    folder, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache_folder())  # other users keep their own folder
-    try:
-        return _keep(numba.cfunc(signature, cache=True, error_model="numpy")(push))
-    finally:
-        numba.config.CACHE_DIR = folder
+    return _keep(c_function(push, signature))
 
 
 _kept: list[object] = []  # compiled code lives as long as the object that made it

@@ -11,7 +11,8 @@ import numpy as np
 import pymunk
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import number_array, require_kind, shown
-from softcradle.physics.contact import Contact
+from softcradle.physics.contact import Contact, power_law
+from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
@@ -27,8 +28,6 @@ from softcradle.physics.pymunk_contacts.space_forces import SpaceForces, centres
 Array = NDArray[np.float64]
 
 CHAIN_METHODS = ("conserving",)  # values of the argument `method`
-_solve: Any = solve_chain_step  # Any: its arguments are unpacked from tuples, which type checkers cannot count
-_solve_lossy: Any = solve_lossy_chain_step
 
 
 class SoftChain:
@@ -199,16 +198,16 @@ class SoftChain:
         bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
         if not self._step:
-            start_chain_step(step, *bodies, *own, self._force)
-        begin_chain_step(step, self._step or step, *bodies, self._direction, *own)
+            _tier(start_chain_step)(step, *bodies, *own, self._force)
+        _tier(begin_chain_step)(step, self._step or step, *bodies, self._direction, *own)
         self._step = step
         call_after_step(link, self._end_step)
         motion = outside.mobility, outside.expected, outside.velocity, self._direction, self._outside
         own_rows = self._overlap, self._rate, self._force, self._beads, self._work
         if self._loss.any():
-            solved = _solve_lossy(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
+            solved = _tier(solve_lossy_chain_step)(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
         else:
-            solved = _solve(step, self._law, None, self._absorbed, *motion, *own_rows)
+            solved = _tier(solve_chain_step)(step, self._law, None, self._absorbed, *motion, *own_rows)
         self._unread = self._force.tolist()
         if not solved:
             warnings.warn(
@@ -234,7 +233,7 @@ class SoftChain:
     def _end_step(self) -> None:
         read = [force is None for force in self._unread]
         self._unread = [None] * len(self._links)
-        end_chain_step(
+        _tier(end_chain_step)(
             self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
             self._rate, self._lag, self._outside,
         )  # fmt: skip
@@ -274,3 +273,22 @@ class _Link(pymunk.DampedSpring):
         except BaseException as error:
             raise_after_step(link, error)
             return 0.0
+
+
+def _step_once() -> None:
+    """A step of a chain, with and without loss: it calls every kernel."""
+    for loss in (0.0, 0.1):
+        space, bodies = pymunk.Space(), [pymunk.Body(1, 1), pymunk.Body(1, 1)]
+        bodies[1].position = 1, 0
+        bodies[0].velocity = 1, 0
+        space.add(*bodies, *SoftChain(bodies, power_law(1.0, 1.0, loss), 1))
+        space.step(1e-3)
+
+
+KERNELS = KernelTiers("soft-chain", __name__, _step_once)
+TIERS = {KERNELS.name: KERNELS}
+
+
+def _tier(kernel: Any) -> Any:
+    """The tier of a kernel that is at hand; Any, for its arguments are unpacked from tuples, which type checkers cannot count."""
+    return KERNELS.of_frame(kernel)

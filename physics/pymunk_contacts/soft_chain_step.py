@@ -33,7 +33,7 @@ def overlap_at(i, touching, time, position, velocity):
     """Overlap of bodies i and i+1 when they have moved on for `time` at their velocities."""
     x = position[i + 1, 0] - position[i, 0] + time * (velocity[i + 1, 0] - velocity[i, 0])
     y = position[i + 1, 1] - position[i, 1] + time * (velocity[i + 1, 1] - velocity[i, 1])
-    return touching[i] - math.hypot(x, y)
+    return touching[i] - math.sqrt(x * x + y * y)
 
 
 @jit
@@ -81,7 +81,7 @@ def begin_chain_step(h, h_before, touching, position, velocity, place, speed, di
             velocity[b, 0], velocity[b, 1] = speed[b, 0], speed[b, 1]
     for i in range(overlap.size):
         x, y = position[i + 1, 0] - position[i, 0], position[i + 1, 1] - position[i, 1]
-        length = math.hypot(x, y)
+        length = math.sqrt(x * x + y * y)  # a hypot has other last digits in plain Python
         direction[i, 0] = x / length if length > 0.0 else 0.0
         direction[i, 1] = y / length if length > 0.0 else 0.0
         closing = closing_rate(i, direction, velocity)

@@ -5,31 +5,33 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Callable, Iterable
+from time import sleep
 from typing import TYPE_CHECKING, Any
 
-from softcradle.physics.warm_up import WITHOUT_KERNELS, call_kernels
+from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.methods import METHODS, Family, Method, find_method
+from softcradle.physics.warm_up import kernels_of
 from softcradle.sandbox.languages import _
-from softcradle.sandbox.window import look_ahead
 
 if TYPE_CHECKING:
-    from softcradle.physics.methods import Method
     from softcradle.sandbox.session.live_lane import LiveLane
+
+COMPILED_AT_ONCE = 2
+LOOKING = 0.1  # seconds between two looks whether machine code has been made
+PLAIN_FRAME = 100  # steps times contacts of a frame that plain Python computes in some three milliseconds
 
 
 class KernelWarmup:
     """A daemon thread that loads the physics and then does jobs; results are fetched, never pushed.
 
     Attributes:
-        ready: set when scenes without friction and loss can be played at once.
         complete: set when every method is loaded.
         problem: why a method cannot be loaded, or None.
     """
 
     def __init__(self) -> None:
-        self.ready = threading.Event()
         self.complete = threading.Event()
         self.problem: str | None = None
-        self._warm: set[tuple[str, bool]] = set()
         self._jobs: queue.SimpleQueue[tuple[Callable[[Any], None], Callable[[], Any]] | None] = queue.SimpleQueue()
         self._results: queue.SimpleQueue[tuple[Callable[[Any], None], Any]] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
@@ -56,37 +58,48 @@ class KernelWarmup:
         return True
 
     def is_warm(self, method: str, dissipative: bool = False) -> bool:
-        """Whether that method runs at once, on a chain with friction or loss if `dissipative`: it has kernels of its own.
+        """Whether machine code of that method is in memory, for chains with friction or loss if `dissipative`.
 
-        A method without kernels always does.
+        A method without kernels is always warm.
         """
-        return (method, dissipative) in self._warm or method in WITHOUT_KERNELS
+        kernels = kernels_of(find_method(method), dissipative)
+        return kernels is None or kernels.in_memory
 
-    def can_move(self, lanes: Iterable[LiveLane], method: str | None = None) -> bool:
-        """Whether all `lanes` can be moved at once, by `method`; None: by their own methods and that of the look ahead."""
-        return self.ready.is_set() and all(
-            self.is_warm(name, lane.chain.dissipative)
+    def can_move(self, lanes: Iterable[LiveLane], frame_time: float, method: str | None = None) -> bool:
+        """Whether frames of `frame_time` [s] of all `lanes` can be computed in time, by `method`; None: by their own methods.
+
+        Where machine code is still being made, plain Python does for few contacts in few steps.
+        """
+        return all(
+            self.is_warm(name, lane.chain.dissipative) or _is_light(lane, name, frame_time)
             for lane in lanes
-            for name in ((lane.setup.method, look_ahead.METHOD) if method is None else (method,))
+            for name in (lane.setup.method if method is None else method,)
         )
 
     def _run(self) -> None:
-        from softcradle.physics.methods import METHODS, Family
-
-        own = [method for method in METHODS if method.name not in WITHOUT_KERNELS]
-        first = [method for method in own if method.family is Family.FIXED_STEP]  # scenes are played with these
-        rest = [method for method in own if method not in first]
-        for method in first:
-            self._load(method, dissipative=False)
-        self.ready.set()
-        later = [(method, True) for method in first] + [
-            (method, dissipative) for method in rest for dissipative in (False, True)
-        ]
-        while self._work(wait=not later):
-            if later and self._jobs.empty():
-                self._load(*later.pop(0))
-            if not later:
+        waiting = [kernels for method in METHODS for kernels in _all_kernels(method)]
+        waiting = sorted(dict.fromkeys(waiting), key=lambda kernels: not kernels.on_disk)
+        while self._work(wait=not waiting):
+            if waiting and self._jobs.empty():
+                self._load(waiting)
+            if not waiting:
                 self.complete.set()
+
+    def _load(self, waiting: list[KernelTiers]) -> None:
+        """Load kernels whose machine code has been made; begin to make what has not, two at a time, and look again later."""
+        made = next((kernels for kernels in waiting if kernels.in_memory or kernels.on_disk), None)
+        compiling = (
+            [kernels for kernels in waiting[:COMPILED_AT_ONCE] if kernels.compile_behind()] if made is None else []
+        )
+        if compiling:
+            sleep(LOOKING)
+            return
+        chosen = made or waiting[0]
+        waiting.remove(chosen)
+        try:
+            chosen.load()
+        except Exception as error:
+            self.problem = _("method {method} cannot be loaded: {error}", method=chosen.name, error=error)
 
     def _work(self, wait: bool) -> bool:
         """Do the next job, if there is one; False at the end of all."""
@@ -103,10 +116,15 @@ class KernelWarmup:
             self._results.put((take, error))
         return True
 
-    def _load(self, method: Method, dissipative: bool) -> None:
-        try:
-            if method.dissipative or not dissipative:  # a chain that the method refuses needs no kernels
-                call_kernels(method.name, dissipative)
-        except Exception as error:
-            self.problem = _("method {method} cannot be loaded: {error}", method=method.name, error=error)
-        self._warm.add((method.name, dissipative))
+
+def _all_kernels(method: Method) -> list[KernelTiers]:
+    found = (kernels_of(method, dissipative) for dissipative in (False, True))
+    return [kernels for kernels in found if kernels is not None]
+
+
+def _is_light(lane: LiveLane, method: str, frame_time: float) -> bool:
+    """Whether plain Python moves a lane in time."""
+    step = lane.setup.step_for(frame_time)
+    if step is None or find_method(method).family is not Family.FIXED_STEP:
+        return False
+    return frame_time / step * lane.chain.contacts <= PLAIN_FRAME

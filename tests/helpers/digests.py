@@ -46,7 +46,7 @@ def _probe(numbers: Array, found: Array) -> None:
 
 def arithmetic() -> str:
     """A name for the arithmetic of this machine: equal where all digits are."""
-    numbers = np.random.default_rng(1).lognormal(0.0, 2.0, 5000)
+    numbers = np.minimum(np.random.default_rng(1).lognormal(0.0, 2.0, 5000), 700.0)  # plain Python has no larger expm1
     found = np.empty((4, numbers.size))
     _probe(numbers, found)
     return hashlib.sha256(found.tobytes() + np.power(numbers, 0.3).tobytes()).hexdigest()[:12]

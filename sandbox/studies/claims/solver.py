@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -69,7 +70,11 @@ _sampled = lru_cache(maxsize=KEPT_MOTIONS)(_motion)
 def _model(
     solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
 ) -> ModeCoupling:
-    return mode_coupling(chain, velocity, duration, solver.method, solver.step, _argument(samples), solver.tolerance)
+    with warnings.catch_warnings():  # the error bar of the case tells how far a motion is determined
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return mode_coupling(
+            chain, velocity, duration, solver.method, solver.step, _argument(samples), solver.tolerance
+        )
 
 
 def _argument(samples: Samples) -> int | np.ndarray:

@@ -62,8 +62,9 @@ class SceneEditor:
         self._selection = pick
 
     def check_kernels(self) -> None:
-        """Read whether the kernels of the session's methods are loaded."""
-        self.preparing = not self.host.warmup.can_move(self.session.lanes)
+        """Read whether the session's methods can move its lanes in time."""
+        session = self.session
+        self.preparing = not self.host.warmup.can_move(session.lanes, session.setup.frame_time)
 
     def apply(self, item: Input, gesture: bool = False) -> bool:
         """Apply an input to the session; whether it was accepted. The reason of a refusal is shown.
@@ -86,7 +87,8 @@ class SceneEditor:
         return True
 
     def _method_is_loaded(self, name: str) -> bool:
-        return name == AUTO or self.host.warmup.can_move(self.session.lanes, name)
+        frame_time = self.session.setup.frame_time
+        return name == AUTO or self.host.warmup.can_move(self.session.lanes, frame_time, name)
 
     def _apply_to_lanes(self, edit: Callable[[int], LaneInput]) -> bool:
         """Apply an edit to every lane; whether all were accepted."""

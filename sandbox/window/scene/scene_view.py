@@ -10,6 +10,7 @@ from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import scene_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.look_ahead import METHOD as AHEAD
 from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
 from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated_scales
@@ -54,20 +55,29 @@ class SceneView:
         self.look_ahead()
 
     def look_ahead(self) -> None:
-        """Take scales and camera from a run ahead, as a film does; estimate them before the physics is ready."""
+        """Take scales and camera from a run ahead, as a film does; estimate them, and run behind, where it would take long."""
         self.scales = LiveScales(self._first_scales(), self.session.lanes)
         self.follower = EditFollower(self.host, self.session, self.scales, self.rebuild)
+        if not self._sees_ahead:
+            self.follower.notice()
         self.camera = Camera.of(self.scales.scales)
         self.motions = [lane.motion for lane in self.session.lanes]
 
     def _first_scales(self) -> Scales:
         scene = self.session.scene
-        if not self.editor.preparing:
+        if self._sees_ahead:
             try:
                 return scales_of(scene, motions_ahead(scene))
             except (UserError, ValueError, RuntimeError, ArithmeticError):
                 pass  # a scene whose run ahead fails can still be played
         return estimated_scales(scene, self.session)
+
+    @property
+    def _sees_ahead(self) -> bool:
+        """Whether a run ahead takes some milliseconds: its machine code is in memory."""
+        methods = {AHEAD, *(lane.setup.method for lane in self.session.lanes)}
+        kinds = {lane.chain.dissipative for lane in self.session.lanes}
+        return all(self.host.warmup.is_warm(method, kind) for method in methods for kind in kinds)
 
     def _geometry(self) -> Geometry:
         size, unit = self.host.size, self.host.unit

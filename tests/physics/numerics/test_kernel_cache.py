@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from softcradle.physics.numerics.jit import cache_folder, jit
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.kernel_cache import cache_folder
 from softcradle.physics.source_digest import digest_of, kernel_sources
 
 from tests.helpers.paths import ROOT

@@ -38,7 +38,7 @@ def test_an_error_in_the_solver_reaches_the_caller_once(monkeypatch):
     def failing(*arguments):
         raise FloatingPointError("no forces")
 
-    monkeypatch.setattr(soft_chain, "_solve", failing)
+    monkeypatch.setattr(soft_chain, "solve_chain_step", failing)
     with pytest.raises(FloatingPointError, match="no forces") as caught:
         space.step(FRAME)
     assert not hasattr(caught.value, "__notes__")
@@ -49,7 +49,7 @@ def test_an_error_in_the_solver_reaches_the_caller_once(monkeypatch):
 
 def test_a_solver_that_does_not_converge_says_so(monkeypatch):
     space, _, _ = chain_row(hertz(1e4), gap=0.01)
-    monkeypatch.setattr(soft_chain, "_solve", lambda *arguments: False)
+    monkeypatch.setattr(soft_chain, "solve_chain_step", lambda *arguments: False)
     with pytest.raises(RuntimeWarning, match="did not converge"):
         space.step(FRAME)
 

@@ -2,23 +2,72 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
+import pytest
+from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.sandbox.session import Session
-from softcradle.sandbox.window.kernel_warmup import KernelWarmup
+from softcradle.sandbox.window.kernel_warmup import PLAIN_FRAME, KernelWarmup
 
 from softcradle import scenes
 
+PLAYED = """
+from tests.helpers.windows import Driver
+driver = Driver("one-on-four", wait=False)
+assert not driver.app.warmup.complete.is_set()
+assert not driver.page.editor.preparing
+import pygame
+driver.key(pygame.K_SPACE)
+driver.frames(60)
+print(driver.session.time, driver.session.lanes[0].velocity.tolist())
+driver.close()
+"""
 
-def test_a_dissipative_scene_needs_kernels_of_its_own():
-    warmup = KernelWarmup()
-    conservative, dissipative = Session(scenes.load("one-on-four")).lanes, Session(scenes.load("train-cut")).lanes
-    assert dissipative[0].chain.dissipative
-    assert not warmup.can_move(conservative)
+
+def test_all_kernels_are_loaded_and_jobs_done_between():
+    warmup, done = KernelWarmup(), []
     warmup.start()
+    warmup.submit(done.append, lambda: 7)
     assert warmup.complete.wait(300.0)
     warmup.stop()
-    assert warmup.can_move(conservative)
-    assert warmup.can_move(dissipative)
-    warmup._warm.discard((dissipative[0].setup.method, True))
-    assert warmup.can_move(conservative)
-    assert not warmup.can_move(dissipative)
-    assert warmup.can_move(dissipative, "yoshida4"), "a method that refuses the chain has nothing to load"
+    while not warmup.deliver():
+        pass
+    assert done == [7]
+    assert all(
+        warmup.is_warm(method, kind) for method in ("conserving", "accurate", "pymunk") for kind in (False, True)
+    )
+
+
+def test_without_machine_code_few_contacts_in_few_steps_can_be_moved(monkeypatch):
+    conservative, dissipative = Session(scenes.load("one-on-four")), Session(scenes.load("train-cut"))
+    warmup, time = KernelWarmup(), conservative.setup.frame_time
+    for kernels in TIERS.values():
+        monkeypatch.setattr(kernels, "_loaded", False)
+    assert warmup.can_move(conservative.lanes, time)
+    assert not warmup.can_move(conservative.lanes, time, "accurate") or warmup.is_warm("accurate")
+    lane = dissipative.lanes[0]
+    steps = dissipative.setup.frame_time / lane.setup.step_for(dissipative.setup.frame_time)
+    light = steps * lane.chain.contacts <= PLAIN_FRAME
+    assert warmup.can_move(dissipative.lanes, dissipative.setup.frame_time) == light
+    monkeypatch.setattr(TIERS["fixed-step-dissipative"], "_loaded", True)
+    assert warmup.can_move(dissipative.lanes, dissipative.setup.frame_time)
+    assert warmup.can_move(dissipative.lanes, time, "pymunk"), "it has nothing to load"
+
+
+@pytest.mark.slow
+def test_a_scene_is_played_before_anything_is_compiled(tmp_path):
+    """With the digits that compiled kernels give."""
+
+    def played(**more: str) -> str:
+        environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", **more}
+        script = (
+            PLAYED if more else PLAYED.replace("wait=False", "wait=True").replace("assert not driver.app", "driver.app")
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True, timeout=300
+        )
+        return done.stdout.splitlines()[-1]
+
+    assert played(NUMBA_CACHE_DIR=str(tmp_path)) == played()

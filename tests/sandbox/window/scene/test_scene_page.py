@@ -7,8 +7,9 @@ from itertools import count
 
 import pygame
 import pytest
-from softcradle.physics import METHODS
+from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.sandbox.session.inputs import SetFriction
+from softcradle.sandbox.window import kernel_warmup
 
 from tests.helpers.windows import Driver
 
@@ -111,9 +112,12 @@ def test_a_key_scrubs_to_the_next_contact_event(driver: Driver) -> None:
     assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
 
 
-def test_friction_whose_kernels_are_not_loaded_pauses_the_clock():
+def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain_python(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     driver = Driver("one-on-four")
-    driver.app.warmup._warm -= {(method.name, True) for method in METHODS}
+    monkeypatch.setattr(TIERS["fixed-step-dissipative"], "_loaded", False)
+    monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)
     driver.session.apply(SetFriction(0, 0.1))
     driver.session.play()
     driver.frames(3)
@@ -121,7 +125,7 @@ def test_friction_whose_kernels_are_not_loaded_pauses_the_clock():
     frame = driver.session.frame
     driver.frames(3)
     assert driver.session.frame == frame
-    driver.app.warmup._warm |= {(method.name, True) for method in METHODS}
+    monkeypatch.undo()
     driver.frames(3)
     assert not driver.page.editor.preparing
     assert driver.session.frame > frame

@@ -1,0 +1,213 @@
+"""Two tiers of the kernels that Python calls: machine code, and the same source as plain Python until that is at hand.
+
+Machine code is made once a machine, which takes up to half a minute. Plain Python gives the same digits at once, some hundred
+times slower. So a run begins in plain Python while a process behind compiles into the cache on the disk; what is too long for
+plain Python waits for it. SOFTCRADLE_COMPILE=first compiles before the first run, in its own process.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from functools import cache, cached_property
+from pathlib import Path
+from time import monotonic, sleep, time
+from types import FunctionType
+from typing import Any, TypeVar
+
+from softcradle.physics.compile_log import FIRST
+from softcradle.physics.numerics.float_bits import COMPILED
+from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, target
+
+Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+
+PLAIN_WORK = (
+    80_000  # fixed steps times contacts that a process runs as plain Python, about three seconds, before it waits
+)
+LOOKING = 0.25  # seconds between two looks whether machine code has come
+LONGEST_COMPILATION = 600.0  # seconds after which a process that should compile is given up
+
+logger = logging.getLogger("softcradle")
+
+
+class KernelTiers:
+    """Kernels that are compiled together, and which of their tiers is to be called.
+
+    Attributes:
+        name: of the files that tell of them.
+        spent: fixed steps times contacts, or what costs as much, run as plain Python so far, live frames left out.
+    """
+
+    def __init__(self, name: str, module: str, call_all: Callable[[], None]) -> None:
+        """`call_all` calls every kernel once; a process that compiles finds this object as TIERS[name] of `module`."""
+        self.name, self.module, self.call_all = name, module, call_all
+        self.spent = 0.0
+        self._loaded, self._looked = not COMPILED, -LOOKING
+        self._first = os.environ.get("SOFTCRADLE_COMPILE") == "first"
+        self._process: _Detached | None = None
+        self._loader: threading.Thread | None = None
+        self._here = threading.local()  # of the thread that loads: its calls run machine code
+
+    # ---- which tier
+
+    def of(self, kernel: Kernel, work: float = 0.0) -> Kernel:
+        """The tier of `kernel` for a run of `work`, counted as `spent`, of which plain Python does no more than it should."""
+        if self.in_memory:
+            return kernel
+        if not self.on_disk:
+            self.compile_behind()
+            if self.spent + work <= PLAIN_WORK:
+                return plain(kernel)
+            logger.warning(FIRST)
+            self.wait()
+        self._loaded = True
+        return kernel
+
+    def of_frame(self, kernel: Kernel) -> Kernel:
+        """The tier of `kernel` for a frame of live use, which waits for nothing: machine code is loaded on a thread."""
+        if self.in_memory:
+            return kernel
+        if self._loader is None and monotonic() - self._looked > LOOKING:
+            self._looked = monotonic()
+            if self.on_disk:
+                self._loader = threading.Thread(target=self.load, name="load kernels", daemon=True)
+                self._loader.start()
+            else:
+                self.compile_behind()
+        return plain(kernel)
+
+    # ---- machine code
+
+    @property
+    def in_memory(self) -> bool:
+        """Whether kernels are called as they are: with machine code in memory, or compiled at the first call, or by nothing."""
+        return self._loaded or self._first or getattr(self._here, "forced", False)
+
+    @property
+    def on_disk(self) -> bool:
+        """Whether the machine code has been made."""
+        return COMPILED and self._made.exists()
+
+    def load(self) -> None:
+        """Load the machine code, or compile it in this process where there is none."""
+        if self._loaded:
+            return
+        self._here.forced = True
+        try:
+            self.call_all()
+        finally:
+            self._here.forced = False
+        self._loaded = True
+        try:
+            self._made.parent.mkdir(parents=True, exist_ok=True)
+            self._made.touch()  # each time: kernels that are used are kept
+        except OSError:
+            logger.info("%s: compiled kernels cannot be kept", self._made.parent)
+
+    def load_made(self) -> None:
+        """Load the machine code if it has been made and is not in memory."""
+        if not self.in_memory and self.on_disk:
+            self.load()
+
+    def compile_behind(self) -> bool:
+        """Begin to compile in a process of its own, unless one does already; whether one does."""
+        if self._process is not None:
+            return self._process.poll() is None
+        if _is_alive(self._lock):
+            return True
+        if getattr(sys, "frozen", False) or not sys.executable:
+            return False
+        try:
+            self._lock.parent.mkdir(parents=True, exist_ok=True)
+            self._process = _Detached(
+                [sys.executable, "-c", f"from {self.module} import TIERS; TIERS[{self.name!r}].compile_and_unlock()"],
+                env={**os.environ, "PYTHONPATH": _search_path(), "SOFTCRADLE_COMPILE": "first"},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+            )
+            self._lock.write_text(str(self._process.pid))
+        except OSError:  # no room, or no right to write: this process compiles for itself when it has to
+            return False
+        return True
+
+    def compile_and_unlock(self) -> None:
+        """What the process behind does."""
+        try:
+            self.load()
+            drop_unused(self._made.parent)
+        finally:
+            self._lock.unlink(missing_ok=True)
+
+    def wait(self) -> None:
+        """Wait until no process compiles these kernels any more."""
+        began = monotonic()
+        while self.compile_behind() and not self.on_disk and monotonic() - began < LONGEST_COMPILATION:
+            sleep(0.05)
+
+    @cached_property
+    def _made(self) -> Path:
+        """A file that is there when the machine code is."""
+        return cache_folder() / f"{self.name}.{target()}.made"
+
+    @cached_property
+    def _lock(self) -> Path:
+        """A file with the number of the process that compiles."""
+        return self._made.with_suffix(".compiling")
+
+
+class _Detached(subprocess.Popen[bytes]):
+    """A process that may outlive this one, which is no reason for a warning."""
+
+    def __del__(self) -> None:
+        """Let it run on."""
+
+
+# ---- plain Python
+
+
+@cache
+def plain(kernel: Any) -> Any:
+    """The source of `kernel` as a function of plain Python, which calls only such functions."""
+    source = getattr(kernel, "py_func", None)
+    if source is None:
+        return kernel
+    return FunctionType(
+        source.__code__, _plain_names(source.__module__), source.__name__, source.__defaults__, source.__closure__
+    )
+
+
+_names: dict[str, dict[str, Any]] = {}
+
+
+def _plain_names(module: str) -> dict[str, Any]:
+    """The names of a module with plain functions for its kernels."""
+    if module not in _names:
+        found = _names[module] = dict(vars(sys.modules[module]))
+        found.update({name: plain(value) for name, value in list(found.items()) if hasattr(value, "py_func")})
+    return _names[module]
+
+
+# ---- this machine
+
+
+def _search_path() -> str:
+    """Where the process behind finds this package, whatever folder it runs in."""
+    here = str(Path(str(sys.modules["softcradle"].__file__)).parent.parent)
+    return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
+
+
+def _is_alive(lock: Path) -> bool:
+    """Whether the process that `lock` names still compiles."""
+    try:
+        number, age = int(lock.read_text()), time() - lock.stat().st_mtime
+        if os.name == "posix":
+            os.kill(number, 0)
+    except (OSError, ValueError):
+        return False
+    return age < LONGEST_COMPILATION

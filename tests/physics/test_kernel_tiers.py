@@ -1,0 +1,173 @@
+"""Two tiers of kernels: the same digits, whichever runs, and nobody waits for what plain Python does at once."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pymunk
+import pytest
+from softcradle.physics import Chain, SoftChain, State, advance, hertz, one_on, power_law, simulate
+from softcradle.physics.adaptive.runner import KERNELS, PLAIN_PAUSE
+from softcradle.physics.fixed_step.runner import TIERS
+from softcradle.physics.kernel_tiers import KernelTiers, plain
+from softcradle.physics.numerics import kernel_cache
+from softcradle.physics.numerics.float_bits import COMPILED
+from softcradle.physics.pymunk_contacts import soft_chain
+
+from tests.helpers.random_chains import random_collision
+
+pytest.importorskip("numba")
+pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing compiles here")
+ALL = (KERNELS, *TIERS.values(), soft_chain.KERNELS)
+
+
+@pytest.fixture
+def cold(monkeypatch):
+    """A machine on which nothing has been compiled, and nothing will be."""
+    for kernels in ALL:
+        monkeypatch.setattr(kernels, "_loaded", False)
+        monkeypatch.setattr(kernels, "_first", False)
+        monkeypatch.setattr(kernels, "spent", 0.0)
+    monkeypatch.setattr(KernelTiers, "on_disk", False)
+    monkeypatch.setattr(KernelTiers, "compile_behind", lambda self: False)
+    return monkeypatch
+
+
+def digits(found):
+    arrays = found.time, found.overlap, found.velocity, found.final_velocity, found.velocity_error
+    return [array.tobytes() for array in arrays] + [found.contact_intervals, found.steps, found.status]
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("method", ["accurate", "radau", "conserving", "verlet"])
+def test_plain_python_gives_the_digits_of_machine_code(cold, seed, method):
+    chain, velocity = random_collision(seed, 4)
+    options = {"method": method, "samples": 7, "tolerance": 1e-6}
+    if seed % 2:
+        chain = Chain(chain.mass, chain.contact, chain.gap, friction=0.01)
+    plainly = simulate(chain, velocity, 1.0, **options)
+    cold.undo()
+    assert digits(simulate(chain, velocity, 1.0, **options)) == digits(plainly)
+
+
+def test_machine_code_takes_over_between_steps(cold):
+    chain, velocity = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
+    called = []
+
+    def of(self, kernel, work=0.0):
+        called.append(plain(kernel) if len(called) < 2 else kernel)
+        return called[-1]
+
+    cold.setattr(KernelTiers, "of", of)
+    mixed = simulate(chain, velocity, samples=2)
+    assert called[:2] != called[-2:]
+    assert mixed.steps > 2 * PLAIN_PAUSE
+    cold.undo()
+    assert digits(simulate(chain, velocity, samples=2)) == digits(mixed)
+
+
+def test_frames_of_live_use_have_the_same_digits(cold):
+    def played(frames=20):
+        chain = one_on(3, power_law(1.0, 0.2))
+        state = State.at_start(chain, [1, 0, 0, 0])
+        for _ in range(frames):
+            advance(chain, state, 0.1, "conserving")
+            advance(chain, state, 0.01, "accurate")
+        return state.overlap.tobytes() + state.rate.tobytes()
+
+    plainly = played()
+    cold.undo()
+    assert played() == plainly
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3])
+def test_a_soft_chain_has_the_same_digits(cold, loss):
+    def stepped():
+        space = pymunk.Space()
+        balls = [pymunk.Body(1.0, 1.0) for _ in range(4)]
+        for k, ball in enumerate(balls):
+            ball.position = k, 0.1 * k * k
+        balls[0].velocity = 1.0, 0.0
+        space.add(*balls, *SoftChain(balls, power_law(100.0, 1.5, loss), [1.01, 1.04, 1.1]))
+        for _ in range(200):
+            space.step(1e-2)
+        return [tuple(ball.velocity) for ball in balls]
+
+    plainly = stepped()
+    cold.undo()
+    assert stepped() == plainly
+
+
+def test_what_is_long_for_plain_python_waits_for_machine_code(cold):
+    waited = []
+    cold.setattr(KernelTiers, "wait", lambda self: waited.append(self.name))
+    simulate(one_on(2, hertz(1.0)), [1, 0, 0], 1.0, method="verlet", step=1e-3)
+    assert waited == []
+    assert TIERS["fixed-step"].spent == 2000.0
+    simulate(one_on(2, hertz(1.0)), [1, 0, 0], 1.0, method="verlet", step=1e-6)
+    assert waited == ["fixed-step"]
+
+
+def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold):
+    waited = []
+    cold.setattr(KernelTiers, "wait", lambda self: waited.append(self.name))
+    found = simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)
+    assert waited == ["fixed-step"]
+    cold.undo()
+    assert digits(simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)) == digits(found)
+
+
+def test_a_process_that_died_does_not_count_as_compiling(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kernels = KernelTiers("nothing", "no.such.module", lambda: None)
+    kernels._lock.parent.mkdir(parents=True)
+    kernels._lock.write_text("999999999")
+    assert kernels.compile_behind()  # a process of its own, which finds no such module
+    kernels.wait()
+    assert not kernels.compile_behind()
+    assert not kernels.on_disk
+
+
+def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
+    (tmp_path / "kernels").write_text("a file where the folder should be")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kernels = KernelTiers("nothing", "no.such.module", lambda: None)
+    assert not kernels.compile_behind()
+    kernels.wait()
+    kernels.load()
+    assert kernels.in_memory
+
+
+def test_kernels_of_other_versions_are_dropped_when_they_are_not_used(tmp_path, monkeypatch):
+    used, old, other = (tmp_path / name for name in ("0" * 16, "a" * 16, "something"))
+    for folder in (used, old, other):
+        folder.mkdir()
+        (folder / "kernel.nbc").write_text("")
+    kernel_cache.drop_unused(used)
+    assert old.exists()
+    monkeypatch.setattr(kernel_cache, "time", lambda: old.stat().st_mtime + kernel_cache.UNUSED + 1.0)
+    kernel_cache.drop_unused(used)
+    assert [folder.exists() for folder in (used, old, other)] == [True, False, True]
+
+
+@pytest.mark.slow
+def test_an_empty_cache_is_filled_behind(tmp_path):
+    script = (
+        "from softcradle import one_on, power_law, simulate\n"
+        "from softcradle.physics.adaptive.runner import KERNELS\n"
+        "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
+        "KERNELS.wait()\n"
+        "KERNELS.load_made()\n"
+        "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True, timeout=600
+    )
+    before, after = done.stdout.splitlines()
+    assert before.split(" ", 1)[0] == "False"
+    assert after.split(" ", 1)[0] == "True"
+    assert before.split(" ", 1)[1] == after.split(" ", 1)[1]
+    assert done.stderr == ""
