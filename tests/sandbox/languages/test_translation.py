@@ -23,6 +23,7 @@ from softcradle.sandbox.languages import (
 )
 from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words
 from softcradle.sandbox.session.lane_label import EDITED
+from softcradle.scenes import load, parse
 
 
 @pytest.fixture(autouse=True)
@@ -126,6 +127,35 @@ def test_refusals_of_the_physics_are_translated(code, call):
     translated = refusal_words(sentence)
     assert translated != sentence
     assert not any(word in translated.split() for word in ("must", "contact", "be", "not", "two")) or code == "fr"
+
+
+WRONG_SCENES = (
+    "title = ",
+    'title = "x"',
+    "title = 3\nlanes = []",
+    'title = "x"\n[[lanes]]\nbeads = [1, 4]\napproach = "far"\n[lanes.contact]\nlaw = "hertz"',
+    'title = "x"\nlanes = 3',
+    'title = "x"\n[[lanes]]\nbeads = [1, 4]\ncontact = {law = "power_law", f0 = 1.0}',
+    'title = "x"\nview = 3\n[[lanes]]\nbeads = [1, 4]\ncontact = {law = "power_law", f0 = 1.0, alpha = 0.1}',
+    'title = "x"\n[view]\nlabels = 3\n[[lanes]]\nbeads = [1, 4]\ncontact = {law = "power_law", f0 = 1.0, alpha = 0.1}',
+)
+
+
+@pytest.mark.parametrize("code", ["de", "fr"])
+@pytest.mark.parametrize("wrong", WRONG_SCENES)
+def test_faults_of_scene_files_are_translated(code, wrong):
+    sentence = _refused(lambda: parse(wrong, "mine.toml"))
+    use_language(code)
+    assert refusal_words(sentence) != sentence
+    assert refusal_words(sentence).startswith("mine.toml")
+
+
+@pytest.mark.parametrize("name", ["one-on-for", "zzz", "zzz.toml", "."])
+def test_scenes_that_are_not_there_are_named_in_the_language(name):
+    sentence = _refused(lambda: load(name))
+    use_language("de")
+    assert refusal_words(sentence) != sentence
+    assert name in refusal_words(sentence)
 
 
 def test_other_sentences_stay():
