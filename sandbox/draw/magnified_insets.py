@@ -11,7 +11,7 @@ from softcradle.sandbox.draw.number_format import factor, round_down, scientific
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
-from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 
@@ -53,7 +53,9 @@ class MagnifiedInsets:
             x, y = self.centre(slot)
             left = x + self.radius + 10 * self.unit
             name, magnification = subscript(contact, contact + 1), factor(self.magnify[contact])
-            write(surface, _("overlap {name}", name=f"δ{name}"), (left, y - 30 * self.unit), size, tones.muted)
+            title = _("overlap {name}", name=f"δ{name}")
+            fits = width(title, size) <= self.pitch - 2 * self.radius - 10 * self.unit
+            write(surface, title if fits else f"δ{name}", (left, y - 30 * self.unit), size, tones.muted)
             write(surface, _("seen at {times}", times=magnification), (left, y + 9 * self.unit), size, tones.muted)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:

@@ -41,6 +41,7 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
     "friction and drive": ("driven-cluster", lambda driver: _select(driver, Pick(0, "bead", 1))),
     "two lanes": ("beads-against-gear", lambda driver: _select(driver, None, plots=True)),
     "a contact of two lanes": ("beads-against-gear", lambda driver: _select(driver, Pick(1, "contact", 0), plots=True)),
+    "a train": ("train-braking", lambda driver: _select(driver, Pick(0, "contact", 1))),
     "cradle": ("hanging-cradle", lambda driver: None),
     "question": (
         "one-on-four",
