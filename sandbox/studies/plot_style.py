@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
+
+from softcradle.sandbox.studies.panel_column import panels_below_each_other
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLUMN_WIDTH = 3.4  # [inches] width of one column of the journal
-PAGE_WIDTH = 7.0  # [inches] width of its page, for figures with several panels
+COLUMN_WIDTH = 86.0 / 25.4  # [inches] width of one column of the journal, 86 mm
+PAGE_WIDTH = 178.0 / 25.4  # [inches] width of its page, 178 mm, for figures with several panels
+_one_column = ContextVar("one_column", default=False)  # whether these are drawn COLUMN_WIDTH wide, too
 
 # Okabe and Ito's palette, which is safe for colour-blind readers. As in the paper, blue and orange are the first two
 # beads and forces, and red is psi.
@@ -40,11 +44,12 @@ SETTINGS: dict[str, Any] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
+    "xtick.major.pad": 5.0,  # points: the labels in the lower left corner do not meet
+    "xtick.labelsize": 8.6,  # their exponents are then above 6 points, the least that a journal prints
+    "ytick.labelsize": 8.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
-    "legend.fontsize": 8.0,
+    "legend.fontsize": 8.6,
     "legend.frameon": False,
     "legend.handlelength": 1.6,
     "legend.borderaxespad": 0.4,
@@ -62,12 +67,16 @@ def require_matplotlib() -> None:
 
 
 @contextmanager
-def styled() -> Iterator[None]:
-    """Everything drawn inside has these settings."""
+def styled(one_column: bool = False) -> Iterator[None]:
+    """Everything drawn inside has these settings; with `one_column`, no figure is wider than a column."""
     import matplotlib as mpl
 
-    with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
-        yield
+    before = _one_column.set(one_column)
+    try:
+        with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
+            yield
+    finally:
+        _one_column.reset(before)
 
 
 def new_figure(
@@ -77,6 +86,10 @@ def new_figure(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    if _one_column.get() and columns > 1:
+        figure = Figure(figsize=(COLUMN_WIDTH, height / rows))
+        FigureCanvasAgg(figure)
+        return figure, panels_below_each_other(figure, rows, columns, **options)
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **options)
@@ -100,7 +113,7 @@ def zero_line(axes: Axes) -> None:
 def curve_label(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
     """Name a curve to the right of its point (x, y), instead of a legend."""
     axes.annotate(
-        text, (x, y), xytext=(3, 0), textcoords="offset points", color=colour, ha="left", va="center", fontsize=8.5
+        text, (x, y), xytext=(3, 0), textcoords="offset points", color=colour, ha="left", va="center", fontsize=8.6
     )
 
 
@@ -115,7 +128,7 @@ def model_legend(axes: Axes) -> None:
     """A legend that tells the mode-coupling model from the full equations."""
     axes.plot([], [], color=GREY, label="mode coupling", **MODEL_LINE)
     axes.plot([], [], color=GREY, linewidth=0.8, label="full")
-    axes.legend(loc="upper right", ncols=2)
+    axes.legend(loc="upper right", ncols=2, handlelength=2.2)
 
 
 def bead_colour(bead: int, strikers: int = 1) -> str:

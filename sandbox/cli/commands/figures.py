@@ -16,6 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", default="out/figures", help="where to write (default: out/figures)"
     )
+    parser.add_argument(
+        "--column", action="store_true", help="all in the width of one column, 86 mm, panels below each other"
+    )
     parser.add_argument("--list", action="store_true", help="list the figures instead")
     add_open(parser)
 
@@ -41,7 +44,7 @@ def main(args: argparse.Namespace) -> int:
     folder = make_folder(args.output)
     written = WrittenFiles(folder.iterdir())
     for figure in figures:
-        written.report(list(write_figure(figure, folder)))
+        written.report(list(write_figure(figure, folder, args.column)))
     if args.open:
         open_with_desktop(folder)
     return 0

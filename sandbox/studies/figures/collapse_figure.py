@@ -77,7 +77,7 @@ def draw_spreads(table: Table) -> Figure:
     left.set_xticks([0.1, 0.3, 1.0], ["0.1", "0.3", "1"])
     for axes in (left, middle):
         axes.axhline(THRESHOLD, color=GREY, linewidth=0.6, linestyle="--")
-        axes.set_ylim(1e-3, 20.0)
+        axes.set_ylim(4e-4, 20.0)
     left.legend(loc="lower right", fontsize=7)
     left.set(xlabel=r"$n\alpha$", ylabel="velocity spread of the targets")
     middle.set(xlabel=r"$(n+1)\,e^{-1/(2n\alpha)}$", xlim=(0.1, 30.0))

@@ -50,7 +50,7 @@ def draw_positions(table: Table) -> Figure:
         axes.plot(table["t"], table[f"x{i}"], color=bead_colour(i))
         curve_label(axes, table["t"][-1], table[f"x{i}"][-1], f"$x_{i}$", bead_colour(i))
     axes.set(xlabel="$t$", ylabel="position", xlim=(POSITIONS_FROM, POSITIONS_UNTIL), yticks=range(-2, 7, 2))
-    inner_label(axes, r"$n=4,\ \alpha=1/10$")
+    inner_label(axes, r"$n=4,\ \alpha=1/10$", 0.24)
     return figure
 
 

@@ -121,7 +121,7 @@ def draw_discrepancies(table: Table) -> Figure:
     axes.legend(loc="lower center", ncols=2)
     end.axhspan(1e-9, 1e-3, **ACCURACY_BAND)
     end.set(xlabel="time to separation", ylabel="|relative discrepancy|", xscale="log", yscale="log")
-    end.set(xlim=(1e-6, table["t"][-1]), ylim=(1e-6, 1.0))
+    end.set(xlim=(1e-6, table["t"][-1]), ylim=(3e-7, 1.0))
     return figure
 
 
@@ -145,4 +145,7 @@ def _draw_power(axes: Axes, table: Table, name: str, power: float, text: str) ->
     time = table["t"][table["t"] < 1e-6]
     line = 1.5 * table[name][0] * (time / time[0]) ** power
     axes.loglog(time, line, color=GREY, linewidth=0.7, linestyle=":")
-    label_above(axes, 1e-11, line[len(line) // 2], text, lift=3.0, fontsize=8)
+    middle = len(line) // 2
+    axes.annotate(
+        text, (time[middle], line[middle]), xytext=(-2, 3), textcoords="offset points", ha="right", fontsize=8.6
+    )

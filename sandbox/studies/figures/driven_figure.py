@@ -85,7 +85,9 @@ def draw_history(table: Table) -> Figure:
         lower.plot(table["t"], velocity, color=colour, linewidth=0.9)
         if i < 3:
             peak = int(np.argmax(velocity[:SAMPLES_PER_PERIOD]))
-            label_above(lower, table["t"][peak], velocity[peak], "$v_1$" if i == 1 else "$v_{2,3,4}$", colour)
+            place = peak if i == 1 else peak - SAMPLES_PER_PERIOD // 7  # where the other curve is away
+            symbol = "$v_1$" if i == 1 else "$v_{2,3,4}$"
+            label_above(lower, table["t"][place], velocity[peak], symbol, colour, fontsize=8.6)
     lower.set(xlabel="$t$", ylabel="$v_i-V$", xlim=(0.0, table["t"][-1]), ylim=(-0.09, 0.11))
     return figure
 

@@ -25,6 +25,7 @@ from softcradle.sandbox.studies.figures import (
     wave_figure,
 )
 from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER_ALPHA
+from softcradle.sandbox.studies.panel_column import label_panels
 from softcradle.sandbox.studies.picture_files import write_picture
 from softcradle.sandbox.studies.plot_style import styled
 
@@ -147,8 +148,18 @@ def figures_named(names: Sequence[str]) -> list[FigureEntry]:
     return [known[name] for name in names] if names else list(FIGURES)
 
 
-def write_figure(figure: FigureEntry, folder: Path) -> list[Path]:
-    """Compute `figure` and write it into `folder` as .png, .pdf and .csv; return the paths (UserError)."""
+def write_figure(figure: FigureEntry, folder: Path, one_column: bool = False) -> list[Path]:
+    """Compute `figure` and write it into `folder` as .png, .pdf and .csv; return the paths (UserError).
+
+    With `one_column` it is as wide as a column of a journal, its panels below each other.
+    """
     table = figure.table()
-    with styled():
-        return write_picture(figure.draw(table), table, folder / f"figure-{figure.name}")
+    with styled(one_column):
+        return write_picture(drawn(figure, table), table, folder / f"figure-{figure.name}")
+
+
+def drawn(figure: FigureEntry, table: Table) -> Figure:
+    """The picture of `table`, with an axis label at every panel that stands by itself; call it inside `styled`."""
+    picture = figure.draw(table)
+    label_panels(picture)
+    return picture

@@ -63,7 +63,7 @@ def draw_panels(table: Table) -> Figure:
     for axes in grid[:, 0]:
         axes.set_ylabel(r"$\Delta_{i,i+1}/\delta_{1,2}-1$")
     _draw_inset(grid[0, 1], rows_where(table, n=5, alpha=ALPHAS[1]))
-    grid[0, 0].legend(loc="lower right")
+    grid[0, 0].legend(loc="lower right", handlelength=0.9, borderaxespad=0.2)
     return figure
 
 
@@ -80,13 +80,13 @@ def _draw_panel(axes: Axes, table: Table, n: int) -> None:
 
 
 def _draw_inset(axes: Axes, table: Table) -> None:
-    inset = axes.inset_axes((0.5, 0.1, 0.46, 0.36))
+    inset = axes.inset_axes((0.48, 0.05, 0.48, 0.4))
     for i, colour in CURVE_COLOURS.items():
         curve = rows_where(table, i=i)
         inset.plot(
             curve["fraction of contact"], curve["discrepancy"] + INSET_LIFT * (i - 2), color=colour, linewidth=0.9
         )
-    inset.set(xlim=(0.0, 1.0), ylim=(-0.42, 0.4), xticks=[], yticks=[])
+    inset.set(xlim=(0.0, 1.0), ylim=(-0.85, 0.4), xticks=[], yticks=[])
     inset.text(
         0.97, 0.04, f"each lifted\nby {INSET_LIFT:g}", transform=inset.transAxes, ha="right", va="bottom", fontsize=6.0
     )

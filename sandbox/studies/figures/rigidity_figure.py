@@ -89,7 +89,7 @@ def draw_spreads(table: Table) -> Figure:
         points = rows_where(table, n=n)
         right.semilogy(1.0 / points["alpha"], points["spread"], color=colour, label=f"$n={n}$")
     right.set(xlabel=r"$1/\alpha$", ylabel=r"$(v_{\max}-v_{\min})/\langle v\rangle$ of the targets")
-    right.legend(loc="upper right")
+    right.legend(loc="lower left")
     panel_title(right, "(b)")
     return figure
 

@@ -70,7 +70,7 @@ def draw_envelopes(table: Table) -> Figure:
     from matplotlib import colormaps
     from matplotlib.ticker import MaxNLocator
 
-    figure, panels = new_figure(PAGE_WIDTH, 2.9, columns=2)
+    figure, panels = new_figure(PAGE_WIDTH, 2.9, columns=2, sharey=True)
     shades = colormaps["viridis"](np.linspace(0.0, 0.85, len(SPEEDS)))
     for number, (axes, title) in enumerate(zip(panels, SCENES, strict=True)):
         for speed, shade in zip(SPEEDS, shades, strict=True):
@@ -84,7 +84,6 @@ def draw_envelopes(table: Table) -> Figure:
         axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
     panels[0].set_ylabel("largest force [MN]")
     panels[0].legend(title="speed of the blow [m/s]", loc="upper right", ncols=2, handlelength=1.2)
-    panels[1].set_yticklabels([])
     return figure
 
 

@@ -110,7 +110,7 @@ def draw_exchange(table: Table) -> Figure:
     left.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, 3.0))
     right.set(xlabel="$t$", xlim=(0.0, 3.0))
     panel_title(left, "(a)  four on one")
-    panel_title(right, "(b)  its mirror image, seen by the strikers, and one on four")
+    panel_title(right, "(b)  mirrored, seen by the strikers")
     return figure
 
 

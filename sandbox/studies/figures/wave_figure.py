@@ -123,7 +123,7 @@ def draw_roads(table: Table) -> Figure:
     grid[0, 0].set_ylabel("velocity / striker's")
     grid[1, 0].set_ylabel("force less prestress")
     grid[0, 1].legend(loc="lower right", ncols=2, columnspacing=1.0)
-    grid[1, 0].legend(loc="upper right", ncols=1)
+    grid[1, 0].legend(loc="upper right", handlelength=0.0, handletextpad=0.0, labelcolor="linecolor")
     return figure
 
 
@@ -133,5 +133,5 @@ def draw_pulse(table: Table) -> Figure:
     for i in range(0, PULSE_TARGETS + 1, 2):
         axes.plot(table["t"], table[f"v{i}"] * 3.0 + i, color=BLUE if i == 0 else BLACK, linewidth=0.8)
     axes.set(xlabel="$t$", ylabel=r"bead $i$, lifted by $3\,v_i$", xlim=(0.0, PULSE_UNTIL))
-    inner_label(axes, r"$\alpha=3/2,\ n=30$", 0.55, 0.1)
+    inner_label(axes, r"$\alpha=3/2,\ n=30$", 0.03, 0.985)
     return figure

@@ -23,11 +23,13 @@ from softcradle.sandbox.studies.figures import (
     variant_figure,
     wave_figure,
 )
-from softcradle.sandbox.studies.figures.figure_list import FIGURES, figures_named, write_figure
+from softcradle.sandbox.studies.figures.figure_list import FIGURES, drawn, figures_named, write_figure
 from softcradle.sandbox.studies.figures.solved_cases import full_one_on, opening_time
 from softcradle.sandbox.studies.picture_files import SUFFIXES
+from softcradle.sandbox.studies.plot_style import styled
 from softcradle.scenes import load
 
+from tests.helpers.figure_layout import small_texts, texts_beyond, texts_on_curves, texts_on_texts
 from tests.helpers.truth import ELASTIC
 
 FRACTIONS = np.linspace(0.01, 0.99, 197)  # the middle 98 % of the contact
@@ -327,6 +329,44 @@ def test_files_are_whole(tables, name, tmp_path):
         assert not dark[[0, -1]].any()  # nothing is cut off at the edges
         assert not dark[:, [0, -1]].any()
     assert paths[1].read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("one_column", [False, True], ids=["page", "column"])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_printed_figure_can_be_read(tables, name, one_column):
+    """At its own size: no text below 6 points or beyond the edge, none on another one or on a curve."""
+    (figure,) = figures_named([name])
+    with styled(one_column):
+        picture = drawn(figure, tables[name])
+        assert small_texts(picture) == []
+        assert texts_beyond(picture) == []
+        assert texts_on_texts(picture) == []
+        assert texts_on_curves(picture) == []
+    width, height = picture.get_size_inches() * 25.4
+    assert width <= (86.0 if one_column else 178.0) + 1e-9
+    assert height <= 240.0  # of the page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_panels_below_each_other_show_the_same(tables, name):
+    """Every curve, and an axis label at every panel."""
+    (figure,) = figures_named([name])
+    shown = []
+    for one_column in (False, True):
+        with styled(one_column):
+            panels = drawn(figure, tables[name]).axes
+        shown.append(sorted(len(axes.lines) for axes in panels))
+    assert shown[0] == shown[1]
+    assert all(axes.get_ylabel() for axes in panels)
+
+
+def test_the_command_draws_them_as_wide_as_a_column(tmp_path):
+    assert main(["figures", "exchange", "--column", "-o", str(tmp_path)]) == 0
+    with Image.open(tmp_path / "figure-exchange.png") as image:
+        assert image.width == pytest.approx(86.0 / 25.4 * 300.0, abs=1)
+        assert image.height > image.width
 
 
 def test_csv_reads_back_equal(tmp_path):

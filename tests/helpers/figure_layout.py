@@ -1,0 +1,95 @@
+"""What is wrong with the layout of a figure: small text, text on text, text on a curve, text beyond the edge."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from unittest.mock import patch
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+SCRIPT = 0.7  # size of exponents and indices, in that of their text
+LEAST_SIZE = 6.0  # points
+TOUCH = 1.0  # points by which boxes may lie on each other
+
+
+def texts_of(figure: Figure) -> list[tuple[Text, Bbox]]:
+    """The texts that are drawn and their boxes [pixels]; matplotlib keeps labels of ticks that are not."""
+    drawn: dict[Text, None] = {}
+    original = Text.draw
+
+    def draw(text: Text, renderer: RendererBase) -> None:
+        if text.get_visible() and text.get_text().strip():
+            drawn[text] = None
+        original(text, renderer)
+
+    with patch.object(Text, "draw", draw):
+        figure.draw_without_rendering()
+    return [(text, text.get_window_extent()) for text in drawn]
+
+
+def small_texts(figure: Figure) -> list[str]:
+    """Texts, or indices of them, below LEAST_SIZE."""
+    found = []
+    for text, _ in texts_of(figure):
+        words = text.get_text()
+        script = SCRIPT if "$" in words and ("^" in words or "_" in words) else 1.0
+        if text.get_fontsize() * script < LEAST_SIZE:
+            found.append(words)
+    return found
+
+
+def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts that lie on each other."""
+    texts, touch = texts_of(figure), TOUCH * figure.dpi / 72.0
+    return [
+        (one.get_text(), other.get_text())
+        for k, (one, box) in enumerate(texts)
+        for other, below in texts[:k]
+        if min(box.x1, below.x1) - max(box.x0, below.x0) > touch
+        and min(box.y1, below.y1) - max(box.y0, below.y0) > touch
+    ]
+
+
+def texts_beyond(figure: Figure) -> list[str]:
+    """Texts that the edge of the figure cuts off."""
+    edge = figure.bbox
+    return [
+        text.get_text()
+        for text, box in texts_of(figure)
+        if box.x0 < edge.x0 or box.y0 < edge.y0 or box.x1 > edge.x1 - 1 or box.y1 > edge.y1 - 1
+    ]
+
+
+def texts_on_curves(figure: Figure) -> list[tuple[str, str]]:
+    """Texts inside of axes, those of legends among them, that a curve passes through, with the curve's label."""
+    found = []
+    for text, box in texts_of(figure):
+        for axes in figure.findobj(Axes):
+            if not axes.bbox.contains(*box.get_points().mean(axis=0)):
+                continue
+            inner = Bbox.from_extents(box.x0, box.y0 + 0.2 * box.height, box.x1, box.y1 - 0.2 * box.height)
+            for line in axes.get_lines():
+                points = line.get_transform().transform(np.column_stack(line.get_data(orig=False)).astype(float))
+                if line.get_linestyle() != "None" and line.get_visible() and _passes(points, inner, axes.bbox):
+                    found.append((text.get_text(), str(line.get_label())))
+    return found
+
+
+def _passes(points: np.ndarray, box: Bbox, frame: Bbox) -> bool:
+    """Whether a line through `points` (K, 2) crosses `box`: sampled each quarter of its height."""
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) < 2:
+        return False
+    for (x0, y0), (x1, y1) in pairwise(points):
+        if max(x0, x1) < box.x0 or min(x0, x1) > box.x1 or max(y0, y1) < box.y0 or min(y0, y1) > box.y1:
+            continue
+        share = np.linspace(0.0, 1.0, 2 + int(np.hypot(x1 - x0, y1 - y0) / (0.25 * max(box.height, 1.0))))
+        x, y = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+        if ((x > box.x0) & (x < box.x1) & (y > box.y0) & (y < box.y1) & (x > frame.x0) & (x < frame.x1)).any():
+            return True
+    return False
