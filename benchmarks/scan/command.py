@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from softcradle.physics.atomic_files import output_file
+from softcradle.physics.version import version
 
 from benchmarks.reports import Report
 from benchmarks.scan.families import FAMILIES, motion
@@ -71,6 +72,7 @@ def main(arguments: list[str]) -> int:
         known[entry["family"], entry["seed"]] = entry
     entries = [known[family, seed] for seed, family in wanted]
     report = _report(entries, args.families, f"{args.method} at {args.tolerance:g}")
+    report.notes.append(_how_it_was_made(args))
     report.show(Console(width=200))
     if args.markdown is not None:
         with output_file(args.markdown) as temporary:
@@ -123,6 +125,19 @@ def _report(entries: list[dict[str, Any]], families: Iterable[str], title: str) 
         f"runs of `conserving`: {', '.join(f'{count} by {source}' for source, count in sources.items())}",
     ]
     return Report(f"Random chains, {title}", columns, rows, notes, entries)
+
+
+def _how_it_was_made(args: argparse.Namespace) -> str:
+    """The command that writes the same table, and by which version it was written."""
+    options = [
+        f"--{name} {getattr(args, name)}"
+        for name in ("first", "method", "tolerance")
+        if getattr(args, name) != parser().get_default(name)
+    ]
+    if args.families != list(FAMILIES):
+        options.append(f"--families {' '.join(args.families)}")
+    command = " ".join(["python -m benchmarks scan", f"--count {args.count}", *options])
+    return f"made by `{command}`, softcradle {version()}"
 
 
 def _lines(path: Path) -> Iterator[dict[str, Any]]:

@@ -85,6 +85,14 @@ def test_every_picture_is_made_by_a_command():
     assert [name for name in (*pictures, *tracked) if name not in makefile] == []
 
 
+def test_measured_tables_say_by_which_command_they_were_made():
+    tables = list((ROOT / "docs" / "measured").glob("*.md"))
+    assert tables
+    assert [
+        path.name for path in tables if "made by `python -m benchmarks " not in path.read_text(encoding="utf-8")
+    ] == []
+
+
 def test_every_picture_is_shown():
     texts = "".join(TEXTS.values()) + README
     pictures = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").glob("**/*.png")]

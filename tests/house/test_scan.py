@@ -60,6 +60,9 @@ def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     assert command.main([*given, "--count", "1", "--markdown", str(table)]) == 0
     assert "| hooke-hertz | 1 | 1 | 0 |" in table.read_text()
     assert table.read_text().startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
+    assert (
+        "* made by `python -m benchmarks scan --count 1 --families hooke-hertz walls`, softcradle " in table.read_text()
+    )
     verdicts = tmp_path / "accurate-1e-08.jsonl"
     assert {json.loads(line)["verdict"] for line in verdicts.read_text().splitlines() if line} == {"within"}
     with verdicts.open("a") as file:

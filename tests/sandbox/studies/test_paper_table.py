@@ -21,7 +21,7 @@ def named(kind: str) -> set[str]:
 
 def test_claims_figures_and_scenes_exist():
     assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
-    assert named("figure") <= {figure.name for figure in FIGURES}
+    assert named("figure") == {figure.name for figure in FIGURES}
     assert named("scene") <= set(scenes.names())
 
 
