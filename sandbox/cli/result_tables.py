@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
 
+PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # of units, the one that suits first
+
+
 def print_report(scene: Scene, summaries: Sequence[Summary]) -> None:
     """Print title and source, and the tables of each lane."""
     output = console()
@@ -45,9 +48,9 @@ def _beads(summary: Summary) -> Table:
 
 
 def _contacts(summary: Summary) -> Table:
-    grid = table(
-        "contact", "closed\n[s]", "opened\n[s]", "times", "largest\noverlap [m]", "largest\nforce [N]", numbers=True
-    )
+    size, prefix = _prefix(max((contact.largest_force for contact in summary.contacts), default=0.0))
+    titles = "contact", "closed\n[s]", "opened\n[s]", "times", "largest\noverlap [m]", f"largest\nforce [{prefix}N]"
+    grid = table(*titles, numbers=True)
     for i, contact in enumerate(summary.contacts):
         grid.add_row(
             f"{i}-{i + 1}",
@@ -55,7 +58,7 @@ def _contacts(summary: Summary) -> Table:
             _time(contact.opened),
             str(contact.times),
             f"{contact.largest_overlap:.4g}",
-            f"{contact.largest_force:.6g}",
+            f"{contact.largest_force / size:.6g}",
         )
     return grid
 
@@ -84,11 +87,18 @@ def _cost(summary: Summary) -> Table:
         "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
     )
     if summary.absorbed_by_contacts or summary.absorbed_by_bed:
-        taken = f"{summary.absorbed_by_contacts:.6g} J by contacts, {summary.absorbed_by_bed:.6g} J by the bed"
-        grid.add_row("absorbed", taken)
-    grid.add_row("momentum error", f"{_error(summary.momentum_error)} at most")
+        size, prefix = _prefix(max(summary.absorbed_by_contacts, summary.absorbed_by_bed))
+        taken = (summary.absorbed_by_contacts / size, summary.absorbed_by_bed / size)
+        grid.add_row("absorbed", f"{taken[0]:.6g} {prefix}J by contacts, {taken[1]:.6g} {prefix}J by the bed")
+    momentum = "not defined" if summary.momentum_error is None else f"{summary.momentum_error:.1e} at most"
+    grid.add_row("momentum error", momentum)
     grid.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")
     return grid
+
+
+def _prefix(largest: float) -> tuple[float, str]:
+    """(size, prefix) of the unit that suits numbers up to `largest`, of which 1000 are 1 k."""
+    return next((size, name) for size, name in PREFIXES if size == 1.0 or largest >= size)
 
 
 def _error(relative: float | None) -> str:

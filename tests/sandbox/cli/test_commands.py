@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import subprocess
 import sys
 import warnings
@@ -120,6 +121,16 @@ def test_run_prints_velocities_contacts_errors_and_cost(capsys):
     assert float(struck[5]) == pytest.approx(0.92318, abs=1e-3)
     for word in ("method", "verlet, step 0.0005 s", "energy error", "momentum error", "steps", "evaluations", "ms"):
         assert word in out
+
+
+def test_large_forces_have_the_prefix_of_their_unit(capsys):
+    """1.33 MN, not 1330980 N; what the bed takes of the momentum is no error."""
+    assert main(["run", "train-shunting"]) == 0
+    printed = capsys.readouterr().out
+    assert "force [MN]" in printed
+    assert re.search(r"\b0-1 .* 1\.33\d* *$", printed, re.MULTILINE)
+    assert re.search(r"absorbed +\d{3}\.\d+ kJ by contacts, 9\.\d+ kJ by the bed", printed)
+    assert re.search(r"momentum error +not defined *$", printed, re.MULTILINE)
 
 
 def test_what_happens_is_said_in_words(capsys):
