@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
+from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page.motion_family import render_page
 from softcradle.sandbox.studies.verify.number_list import verified
 from softcradle.scenes.contact_kinds import KINDS
@@ -95,7 +96,7 @@ def errors() -> Iterator[str]:
             )
         ]
         apart = [float(np.abs(run.final_velocity - truth).max()) for run in found]
-        rows.append([f"`{method.name}`", *(f"{error:.0e}" for error in apart), str(found[-1].steps)])
+        rows.append([f"`{method.name}`", *(scientific(error, 0) for error in apart), str(found[-1].steps)])
     titles = ["method", "8 steps a contact, or 10⁻⁴", "64, or 10⁻⁶", "512, or 10⁻⁸", "steps of the last"]
     return table(titles, rows)
 
@@ -108,7 +109,7 @@ def checked() -> Iterator[str]:
             f"{row.known.value:.10g}",
             row.known.source,
             _found(row.found),
-            f"{row.error:.0e}" if row.error else "0",
+            scientific(row.error, 0),
         ]
         for row in verified()
     ]
@@ -117,7 +118,7 @@ def checked() -> Iterator[str]:
 
 def _found(value: float) -> str:
     """A number to ten digits; one of round-off to one."""
-    return f"{value:.10g}" if value == 0.0 or abs(value) > ROUND_OFF else f"{value:.0e}"
+    return f"{value:.10g}" if value == 0.0 or abs(value) > ROUND_OFF else scientific(value, 0)
 
 
 def commands() -> Iterator[str]:

@@ -16,6 +16,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.library import parse
 
 from softcradle import power_law, scenes, simulate
+from tests.helpers.paths import ROOT
 from tests.sandbox.page.conftest import page_data
 
 VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
@@ -53,6 +54,11 @@ def test_the_page_closes_its_tags_and_loads_nothing(pages):
 def test_a_usual_scene_needs_less_than_a_megabyte(pages, name):
     report = pages(name)
     assert report.size == report.output.stat().st_size < 1_000_000
+
+
+def test_the_documentation_says_how_large_a_page_is(pages):
+    said = (ROOT / "docs" / "sharing.md").read_text(encoding="utf-8")
+    assert pages("one-on-four").size < 1000 * int(re.search(r"page\.html +# less than (\d+) kB", said)[1])
 
 
 @pytest.mark.parametrize("live", ["alpha", "speed"])
