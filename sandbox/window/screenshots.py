@@ -119,6 +119,7 @@ def _save_languages(app: App, folder: Path) -> None:
         if language() != ENGLISH:
             _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
             save(app, folder, f"scene-{language()}")
+    app.messages.visible.clear()  # the name of the language, which would stand over the next picture
 
 
 def _save_sweep(app: App, folder: Path) -> None:

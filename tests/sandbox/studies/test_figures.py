@@ -343,6 +343,7 @@ def test_a_printed_figure_can_be_read(tables, name, one_column):
         assert texts_beyond(picture) == []
         assert texts_on_texts(picture) == []
         assert texts_on_curves(picture) == []
+    assert not [axes for axes in picture.axes if axes.xaxis_inverted() or axes.yaxis_inverted()]
     width, height = picture.get_size_inches() * 25.4
     assert width <= (86.0 if one_column else 178.0) + 1e-9
     assert height <= 240.0  # of the page
