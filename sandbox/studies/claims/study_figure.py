@@ -20,7 +20,7 @@ SIDE_STYLES: dict[Side, dict[str, Any]] = {
     Side.FAILS: {"color": RED, "marker": "s"},
     Side.UNDETERMINED: {"color": GREY, "marker": "x"},
 }
-MOST_TITLE = 72  # characters of a statement in a line above the picture
+MOST_TITLE = 60  # characters of a line above the picture, which has the width of a column
 
 
 def study_table(study: Study) -> Table:
@@ -47,7 +47,11 @@ def draw_study(study: Study) -> Figure:
     axes.set(xlabel=study.variable.replace("alpha", r"$\alpha$"), ylabel="\n".join(_lines(study.quantity, 48)))
     axes.xaxis.label.set_fontsize(8.0)
     axes.yaxis.label.set_fontsize(7.5)
-    axes.set_title("\n".join([*_lines(study.statement, MOST_TITLE), study.verdict_text]), fontsize=7.0, loc="left")
+    axes.set_title(
+        "\n".join([*_lines(study.statement, MOST_TITLE), *_lines(study.verdict_text, MOST_TITLE)]),
+        fontsize=7.0,
+        loc="left",
+    )
     figure.legend(fontsize=6.5, ncols=3, loc="outside lower center", columnspacing=1.0, handletextpad=0.4)
     return figure
 

@@ -6,11 +6,14 @@ import math
 
 import pytest
 from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 from softcradle.sandbox.studies.claims.claim_outputs import as_json
 from softcradle.sandbox.studies.claims.solver import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
 from softcradle.sandbox.studies.plot_style import styled
+
+from tests.helpers.figure_layout import small_texts, texts_beyond, texts_on_curves, texts_on_texts
 
 
 def case(x, value, error=0.0, allowed=1.0):
@@ -99,3 +102,16 @@ def test_the_picture_shows_every_case_that_has_a_value():
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert study_table(found)["holds"].tolist() == [1.0, 1.0, -1.0, 0.0]
     assert "holds within x <= 2" in axes.get_title(loc="left")
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.name)
+def test_the_words_of_every_claim_have_room_in_its_picture(claim):
+    """With cases that are made up; as wide as a column."""
+    cases = [case(1.0, 0.5, 0.1), case(2.0, 0.5, 0.1), case(30.0, 200.0, 10.0), case(40.0, 0.9, 0.5)]
+    found = Study(claim.name, claim.statement, "", claim.quantity, claim.variable, "", "", {"x": 2.0}, tuple(cases))
+    with styled():
+        picture = draw_study(found)
+        assert small_texts(picture) == []
+        assert texts_beyond(picture) == []
+        assert texts_on_texts(picture) == []
+        assert texts_on_curves(picture) == []
