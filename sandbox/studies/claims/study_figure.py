@@ -12,6 +12,7 @@ from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREY, RED, new_fi
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 LOG_SPAN = 30.0  # ratio of the largest to the smallest positive number from which on an axis is logarithmic
@@ -20,6 +21,7 @@ SIDE_STYLES: dict[Side, dict[str, Any]] = {
     Side.FAILS: {"color": RED, "marker": "s"},
     Side.UNDETERMINED: {"color": GREY, "marker": "x"},
 }
+FEW_DECADES = 100.0  # the greatest value over the least
 MOST_TITLE = 60  # characters of a line above the picture, which has the width of a column
 
 
@@ -81,8 +83,20 @@ def _set_scales(axes: Axes, study: Study) -> None:
     value = np.array([case.value for case in study.cases if math.isfinite(case.value)])
     if _spans_decades(variable):
         axes.set_xscale("log")
+        _label_decades(axes.xaxis, variable)
     if _spans_decades(value):
         axes.set_yscale("log")
+        _label_decades(axes.yaxis, value)
+
+
+def _label_decades(axis: Axis, values: np.ndarray) -> None:
+    """Name the decades; where there are few, 1, 2 and 5 of each."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    if values.max() < FEW_DECADES * values.min():
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _spans_decades(values: np.ndarray) -> bool:

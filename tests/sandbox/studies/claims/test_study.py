@@ -104,6 +104,16 @@ def test_the_picture_shows_every_case_that_has_a_value():
     assert "holds within x <= 2" in axes.get_title(loc="left")
 
 
+@pytest.mark.parametrize("span", [5.0, 12.0, 35.0, 90.0, 300.0, 1e6])
+def test_the_labels_of_every_logarithmic_axis_are_apart(span):
+    found = study(*(case(0.025 * span**share, 0.004 * span**share) for share in (0.0, 0.3, 0.7, 1.0)))
+    with styled():
+        picture = draw_study(found)
+        assert texts_on_texts(picture) == []
+        (axes,) = picture.axes
+        assert sum(bool(label.get_text()) for label in axes.get_xticklabels()) >= 3
+
+
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.name)
 def test_the_words_of_every_claim_have_room_in_its_picture(claim):
     """With cases that are made up; as wide as a column."""
