@@ -157,7 +157,7 @@ def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, w
                 x = first_root(overlap_guard(h, 1.0, i, chain, motion, trial, slow))
                 if x < part:
                     row, kind, part = i, OPENS, x
-            if loss_of(regime, i) > 0.0 and overlap[i] > 0.0:
+            if loss_of(regime, i) > 0.0 and (overlap[i] > 0.0 or motion.rate[i] > slow):
                 sign = -1.0 if regime.easing[i] != 0 else 1.0
                 x = first_root(rate_guard(h, sign, i, chain, motion, trial, slow))
                 if x < part:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.events import acceleration_of, bead_acceleration
+from softcradle.physics.adaptive.events import SLIPS, acceleration_of, bead_acceleration
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes, sample_flight
 from softcradle.physics.adaptive.sampling import absorbed_between, sample_inside
 from softcradle.physics.adaptive.step import NEWTON_PART, find_step
@@ -27,7 +27,7 @@ from softcradle.physics.adaptive.step_records import (
     Trial,
 )
 from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
-from softcradle.physics.adaptive.switching import begin, fall_back, fly_to_event, open_passed, switch
+from softcradle.physics.adaptive.switching import begin, fall_back, fly_to_event, open_passed, slip_by, switch
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import (
@@ -89,6 +89,15 @@ def nothing_moves(chain, regime, motion):
     return True
 
 
+@inlined
+def any_frozen(motion):
+    """Whether a contact is held closed between beads that do not move."""
+    found = False
+    for i in range(motion.mode.size):
+        found |= motion.mode[i] == FROZEN and motion.overlap[i] > 0.0
+    return found
+
+
 @jit
 def integrate(
     allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain_fields, regime_fields, motion_fields,
@@ -129,7 +138,8 @@ def integrate(
                 take_sample(samples, log, motion)
             return DONE, end
         if nothing_pushes(chain, motion, negligible):
-            if stop and firm and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
+            apart = stop and firm and not any_frozen(motion)  # what stays closed may only come to rest
+            if apart and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
             time, row = fly_to_event(
                 time, math.inf if stop else end, chain, regime, motion, wanted, slow, negligible, scratch, samples, log
@@ -151,6 +161,8 @@ def integrate(
         if h == 0.0 and row >= 0 and control[AT_ONCE] < MOST_AT_ONCE * motion.mode.size:
             control[AT_ONCE] += 1.0
             switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
+            if event == SLIPS and regime.slide[row] == 0:
+                slip_by(row, trial.force[2], chain, regime, motion, slow, scratch)
             continue
         if h == 0.0:
             if counter[STEP] + counter[REJECTED] >= most_steps:

@@ -196,8 +196,14 @@ def resolve_modes(chain, regime, motion, slow, scratch):
     make_effective(chain, regime, motion)
 
 
+@inlined
+def stands(regime, j, velocity, slow):
+    """Whether bead j sticks on its bed, or is a wall no faster than `slow` [m/s], which is round-off."""
+    return is_at_rest(regime, j) or (regime.inverse_mass[j] == 0.0 and abs(velocity[j]) <= slow)
+
+
 @jit
-def stop_bead(j, chain, regime, motion, velocity):
+def stop_bead(j, chain, regime, motion, slow, velocity):
     """Take the velocity that bead j still has at the end of its slide, and all beads that move as one with it.
 
     `velocity` (n+1,) is scratch memory.
@@ -212,8 +218,22 @@ def stop_bead(j, chain, regime, motion, velocity):
     for k in range(first, last + 1):
         regime.slide[k] = 0
     if first > 0:
-        rate[first - 1] = 0.0 if is_at_rest(regime, first - 1) else rate[first - 1] + left
+        rate[first - 1] = 0.0 if stands(regime, first - 1, velocity, slow) else rate[first - 1] + left
     if last < n:
-        rate[last] = 0.0 if is_at_rest(regime, last + 1) else rate[last] - left
+        rate[last] = 0.0 if stands(regime, last + 1, velocity, slow) else rate[last] - left
     if first <= chain.anchor_bead <= last:
         motion.anchor[1] = 0.0
+
+
+@jit
+def stop_beside(i, chain, regime, motion, slow, velocity):
+    """Let a bead of contact i, whose rate has become 0, rest where the other one stands: they have one velocity now.
+
+    `velocity` (n+1,) is scratch memory.
+    """
+    if regime.bed.size:
+        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+        for j, other in ((i, i + 1), (i + 1, i)):
+            if regime.slide[j] != 0 and stands(regime, other, velocity, slow):
+                stop_bead(j, chain, regime, motion, slow, velocity)
+                return

@@ -7,7 +7,7 @@ import math
 from softcradle.physics.adaptive.events import CLOSES, EASES, SLIPS, STOPS, TURNS, YIELDS, friction_needed, is_continued
 from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.flight import fly
-from softcradle.physics.adaptive.modes import find_slides, resolve_modes, stop_bead
+from softcradle.physics.adaptive.modes import find_slides, resolve_modes, stop_bead, stop_beside
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
 from softcradle.physics.adaptive.step_records import AT_ONCE, GROWTH, LOCAL_ERROR, LOCAL_SQUARE, NEXT, PAST_STEP
 from softcradle.physics.adaptive.switch_log import log_switches
@@ -77,15 +77,25 @@ def slip(j, chain, regime, motion, slow, scratch):
 
 
 @jit
+def slip_by(j, force, chain, regime, motion, slow, scratch):
+    """Let bead j slip at once under contact forces (n,) that a step has shown: those at its start are not yet so large."""
+    needed = friction_needed(j, regime, force)
+    if abs(needed) > regime.bed[j] / regime.inverse_mass[j]:
+        regime.slide[j] = 1 if needed > 0.0 else -1
+        resolve_modes(chain, regime, motion, slow, scratch)
+
+
+@jit
 def switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log):
     """Carry out the event of a row; what is held is resolved anew in the whole chain."""
     control = scratch.control
     if event == STOPS:
-        stop_bead(row, chain, regime, motion, scratch.work[0])
+        stop_bead(row, chain, regime, motion, slow, scratch.work[0])
     elif event == SLIPS:
         slip(row, chain, regime, motion, slow, scratch)
     elif event == TURNS:
         motion.rate[row] = 0.0
+        stop_beside(row, chain, regime, motion, slow, scratch.work[0])
     elif event in (YIELDS, EASES):
         motion.mode[row], motion.held[row] = LOADED, 1
         if regime.easing.size:

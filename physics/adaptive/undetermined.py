@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.chain import Chain
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.problem import NO_TIMES, Pass, Problem, Record, continued_switches
 from softcradle.physics.scales import default_step
@@ -23,10 +24,10 @@ Array = NDArray[np.float64]
 STEP_PART = 0.25  # of the default step: the longest step of these runs, or
 ELAPSED_PART = 1.0 / 1500.0  # of the time that the motion took so far, where that is longer
 PARTS = (1.0, 0.83, 0.61, 0.5)  # of the longest step, one for each run; the last one is the result
-SPREAD = 2.0  # times the largest difference between the runs: the error that is stated
+SPREAD = 3.0  # times the largest difference between the runs: the error that is stated
 MOST_GROWN = 8.0  # factor by which errors may grow before another run has to confirm the motion
 ROWS = ("time", "overlap", "rate", "anchor", "force", "absorbed")  # fields of a Record with one row a sample
-MOST_STEPS_OF_END = 400_000  # steps of one run
+STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
 
 
 def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
@@ -35,8 +36,6 @@ def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
     elapsed = start.time - problem.state.time
     step = STEP_PART * default_step(problem.chain, problem.state.velocity(problem.chain))
     step = max(step, ELAPSED_PART * elapsed)
-    if problem.duration is not None:
-        step = max(step, (problem.end - start.time) / MOST_STEPS_OF_END)
     ends = [_run_on(problem, start, part * step, None, NO_TIMES) for part in PARTS]
     velocities = np.array([end.end.velocity(problem.chain) for end in ends])
     error = confirmed_error(given_up) + SPREAD * np.ptp(velocities, axis=0)
@@ -51,12 +50,38 @@ def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
 
 
 def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
-    """`conserving` from `start` to `end`, or to the end of the problem."""
+    """`conserving` from `start` to `end`, or to the end of the problem, in steps that double again and again."""
     stop = problem.end if end is None else end
-    duration = None if np.isinf(stop) else stop - start.time
-    samples = times if times.size else np.array([start.time if duration is None else stop])
-    found = fixed_step.run(Problem(problem.chain, start.copy(), "conserving", duration, step, samples=samples))
-    return replace(found, **{name: getattr(found, name)[: times.size] for name in ROWS})
+    state, records = start, []
+    while not records or records[-1].status.gave_up:
+        duration = None if np.isinf(stop) else stop - state.time
+        left = times[times > state.time] if records else times
+        samples = left if left.size else 2
+        part = Problem(
+            problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE
+        )
+        found = fixed_step.run(part)
+        records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in ROWS}))
+        state, step = found.end, 2.0 * step
+    return records[0] if len(records) == 1 else _in_a_row(problem.chain, start.time, records)
+
+
+def _in_a_row(chain: Chain, start: float, records: list[Record]) -> Record:
+    """Records of runs that go on from each other, the first at `start` [s], as one."""
+    closed, switches = np.zeros(chain.contacts, dtype=bool), []
+    for record in records:
+        switches += continued_switches(closed, start, record)
+        start = record.end.time
+    rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in ROWS}
+    return replace(
+        records[-1],
+        **rows,
+        switch_contact=np.array([contact for contact, _ in switches], dtype=np.int64),
+        switch_time=np.array([time for _, time in switches]),
+        steps=sum(record.steps for record in records),
+        evaluations=sum(record.evaluations for record in records),
+        seconds=sum(record.seconds for record in records),
+    )
 
 
 def _joined(problem: Problem, parts: list[Record], handed_over: float, error: Array) -> Record:

@@ -120,7 +120,7 @@ def _pass(
     seconds = perf_counter() - began
     if kernel is not march:
         _kernels(problem.chain).spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
-    if most < MOST_STEPS and Status(status).gave_up:
+    if most < (problem.most_steps or MOST_STEPS) and Status(status).gave_up:
         return _pass(problem, end, times, stop, log_size, plain=False)
     larger = larger_log(scratch.log)
     if larger:
@@ -141,15 +141,15 @@ def _kernels(chain: Chain) -> KernelTiers:
 
 def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[Any, int]:
     """The tier of the kernel for a run of `duration` [s], and the steps that it may take."""
-    chain = problem.chain
+    chain, most = problem.chain, problem.most_steps or MOST_STEPS
     if chain.own_laws or _kernels(chain).in_memory:
-        return march, MOST_STEPS
+        return march, most
     ends = np.isfinite(duration)
     steps = duration / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
     if not plain or _kind(problem.method, chain) == SPLITTING_SIMD:  # vector code is no plain Python
         steps = np.inf
     kernel = _kernels(chain).of(march, steps * chain.contacts)
-    return kernel, MOST_STEPS if kernel is march or ends else int(steps)
+    return kernel, most if kernel is march or ends else min(most, int(steps))
 
 
 def _march_chain(
@@ -179,8 +179,9 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     """What a run could not do."""
     found = []
     if status.gave_up:
-        sentence = f"{problem.method} gave up after {MOST_STEPS} steps at t = {time:.6g} s: take a larger step"
-        found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": MOST_STEPS, "time": time}))
+        steps = problem.most_steps or MOST_STEPS
+        sentence = f"{problem.method} gave up after {steps} steps at t = {time:.6g} s: take a larger step"
+        found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": steps, "time": time}))
     failed = int(log.counter[UNCONVERGED])
     if failed:
         sentence = f"{failed} steps of {problem.method} did not converge: take a smaller step"

@@ -22,7 +22,7 @@ from softcradle.physics.chain import GRAVITY
 from softcradle.physics.methods import METHODS, find_method
 from softcradle.physics.scales import default_step
 
-from tests.helpers.relations import ledger_error
+from tests.helpers.relations import ledger_error, simulate_quietly
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
 ERRORS = {
@@ -167,3 +167,38 @@ def test_an_external_push_moves_a_bead_above_the_threshold():
         state.push = np.array([push * 0.5 * GRAVITY, 0.0])
         advance(chain, state, 0.1, "conserving", 1e-3)
         assert (state.position(chain)[0] > 0.0) == moves
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau"])
+@pytest.mark.parametrize("seed", range(20))
+def test_what_rubs_and_loses_comes_to_its_end(method, seed):
+    """Beads that a held contact joins rest together, and one that creeps at round-off rests; runs once went on to 1e45 s."""
+    draw = np.random.default_rng(seed)
+    beads = int(draw.integers(2, 6))
+    laws = [
+        (
+            power_law(1.0, 0.5, loss=loss),
+            step_force(1.0, loss=loss),
+            hertz(10.0, loss=loss),
+            power_law(5.0, 0.1, loss=loss),
+        )[k]
+        for k, loss in zip(draw.integers(4, size=beads - 1), draw.uniform(0.1, 0.8, beads - 1), strict=True)
+    ]
+    mass, velocity = np.ones(beads), np.eye(1, beads)[0] * draw.uniform(0.3, 2.0)
+    if seed % 3 == 0:
+        mass[-1], velocity[-1] = np.inf, 0.0
+    chain = Chain(mass, laws, friction=float(10.0 ** draw.uniform(-3.0, -0.7)))
+    found = simulate_quietly(chain, velocity, method=method, samples=2, tolerance=1e-7)
+    assert np.isfinite(found.final_velocity).all()
+    brake = chain.bed[np.isfinite(mass)].min()
+    assert found.time[-1] < 20.0 + 2.0 * np.ptp(velocity) / brake
+    assert ledger_error(found) < 1e-5
+
+
+def test_a_bead_slips_where_a_soft_contact_needs_no_time_to_push():
+    """At overlap 0 the force of a soft contact rises faster than a clock can tell: it slips within the first step."""
+    laws = [power_law(25.532361469657978, 0.10198126595220483, loss=0.716), step_force(0.5032511353388905)]
+    chain = Chain([1.0, 1.0, 1.0], laws, gap=[0.21560670345157854, 0.0], friction=0.00289438073068252)
+    found = simulate_quietly(chain, [1.0, 0.0, 0.0], 1.0, samples=2)
+    other = simulate_quietly(chain, [1.0, 0.0, 0.0], 1.0, "conserving", step=1e-5, samples=2)
+    assert found.final_velocity == pytest.approx(other.final_velocity, abs=1e-3)

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
+from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.analysis.closed_forms import one_on_one
+from softcradle.physics.reference.reference_end import reference_end
 
 from tests.helpers.relations import simulate_quietly
 
@@ -83,3 +84,17 @@ def test_a_contact_with_loss_gives_back_its_part():
     ((closed, opened),) = found.contact_intervals[0]
     in_time = 0.5 * one_on_one(hertz(3.0), 0.5, 1.0).contact_time
     assert opened - closed == pytest.approx(in_time * (1.0 + 1.0 / 0.8), rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("seed", range(12))
+def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(method, seed):
+    """Forces that are steady but for switches: a step reaches from one switch to the next, however far that is."""
+    draw = np.random.default_rng(seed)
+    beads = int(draw.integers(3, 7))
+    laws = [step_force(1.0, loss=float(loss)) for loss in draw.uniform(0.1, 0.8, beads - 1)]
+    chain, velocity = Chain([1.0] * beads, laws), draw.uniform(-1.0, 1.0, beads)
+    duration = float(draw.uniform(1.0, 3.0))
+    truth = reference_end(chain, velocity, duration, tolerance=1e-11)
+    found = simulate_quietly(chain, velocity, duration, method, samples=2)
+    assert found.final_velocity == pytest.approx(truth.velocity, abs=1e-7)
