@@ -27,6 +27,7 @@ from benchmarks.reports import Report
 from benchmarks.scan.families import FAMILIES, motion
 from benchmarks.scan.truth import Truth, truth_of
 from benchmarks.scan.verdict import PROMISE, SLOW, Verdict, judge
+from softcradle import warm
 
 SEEDS_SHOWN = 8  # of a family's chains that fail, in the table
 
@@ -82,11 +83,14 @@ def main(arguments: list[str]) -> int:
 
 def _solved(tasks: list[Task], jobs: int) -> Iterator[tuple[dict[str, Any] | None, dict[str, Any]]]:
     if jobs <= 1:
+        warm()
         yield from map(_solve, tasks)
         return
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
-    with get_context("spawn").Pool(jobs, maxtasksperchild=500) as pool:
+    with get_context("spawn").Pool(
+        jobs, initializer=warm, maxtasksperchild=500
+    ) as pool:  # no time is that of compiling
         yield from pool.imap_unordered(_solve, tasks, chunksize=1)
 
 

@@ -52,7 +52,8 @@ def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
 def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
     """`conserving` from `start` to `end`, or to the end of the problem, in steps that double again and again."""
     stop = problem.end if end is None else end
-    state, records = start, []
+    state = start
+    records: list[Record] = []
     while not records or records[-1].status.gave_up:
         duration = None if np.isinf(stop) else stop - state.time
         left = times[times > state.time] if records else times
