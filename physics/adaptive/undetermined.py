@@ -52,17 +52,17 @@ def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
 def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
     """`conserving` from `start` to `end`, or to the end of the problem, in steps that double again and again."""
     stop = problem.end if end is None else end
-    state = start
+    state, left = start, times
     records: list[Record] = []
     while not records or records[-1].status.gave_up:
         duration = None if np.isinf(stop) else stop - state.time
-        left = times[times > state.time] if records else times
         samples = left if left.size else 2
         part = Problem(
             problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE
         )
         found = fixed_step.run(part)
         records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in ROWS}))
+        left = left[records[-1].time.size :]  # samples within the step after the last one are taken too
         state, step = found.end, 2.0 * step
     return records[0] if len(records) == 1 else _in_a_row(problem.chain, start.time, records)
 

@@ -9,9 +9,10 @@ import threading
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law
-from softcradle.physics.adaptive import runner
+from softcradle.physics.adaptive import runner, undetermined
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import closing_scale
+from softcradle.physics.simulation import solve
 from softcradle.physics.state import State
 from softcradle.physics.status import Status, WarningCode
 
@@ -136,3 +137,15 @@ def test_a_signal_is_heard_within_a_run(monkeypatch):
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch):
+    """Steps of unlike length end between samples; each sample is taken once."""
+    chain, velocity = one_on(15, power_law(1.0, 0.010969857978923836)), np.eye(1, 16)[0]
+    times = np.linspace(1.8, 2.0, 4001)  # several in each step
+    plain = solve(chain, velocity, 2.5, samples=times)
+    monkeypatch.setattr(undetermined, "STEPS_ALIKE", 40)
+    doubled = solve(chain, velocity, 2.5, samples=times)
+    assert plain.status == doubled.status == Status.UNDETERMINED
+    assert doubled.time.tolist() == plain.time.tolist() == times.tolist()
+    assert doubled.overlap.shape == plain.overlap.shape
