@@ -64,15 +64,15 @@ def _run_on(problem: Problem, start: State, step: float, end: float | None, time
         records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in ROWS}))
         left = left[records[-1].time.size :]  # samples within the step after the last one are taken too
         state, step = found.end, 2.0 * step
-    return records[0] if len(records) == 1 else _in_a_row(problem.chain, start.time, records)
+    starts = [start.time, *(record.end.time for record in records[:-1])]
+    return records[0] if len(records) == 1 else _in_a_row(problem.chain, starts, records)
 
 
-def _in_a_row(chain: Chain, start: float, records: list[Record]) -> Record:
-    """Records of runs that go on from each other, the first at `start` [s], as one."""
+def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Record:
+    """Records of runs that go on from each other, each from its start [s], as one."""
     closed, switches = np.zeros(chain.contacts, dtype=bool), []
-    for record in records:
+    for start, record in zip(starts, records, strict=True):
         switches += continued_switches(closed, start, record)
-        start = record.end.time
     rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in ROWS}
     return replace(
         records[-1],
@@ -86,24 +86,14 @@ def _in_a_row(chain: Chain, start: float, records: list[Record]) -> Record:
 
 
 def _joined(problem: Problem, parts: list[Record], handed_over: float, error: Array) -> Record:
-    """Records of runs that go on from each other as one; switches are those of the first, then of the last from `handed_over`."""
-    first, last = parts[0], parts[-1]
-    rows: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ROWS}
-    closed = np.zeros(problem.chain.contacts, dtype=bool)
-    switches = continued_switches(closed, problem.state.time, first)
-    switches += continued_switches(closed, handed_over, last)
+    """Records of runs that go on from each other, the last one from `handed_over` [s], as that of a motion not determined."""
+    starts = [problem.state.time, *(part.end.time for part in parts[:-2]), handed_over]
     return replace(
-        first,
-        **rows,
-        switch_contact=np.array([contact for contact, _ in switches], dtype=np.int64),
-        switch_time=np.array([time for _, time in switches]),
-        end=last.end,
-        steps=sum(part.steps for part in parts),
-        evaluations=sum(part.evaluations for part in parts),
-        seconds=sum(part.seconds for part in parts),
+        _in_a_row(problem.chain, starts, parts),
         status=Status.UNDETERMINED,
         warnings=(undetermined(error),),
         velocity_error=error,
+        growth=parts[0].growth,
     )
 
 
