@@ -18,6 +18,7 @@ from pathlib import Path
 from time import monotonic, sleep, time
 from types import FunctionType
 from typing import Any, TypeVar
+from zlib import crc32
 
 from softcradle.physics.compile_log import FIRST
 from softcradle.physics.numerics.float_bits import COMPILED
@@ -152,8 +153,9 @@ class KernelTiers:
 
     @cached_property
     def _made(self) -> Path:
-        """A file that is there when the machine code is."""
-        return cache_folder() / f"{self.name}.{target()}.made"
+        """A file that is there when the machine code is, which numba keeps for this very folder of sources."""
+        place = crc32(str(Path(__file__).resolve().parent).encode())
+        return cache_folder() / f"{self.name}.{target()}.{place:08x}.made"
 
     @cached_property
     def _lock(self) -> Path:
