@@ -23,20 +23,18 @@ version = release = installed_version()
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
+    "numpydoc",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_made", "measured", "gallery/*.ipynb", "gallery/*.py"]  # parts of other pages, downloads
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
+nitpicky = True  # a name of the API that leads nowhere is a warning, so an error
 default_role = "code"  # names in docstrings stand between single backticks
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings say what arguments mean, with shape and unit
-napoleon_google_docstring = True
-napoleon_use_ivar = True
-napoleon_use_rtype = False
-napoleon_attr_annotations = False  # types of arrays would hide the sentences
+numpydoc_show_class_members = False  # autodoc lists those that docs/api.md names
 
 html_theme = "furo"
 html_title = f"softcradle {version}"

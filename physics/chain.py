@@ -43,23 +43,35 @@ class Parameters(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Chain:
-    """n+1 masses on a line and n contacts between neighbours, Eq. (3).
+    """A chain: n+1 masses on a line and n contacts between neighbours, Eq. (3).
 
-    Arguments:
-        mass: (n+1,) masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
-        contact: one Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it takes,
-            is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it.
-        gap: distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0 the
-            contact is pressed from the start, by the overlap -gap.
-        drive: (n+1,) steady external force on each bead [N], or None; it acts from t = 0 on.
-        friction: Coulomb coefficient >= 0 of the bed: it holds a bead at rest with up to ``friction * mass * GRAVITY``
-            and brakes a sliding one with that. It does not act on walls.
-        forces: forces over time on chosen beads, a TimedForce or several; they add to the drive.
-        brakes: brakes over time on chosen beads, the same: friction of its own for each bead, beside that of the bed.
+    Parameters
+    ----------
+    mass : array_like, shape (n+1,)
+        Masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
+    contact : Contact, law or sequence of them
+        One Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it
+        takes, is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it.
+    gap : float or array_like, optional
+        Distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0
+        the contact is pressed from the start, by the overlap -gap.
+    drive : array_like, shape (n+1,), optional
+        Steady external force on each bead [N], or None; it acts from t = 0 on.
+    friction : float, optional
+        Coulomb coefficient >= 0 of the bed: it holds a bead at rest with up to ``friction * mass * GRAVITY`` and
+        brakes a sliding one with that. It does not act on walls.
+    forces : TimedForce or sequence of them, optional
+        Forces over time on chosen beads, a TimedForce or several; they add to the drive.
+    brakes : TimedForce or sequence of them, optional
+        Brakes over time on chosen beads, the same: friction of its own for each bead, beside that of the bed.
 
-    Raises:
-        ValueError: a number out of range, a wrong length, or two walls side by side.
+    Raises
+    ------
+    ValueError
+        A number out of range, a wrong length, or two walls side by side.
 
+    Examples
+    --------
     >>> from softcradle import power_law
     >>> Chain([1, 1, math.inf], power_law(1.0, 0.1)).contacts
     2

@@ -32,22 +32,32 @@ def ensemble(
 ) -> list[Trajectory]:
     """Let many chains move, each as `simulate` would, to the last digit and in any order.
 
-    Arguments:
-        chains: C of them.
-        velocities: C lists; ``velocities[k]`` (n+1,) are the start velocities of ``chains[k]`` [m/s].
-        duration: one for all or C of them [s], as for `simulate`.
-        method: as for `simulate`.
-        step: one for all or C of them [s], as for `simulate`.
-        samples: as for `simulate`; two are the start and the end.
-        tolerance: as for `simulate`.
-        workers: threads; None takes one for each core that this process may use.
-        progress: called from the calling thread with the number of chains that have been done since the last call.
-
     Warnings stand on each Trajectory; no Python warning is given.
 
-    Raises:
-        ValueError: lists of different length, or what `simulate` raises for one of the chains.
+    Parameters
+    ----------
+    chains : sequence of Chain, length C
+    velocities : sequence of array_like, length C
+        ``velocities[k]``, shape (n+1,), are the start velocities of ``chains[k]`` [m/s].
+    duration, method, step, samples, tolerance : optional
+        As for `simulate`, duration and step [s] one for all or C of them; two samples are the start and the end.
+    workers : int, optional
+        Number of threads; None takes one for each core that this process may use.
+    progress : callable, optional
+        Called from the calling thread with the number of chains that have been done since the last call.
 
+    Returns
+    -------
+    list of Trajectory
+        One for each chain, in their order.
+
+    Raises
+    ------
+    ValueError
+        Lists of different length, or what `simulate` raises for one of the chains.
+
+    Examples
+    --------
     >>> from softcradle import ensemble, one_on, power_law
     >>> chains = [one_on(2, power_law(1.0, 1.0 / k)) for k in (1, 2, 10)]
     >>> found = ensemble(chains, [[1, 0, 0]] * 3)

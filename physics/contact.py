@@ -30,15 +30,24 @@ MOST_EXPONENT = 10.0  # methods were tried up to here; from 16 on, hardly presse
 class Contact:
     """A contact that only pushes: ``force = preload + stiffness * overlap**exponent`` while the beads overlap.
 
-    Arguments:
-        preload: force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
-        stiffness: factor K of the power [N / m**exponent]; 0 for the step force.
-        exponent: power a of the overlap, from 1e-6 to 10; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
-        loss: part l in [0, 1) of the stored energy that the contact absorbs when it comes out; 0 is elastic.
+    Parameters
+    ----------
+    preload : float
+        Force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
+    stiffness : float
+        Factor K of the power [N / m**exponent]; 0 for the step force.
+    exponent : float
+        Power a of the overlap, from 1e-6 to 10; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
+    loss : float, optional
+        Part l in [0, 1) of the stored energy that the contact absorbs when it comes out; 0 is elastic.
 
-    Raises:
-        ValueError: a number is out of range, preload and stiffness are both 0, or the loss is not below 1.
+    Raises
+    ------
+    ValueError
+        A number is out of range, preload and stiffness are both 0, or the loss is not below 1.
 
+    Examples
+    --------
     >>> Contact(preload=2.0, stiffness=3.0, exponent=1.0).force([-1.0, 0.5])
     array([0. , 3.5])
     """

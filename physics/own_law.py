@@ -43,18 +43,26 @@ class Law(Protocol):
 class OwnLaw:
     """A contact that only pushes, with a force of your own: ``f = law.force(overlap)`` while the beads overlap.
 
-    Arguments:
-        law: an object with a method ``force(overlap)`` that gives the force [N] at an overlap > 0 [m], or that function
-            itself. Write it for one number; where it takes arrays too, tables are faster. It is compiled where numba can
-            (functions of numbers, and methods of objects whose attributes are numbers), else called as Python.
-        energy: function that gives the stored energy [J], for results; None takes ``law.energy`` where there is one, else the
-            force is integrated, once. Steps take that integral in any case.
-
     A Chain takes the law as it is, too. Methods euler, verlet, yoshida4, conserving, pymunk and scipy carry such contacts.
 
-    Raises:
-        ValueError: `law` is neither an object with a force nor a function.
+    Parameters
+    ----------
+    law : object or callable
+        An object with a method ``force(overlap)`` that gives the force [N] at an overlap > 0 [m], or that
+        function itself. Write it for one number; where it takes arrays too, tables are faster. It is compiled
+        where numba can (functions of numbers, and methods of objects whose attributes are numbers), else called
+        as Python.
+    energy : callable, optional
+        Function that gives the stored energy [J], for results; None takes ``law.energy`` where there is one, else
+        the force is integrated, once. Steps take that integral in any case.
 
+    Raises
+    ------
+    ValueError
+        `law` is neither an object with a force nor a function.
+
+    Examples
+    --------
     >>> import math
     >>> from softcradle import OwnLaw, one_on, simulate
     >>> toda = OwnLaw(lambda overlap: math.expm1(overlap))  # exponential springs, which only push

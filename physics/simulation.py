@@ -41,21 +41,37 @@ def simulate(
 ) -> Trajectory:
     """Let `chain` move from its start with the given bead velocities, Eq. (3).
 
-    Arguments:
-        chain: the Chain.
-        velocity: (n+1,) start velocities [m/s].
-        duration: time to run [s]; None runs until every contact is open and none can close again (with bed friction: not
-            before the beads have slid to rest either), or all beads rest. A chain with a force that lasts needs one.
-        method: a name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
-            on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
-            pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
-        step: step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
-        samples: number of evenly spaced samples from start to end, or their times (T,) [s], ascending.
-        tolerance: wanted error of velocities, relative to the closing speed, for adaptive methods and "auto".
+    Parameters
+    ----------
+    chain : Chain
+    velocity : array_like, shape (n+1,)
+        Start velocities [m/s].
+    duration : float, optional
+        Time to run [s]; None runs until every contact is open and none can close again (with bed friction: not
+        before the beads have slid to rest either), or all beads rest. A chain with a force that lasts needs one.
+    method : str, optional
+        A name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
+        on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
+        pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
+    step : float, optional
+        Step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
+    samples : int or array_like, optional
+        Number of evenly spaced samples from start to end, or their times (T,) [s], ascending.
+    tolerance : float, optional
+        Wanted error of velocities, relative to the closing speed, for adaptive methods and "auto".
 
-    Raises:
-        ValueError: a value out of range, or duration None for a chain that may never come apart (two walls, a drive).
+    Returns
+    -------
+    Trajectory
+        What comes out, with its cost, status and warnings.
 
+    Raises
+    ------
+    ValueError
+        A value out of range, or duration None for a chain that may never come apart (two walls, a drive).
+
+    Examples
+    --------
     >>> from softcradle import one_on, power_law, simulate
     >>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
     array([-0.57,  0.17,  0.45,  0.47,  0.47])

@@ -19,20 +19,33 @@ Array = NDArray[np.float64]
 class State:
     """Time, overlaps, rates and one anchor bead; everything else is rebuilt from them by summation.
 
-    Attributes:
-        time: [s].
-        overlap: (n,) overlaps d_i = u_i - u_(i+1) [m], Eq. (1); negative where the beads are apart.
-        rate: (n,) overlap rates w_i = v_i - v_(i+1) [m/s].
-        anchor: (2,) position [m] and velocity [m/s] of bead ``chain.anchor``.
-        force: (n,) contact forces [N] of the last step: what a touching contact carries is not in its overlap.
-        push: (n+1,) external force on each bead [N] for the next `advance` (a spring to the pointer), or None;
-            it adds to the chain's drive.
-        switches: how often contacts have closed or opened in all `advance` of a fixed-step method so far.
-        absorbed: (2,) energy [J] that contacts with loss and the bed have absorbed so far.
-        given: (2,) work [J] and impulse [N s] of the chain's forces over time so far.
-        status: how the last `advance` ended; where its method gave up, `conserving` went on to the end.
-        warnings: what the last `advance` could not do; empty where it did as it should.
-        work: scratch memory of the methods, theirs alone.
+    Attributes
+    ----------
+    time : float
+        Time [s].
+    overlap : ndarray, shape (n,)
+        Overlaps d_i = u_i - u_(i+1) [m], Eq. (1); negative where the beads are apart.
+    rate : ndarray, shape (n,)
+        Overlap rates w_i = v_i - v_(i+1) [m/s].
+    anchor : ndarray, shape (2,)
+        Position [m] and velocity [m/s] of bead ``chain.anchor``.
+    force : ndarray, shape (n,)
+        Contact forces [N] of the last step: what a touching contact carries is not in its overlap.
+    push : ndarray or None, shape (n+1,)
+        External force on each bead [N] for the next `advance` (a spring to the pointer), or None; it adds to the
+        chain's drive.
+    switches : int
+        How often contacts have closed or opened in all `advance` of a fixed-step method so far.
+    absorbed : ndarray, shape (2,)
+        Energy [J] that contacts with loss and the bed have absorbed so far.
+    given : ndarray, shape (2,)
+        Work [J] and impulse [N s] of the chain's forces over time so far.
+    status : Status
+        How the last `advance` ended; where its method gave up, `conserving` went on to the end.
+    warnings : tuple of CodedWarning
+        What the last `advance` could not do; empty where it did as it should.
+    work : dict
+        Scratch memory of the methods, theirs alone.
     """
 
     time: float

@@ -20,14 +20,22 @@ class TimedForce:
     Two points at the same time make a jump. In ``Chain(forces=...)`` it pushes, to the right where it is positive; in
     ``Chain(brakes=...)`` it is what a brake can hold: it acts against the motion, and a bead that stands stays where it is.
 
-    Arguments:
-        beads: indices of the beads, one or several; each of them gets all of the force.
-        time: (K,) times [s] >= 0, ascending, K >= 1.
-        force: (K,) force [N] at these times, or one number that is kept from the first time on.
+    Parameters
+    ----------
+    beads : int or sequence of int
+        Indices of the beads, one or several; each of them gets all of the force.
+    time : array_like, shape (K,)
+        Times [s] >= 0, ascending, K >= 1.
+    force : float or array_like, shape (K,)
+        Force [N] at these times, or one number that is kept from the first time on.
 
-    Raises:
-        ValueError: a bead that is no index, times that do not ascend, or a number out of range.
+    Raises
+    ------
+    ValueError
+        A bead that is no index, times that do not ascend, or a number out of range.
 
+    Examples
+    --------
     >>> TimedForce(0, [0.0, 2.0, 2.0], [0.0, 4.0, 1.0]).at([1.0, 5.0])
     array([2., 1.])
     """

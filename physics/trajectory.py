@@ -30,29 +30,50 @@ def _nothing() -> Array:
 class Trajectory:
     """Samples of a motion, when each contact closed and opened, and what it cost.
 
-    Attributes:
-        chain: the Chain that moved.
-        time: (T,) sample times [s].
-        overlap: (T, n) overlaps [m], Eq. (1).
-        rate: (T, n) overlap rates [m/s]; finer than differences of `velocity` deep inside a cluster.
-        anchor: (T, 2) position [m] and velocity [m/s] of bead ``chain.anchor``.
-        force: (T, n) contact forces [N].
-        final_velocity: (n+1,) bead velocities [m/s] at the end of the run, wherever the samples lie.
-        contact_intervals: per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens.
-        method: by which it was made.
-        step: of a fixed-step method [s]; 0 for adaptive ones.
-        tolerance: of an adaptive method; 0 for fixed steps.
-        steps: how many were taken.
-        evaluations: how often all contact forces were evaluated.
-        seconds: wall time of the solver [s].
-        status: how the run ended; where it gave up, `final_velocity` is that of the time it reached.
-        velocity_error: (n+1,) estimated error [m/s] of `final_velocity`; nan where the method estimates none (fixed steps).
-        warnings: what may be wrong with it, each with a code, a sentence and its numbers; empty when nothing is.
-        choice: what method "auto" chose and why; "" where the method was given.
-        absorbed_by_contacts: (T,) energy [J] that contacts with loss have taken since t = 0.
-        absorbed_by_bed: (T,) energy [J] that bed friction has taken since t = 0. Kinetic + contact energy + both = that at
-            the start + `driven`.
-        given: (T, 2) work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out.
+    Attributes
+    ----------
+    chain : Chain
+    time : ndarray, shape (T,)
+        Sample times [s].
+    overlap : ndarray, shape (T, n)
+        Overlaps [m], Eq. (1).
+    rate : ndarray, shape (T, n)
+        Overlap rates [m/s]; finer than differences of `velocity` deep inside a cluster.
+    anchor : ndarray, shape (T, 2)
+        Position [m] and velocity [m/s] of bead ``chain.anchor``.
+    force : ndarray, shape (T, n)
+        Contact forces [N].
+    final_velocity : ndarray, shape (n+1,)
+        Bead velocities [m/s] at the end of the run, wherever the samples lie.
+    contact_intervals : tuple of tuples
+        Per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens.
+    method : str
+        Name of the method.
+    step : float
+        Step of a fixed-step method [s]; 0 for adaptive ones.
+    tolerance : float
+        Tolerance of an adaptive method; 0 for fixed steps.
+    steps : int
+        Number of steps taken.
+    evaluations : int
+        How often all contact forces were evaluated.
+    seconds : float
+        Wall time of the solver [s].
+    status : Status
+        How the run ended; where it gave up, `final_velocity` is that of the time it reached.
+    velocity_error : ndarray, shape (n+1,)
+        Estimated error [m/s] of `final_velocity`; nan where the method estimates none (fixed steps).
+    warnings : tuple of CodedWarning
+        What may be wrong with it, each with a code, a sentence and its numbers; empty when nothing is.
+    choice : str
+        What method "auto" chose and why; "" where the method was given.
+    absorbed_by_contacts : ndarray, shape (T,)
+        Energy [J] that contacts with loss have taken since t = 0.
+    absorbed_by_bed : ndarray, shape (T,)
+        Energy [J] that bed friction has taken since t = 0. Kinetic + contact energy + both = that at the start +
+        `driven`.
+    given : ndarray, shape (T, 2)
+        Work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out.
     """
 
     chain: Chain

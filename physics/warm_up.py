@@ -16,12 +16,18 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
 
     On a new machine this takes about half a minute a method, later a fraction of a second; the logger ``softcradle`` tells of it.
 
-    Arguments:
-        methods: one name or several, "SoftChain" among them; None: all.
+    Parameters
+    ----------
+    methods : str or iterable of str, optional
+        One name or several, "SoftChain" among them; None: all.
 
-    Raises:
-        ValueError: there is no such method.
+    Raises
+    ------
+    ValueError
+        There is no such method.
 
+    Examples
+    --------
     >>> from softcradle import warm
     >>> warm("verlet")
     """

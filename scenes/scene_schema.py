@@ -166,16 +166,26 @@ class View(Table):
 class Scene(Table):
     """A scene: what moves, from which start, by which method, and how it is shown.
 
-    Attributes:
-        title: its name.
-        text: what happens in it, two or three sentences.
-        source: where it is in the paper.
-        lanes: one chain each; all are shown at the same time.
-        duration: [s]; None: until every contact is open and none can close again.
-        method: that of `simulate`; None is its default, as for the next two.
-        step: of a fixed-step method [s].
-        tolerance: of an adaptive method.
-        view: how it is shown.
+    Attributes
+    ----------
+    title : str
+        Its name, as the gallery shows it.
+    text : str
+        What happens in it, two or three sentences.
+    source : str
+        Where it is in the paper.
+    lanes : tuple of Lane
+        One chain each; all are shown at the same time.
+    duration : float or None
+        Duration [s]; None: until every contact is open and none can close again.
+    method : str or None
+        Method of `simulate`; None is its default, as for the next two.
+    step : float or None
+        Step of a fixed-step method [s].
+    tolerance : float or None
+        Tolerance of an adaptive method.
+    view : View
+        How it is shown.
     """
 
     title: Annotated[Text, Field(min_length=1)]

@@ -37,11 +37,16 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     The estimate is right within a factor of a few, for errors of velocities, not of deep overlaps. The errors of successive
     collisions add up.
 
-    Arguments:
-        chain: the Chain.
-        velocity: (n+1,) start velocities [m/s].
-        error: wanted error, relative to the closing speed.
+    Parameters
+    ----------
+    chain : Chain
+    velocity : array_like, shape (n+1,)
+        Start velocities [m/s].
+    error : float, optional
+        Wanted error, relative to the closing speed.
 
+    Examples
+    --------
     >>> from softcradle import hertz, one_on, stable_step
     >>> 0.001 < stable_step(one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]) < 1.0
     True

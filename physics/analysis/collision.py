@@ -58,7 +58,7 @@ def collide(
     samples: int = 2001,
     run: Callable[..., Trajectory] = simulate,
 ) -> Trajectory:
-    """:func:`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches.
+    """`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches.
 
     `method` None is "accurate" where that carries the chain, else "conserving". `run` is `simulate`, or `solve` in threads,
     for which Python's warnings are not.
@@ -77,8 +77,10 @@ def collide(
 def measured(trajectory: Trajectory) -> CollisionMeasures:
     """The measures of a collision; values at detachment are interpolated between samples (see :func:`collide`).
 
-    Raises:
-        ValueError: no two neighbours approach each other at the start.
+    Raises
+    ------
+    ValueError
+        No two neighbours approach each other at the start.
     """
     struck = struck_contact(trajectory.velocity[0])
     intervals = trajectory.contact_intervals[struck]

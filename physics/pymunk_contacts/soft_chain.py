@@ -39,8 +39,8 @@ class SoftChain:
     distribution among the bodies is second-order in the step, right to 1e-3 where the collision lasts some tens of steps. A
     body must not pass its neighbour's centre in one step.
 
-    pymunk's bodies are half a step behind their velocities: ``x = X + (step/2) V``, in :attr:`positions`, is where
-    kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and :attr:`energy` add up to a constant.
+    pymunk's bodies are half a step behind their velocities: ``x = X + (step/2) V``, in `positions`, is where
+    kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` add up to a constant.
 
     Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
     and strings (pin joints, taut slide joints) to kinematic and static bodies are known before the contacts are solved. Other
@@ -51,6 +51,24 @@ class SoftChain:
     Joints have errors of their own: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of
     its energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
 
+    Parameters
+    ----------
+    bodies : sequence of pymunk.Body
+        Bodies in the order of the row, n+1 >= 2 of them; of two neighbours one at least must be dynamic.
+    contacts : Contact or sequence of Contact
+        One for all or n of them.
+    touching_distances : float or array_like, shape (n,)
+        Distance > 0 [m] of the centres of two bodies that just touch: one for all or n.
+    method : str, optional
+        "conserving", the only one so far.
+
+    Raises
+    ------
+    ValueError
+        Wrong lengths or values.
+
+    Examples
+    --------
     A cradle in ten lines of pymunk that keeps its energy in steps of a sixtieth of a second, whatever the contacts:
 
     >>> import pymunk
@@ -80,14 +98,6 @@ class SoftChain:
         touching_distances: ArrayLike,
         method: str = "conserving",
     ) -> None:
-        """Make the constraints; add them to a Space together with the bodies.
-
-        :param bodies: n+1 >= 2 bodies in the order of the row; of two neighbours one at least must be dynamic.
-        :param contacts: one Contact for all or n of them.
-        :param touching_distances: distance > 0 [m] of the centres of two bodies that just touch: one for all or n.
-        :param str method: "conserving", the only one so far.
-        :raises ValueError: wrong lengths or values.
-        """
         if method not in CHAIN_METHODS:
             raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {method!r}")
         require_kind("bodies", bodies, Sequence)
@@ -169,7 +179,7 @@ class SoftChain:
 
     @property
     def absorbed(self) -> float:
-        """Energy [J] that contacts with loss have absorbed; with kinetic energy and :attr:`energy` it is a constant sum."""
+        """Energy [J] that contacts with loss have absorbed; with kinetic energy and `energy` it is a constant sum."""
         return float(self._absorbed[0])
 
     @property

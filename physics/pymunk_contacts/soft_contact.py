@@ -19,7 +19,7 @@ Pair = tuple[float, float]
 class SoftContact(pymunk.DampedSpring):
     """Two bodies that push each other apart while their anchors are nearer than they can be without pressing.
 
-    Works like a :py:class:`pymunk.DampedSpring` whose force is that of a :class:`~softcradle.physics.contact.Contact`, and only
+    Works like a ``pymunk.DampedSpring`` whose force is that of a :class:`~softcradle.physics.contact.Contact`, and only
     while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have moved, as
     in symplectic Euler: use many substeps, for contacts are short. It acts along the line between the anchors, so the
     overlap must stay smaller than `touching_distance`.
@@ -31,6 +31,29 @@ class SoftContact(pymunk.DampedSpring):
 
     Copy and pickle include it, but not a `force_func` of your own.
 
+    Parameters
+    ----------
+    a, b : pymunk.Body
+    anchor_a, anchor_b : (float, float)
+        Anchor points, relative to the bodies [m].
+    touching_distance : float
+        Distance > 0 of the anchors at which the contact just touches [m]; for two balls with anchors in their
+        centres the sum of their radii.
+    contact : Contact or law
+        A Contact, or any object whose ``force(overlap)`` returns a force [N] for an overlap > 0 [m].
+    native : bool, optional
+        True: the force is compiled code, several times faster; False: a Python callback, same digits; None:
+        compiled where it can be had.
+
+    Raises
+    ------
+    ValueError
+        The distance is not a finite number > 0, or `contact` has no force.
+    RuntimeError
+        `native` is True and compiled code cannot be had; the message says why.
+
+    Examples
+    --------
     A cradle in ten lines of pymunk, three balls at rest hit by a fourth:
 
     >>> import pymunk
@@ -67,20 +90,6 @@ class SoftContact(pymunk.DampedSpring):
         contact: Law,
         native: bool | None = None,
     ) -> None:
-        """Defined much like a damped spring.
-
-        :param Body a: Body a
-        :param Body b: Body b
-        :param anchor_a: Anchor point a, relative to body a [m]
-        :param anchor_b: Anchor point b, relative to body b [m]
-        :param float touching_distance: Distance > 0 of the anchors at which the contact just touches [m]; for two
-            balls with anchors in their centres the sum of their radii.
-        :param contact: Contact, or any object whose ``force(overlap)`` returns a force [N] for an overlap > 0 [m].
-        :param native: True: the force is compiled code, several times faster; False: a Python callback, same digits;
-            None (default): compiled where it can be had.
-        :raises ValueError: the distance is not a finite number > 0, or `contact` has no force.
-        :raises RuntimeError: `native` is True and compiled code cannot be had; the message says why.
-        """
         require_kind("a", a, pymunk.Body)
         require_kind("b", b, pymunk.Body)
         if a is b:

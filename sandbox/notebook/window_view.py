@@ -8,16 +8,28 @@ from softcradle.scenes import Scene, load
 
 
 def play(scene: Scene | str, size: tuple[int, int] = (1280, 720)) -> list[Trajectory]:
-    """Open the window on `scene` and wait until it is closed; the history of each lane, as it was when the window closed.
+    """Open the window on `scene` and wait until it is closed.
 
-    Arguments:
-        scene: a Scene, the name of one, or the path of a scene file.
-        size: of the window [pixels].
+    Parameters
+    ----------
+    scene : Scene or str
+        A Scene, the name of one, or the path of a scene file.
+    size : (int, int), optional
+        Width and height of the window [pixels].
 
-    Raises:
-        SceneError: there is no such scene.
-        UserError: there is no display.
-        ImportError: the extra [window] is not installed.
+    Returns
+    -------
+    list of Trajectory
+        The history of each lane, as it was when the window closed.
+
+    Raises
+    ------
+    SceneError
+        There is no such scene.
+    UserError
+        There is no display.
+    ImportError
+        The extra [window] is not installed.
     """
     shown = scene if isinstance(scene, Scene) else load(scene)
     with needed_for("play()", "window"):

@@ -32,8 +32,10 @@ def write_page(
 ) -> PageReport:
     """Write the recorded `trajectories`, one for each lane of `scene`, as a page that plays them.
 
-    Raises:
-        UserError: `path` cannot be written, or the motion is too long for a page; nothing is left behind.
+    Raises
+    ------
+    UserError
+        `path` cannot be written, or the motion is too long for a page; nothing is left behind.
     """
     found = (trajectories,) if isinstance(trajectories, Trajectory) else tuple(trajectories)
     if len(found) != len(scene.lanes):

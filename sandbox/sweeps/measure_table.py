@@ -99,12 +99,18 @@ class Run:
 class Measure:
     """One measure of a run.
 
-    Attributes:
-        name: of its variable in the Dataset.
-        unit: an attribute of the variable.
-        meaning: another, in a sentence.
-        each: "bead" or "contact" where it has a number for each of these, else "".
-        function: gives it of a Run; None is nan.
+    Attributes
+    ----------
+    name : str
+        Name of its variable in the Dataset.
+    unit : str
+        Its unit, an attribute of the variable.
+    meaning : str
+        A sentence, another attribute.
+    each : str
+        "bead" or "contact" where it has a number for each of these, else "".
+    function : callable
+        Gives the value for a Run; None is nan.
     """
 
     name: str

@@ -52,29 +52,51 @@ def sweep(
 ) -> xr.Dataset:
     """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Extra [sweep].
 
-    Arguments:
-        what: a Scene, its name or the path of its file; or a function of the parameters by name, which returns numbers by
-            name, or a motion to be measured: a Trajectory, (chain, velocity) or (chain, velocity, keywords of `simulate`).
-        over: the points: ``{path: values}`` is a grid; else `grid`, `listed`, `sobol` or `latin_hypercube` of
-            `softcradle.sandbox.sweeps`. The path of a scene's number is as in its file, ``lanes.0.contact.alpha``; * is every
-            item of a list.
-        measures: names of the table of measures, or a Measure of one's own; of a function that returns numbers, none.
-        output: a .zarr folder or a .nc file; beside it a journal keeps what is computed until all is. A sweep that was
-            stopped goes on from there, and one that is complete is only opened. None: in memory.
-        executor: "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" takes
-            processes where the work is worth them.
-        scheduler: a Dask scheduler instead: its address, such as "tcp://127.0.0.1:8786", or a Client. Extra [dask].
-        workers: how many threads or processes; None: one for each core.
-        units: of the numbers that a function returns, by name.
-        fresh: begin anew, whatever is at `output`.
-        progress: called with ("points" or "writing", done, all).
-        chunk_seconds: work of one chunk [s].
-
     A point that cannot be, or whose run gives up, is marked in `status` with its `reason`. The Dataset does not depend on where
     its points were computed, in which chunks, or how often the sweep was stopped.
 
-    Raises:
-        ValueError: something that is asked for cannot be; one sentence.
+    Parameters
+    ----------
+    what : Scene, str or callable
+        A Scene, its name or the path of its file; or a function of the parameters by name, which returns numbers
+        by name, or a motion to be measured: a Trajectory, (chain, velocity) or (chain, velocity, keywords of
+        `simulate`).
+    over : Points, mapping or sequence of Axis
+        The points: ``{path: values}`` is a grid; else `grid`, `listed`, `sobol` or `latin_hypercube` of
+        `softcradle.sandbox.sweeps`. The path of a scene's number is as in its file, ``lanes.0.contact.alpha``; ``*``
+        is every item of a list.
+    measures : sequence of str or Measure, optional
+        Names of the table of measures, or a Measure of one's own; of a function that returns numbers, none.
+    output : path, optional
+        A .zarr folder or a .nc file; beside it a journal keeps what is computed until all is. A sweep that was
+        stopped goes on from there, and one that is complete is only opened. None: in memory.
+    executor : str or Executor, optional
+        "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" takes
+        processes where the work is worth them.
+    scheduler : str or Client, optional
+        A Dask scheduler instead: its address, such as "tcp://127.0.0.1:8786", or a Client. Extra [dask].
+    workers : int, optional
+        How many threads or processes; None: one for each core.
+    units : mapping, optional
+        Units of the numbers that a function returns, by name.
+    title : str, optional
+        Title of the Dataset.
+    fresh : bool, optional
+        Whether to begin anew, whatever is at `output`.
+    progress : callable, optional
+        Called with ("points" or "writing", done, all).
+    chunk_seconds : float, optional
+        Wanted work of one chunk [s].
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable for each measure, with unit, meaning and versions as attributes.
+
+    Raises
+    ------
+    ValueError
+        Something that is asked for cannot be; one sentence.
     """
     with needed_for("sweep", "sweep"):
         import xarray  # noqa: F401  # before the work, not after it

@@ -33,13 +33,21 @@ _own = threading.local()  # the Sobol engine of each thread: it goes on from whe
 class Axis:
     """One parameter that varies.
 
-    Attributes:
-        path: where it is in the scene, such as ``lanes.0.contact.alpha``, or the name of a function's argument.
-        values: the values that it takes, numbers or texts; empty for one that is sampled between bounds.
-        low: the lower bound of a sampled one.
-        high: its upper bound.
-        scale: how samples lie between them: "linear", "log" (even in the logarithm), "whole" (whole numbers, both included).
-        name: of its coordinate in the Dataset; "": its path.
+    Attributes
+    ----------
+    path : str
+        Where it is in the scene, such as ``lanes.0.contact.alpha``, or the name of a function's argument.
+    values : tuple
+        The values that it takes, numbers or texts; empty for one that is sampled between bounds.
+    low : float
+        The lower bound of a sampled one.
+    high : float
+        Its upper bound.
+    scale : str
+        How samples lie between them: "linear", "log" (even in the logarithm), "whole" (whole numbers, both
+        included).
+    name : str
+        Name of its coordinate in the Dataset; "": its path.
     """
 
     path: str

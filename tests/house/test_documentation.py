@@ -120,10 +120,40 @@ def test_docstrings_become_lists_of_single_names(name, found):
             assert ": " not in attribute.__doc__.partition("\n")[0]
 
 
+SECTION = r"^\s+(Parameters|Attributes|Raises)\n\s+-+$"
+LEFT_OUT = (
+    "GL01",
+    "GL02",
+    "GL03",
+    "SA01",
+    "EX01",
+    "ES01",
+    "RT01",
+    "SS05",
+    "SS06",
+    "PR07",
+)  # where lines break, and what types say
+
+
+@pytest.mark.parametrize(("name", "found"), list(documented()), ids=str)
+def test_docstrings_are_in_the_style_of_numpy(name, found):
+    """As numpydoc reads and validates them: sections known, in order and complete; sentences."""
+    validate = pytest.importorskip("numpydoc.validate").validate
+    assert not re.search(r"^\s+(Args|Arguments|Attributes|Returns|Raises|:param .*):", found.__doc__, re.MULTILINE)
+    if re.search(SECTION, found.__doc__, re.MULTILINE):
+        wrong = dict(validate(f"{found.__module__}.{found.__name__}")["errors"])
+        if "Parameters\n" not in found.__doc__:  # fields that are read, or none
+            wrong.pop("PR01", None)
+        assert {code: said for code, said in wrong.items() if code not in LEFT_OUT} == {}
+
+
 @pytest.mark.slow
 def test_it_is_built_without_a_warning(tmp_path):
     """Kernels that are compiled on the way say so on standard error, which is no warning."""
-    if any(find_spec(name) is None for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "sphinx_gallery")):
+    if any(
+        find_spec(name) is None
+        for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "numpydoc", "sphinx_gallery")
+    ):
         pytest.skip("the extra [docs] is not installed")
     build = [
         sys.executable,
