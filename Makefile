@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test check docs links play screenshots charts languages bench clean help
+.PHONY: demo test check docs links play screenshots charts languages bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make test   run the whole test suite"
@@ -11,6 +11,7 @@ help:
 	@echo "make docs   build the documentation in out/docs, warnings are errors"
 	@echo "make links  check the links of the documentation to other sites"
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
+	@echo "make over-time  the same numbers for each release, by asv: keep those of this commit in benchmarks/releases"
 	@echo "make play   open the sandbox window"
 	@echo "make languages   update the catalogues of messages, and say what waits for a translation"
 	@echo "make screenshots   pictures of the window, of a page and of films, for README and documentation"
@@ -56,6 +57,13 @@ links: .venv/.docs # needs the network, so it is no part of the tests
 
 bench: .venv/.installed
 	$(BIN)/python -m benchmarks
+
+over-time: .venv/.installed # half an hour: asv makes an environment, compiles, measures; what did not run fails the test
+	$(BIN)/python -m pip install --quiet --editable '.[bench]'
+	test -f $(HOME)/.asv-machine.json || $(BIN)/asv machine --yes
+	$(BIN)/asv run --show-stderr "HEAD^!"
+	$(BIN)/python -m pytest -q -n 0 tests/house/test_benchmarks.py -k kept
+	$(BIN)/asv publish
 
 play: .venv/.installed
 	$(BIN)/softcradle

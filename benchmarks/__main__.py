@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from softcradle.sandbox.studies.machine_stamp import processor
 
 from benchmarks.reports import Report, at_least, at_most
 
@@ -150,6 +151,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _versions() -> dict[str, str | None]:
     found: dict[str, str | None] = {"python": platform.python_version(), "machine": platform.machine()}
+    found |= {"processor": processor(), "cores": str(os.cpu_count())}
     for name in PACKAGES:
         try:
             found[name] = version(name)

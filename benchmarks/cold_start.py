@@ -49,7 +49,7 @@ app.close()
 """
 
 
-def _started(*arguments: str) -> tuple[float, str]:
+def started(*arguments: str) -> tuple[float, str]:
     """Seconds that Python takes with an empty cache, and what it prints."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         screen = {"SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", "SOFTCRADLE_CONFIG": folder}
@@ -66,15 +66,15 @@ def _started(*arguments: str) -> tuple[float, str]:
 
 def reports() -> Iterator[Report]:
     """The one table."""
-    table, _ = _started("-m", "softcradle", "run", "one-on-four")
+    table, _ = started("-m", "softcradle", "run", "one-on-four")
     with tempfile.TemporaryDirectory() as folder:
-        film, _ = _started(
+        film, _ = started(
             "-m", "softcradle", "render", "one-on-four", "--fps", "1", "-o", str(Path(folder) / "film.mp4")
         )
     began = perf_counter()
-    _, said = _started("-c", WINDOW.format(frames=FRAMES))
+    _, said = started("-c", WINDOW.format(frames=FRAMES))
     shown, (percentile, worst) = float(said.split()[0]) - began, map(float, said.split()[1:])
-    _, first_step = _started("-c", CHAIN)
+    _, first_step = started("-c", CHAIN)
     rows = [
         ["table of `run one-on-four`, s", at_most(table, TABLE_AIM)],
         ["film of one frame a second of it, s", at_most(film, FILM_AIM)],

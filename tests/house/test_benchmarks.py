@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 
 import numpy as np
@@ -14,6 +15,7 @@ from benchmarks import chain_lengths, steps, sweep_cost
 from benchmarks.reports import at_least, at_most
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
+from tests.helpers.paths import ROOT
 from tests.helpers.series import SHORT_LIMITS, our_solver
 
 
@@ -89,3 +91,61 @@ def test_an_unknown_benchmark_is_refused(capsys):
         command.main(["nonsense"])
     assert refusal.value.code == 2
     assert "nonsense" in capsys.readouterr().err
+
+
+OVER_TIME = ("first_use", "films", "solves", "steps")
+CONFIGURATION = json.loads((ROOT / "asv.conf.json").read_text(encoding="utf-8"))
+
+
+def benchmarks_over_time():
+    """Every class of benchmarks that asv finds, with the name of its one measurement."""
+    for stem in OVER_TIME:
+        module = importlib.import_module(f"benchmarks.over_time.{stem}")
+        for name, kind in vars(module).items():
+            if isinstance(kind, type) and kind.__module__ == module.__name__:
+                yield f"{stem}.{name}", kind
+
+
+def measurement_of(kind):
+    (found,) = [name for name in vars(kind) if name.startswith(("time_", "track_"))]
+    return found
+
+
+def test_asv_has_every_module_of_benchmarks():
+    folder = ROOT / CONFIGURATION["benchmark_dir"]
+    assert {path.stem for path in folder.glob("*.py")} == {"__init__", *OVER_TIME}
+
+
+@pytest.mark.parametrize(("name", "kind"), list(benchmarks_over_time()), ids=str)
+def test_benchmarks_over_time_run(name, kind, monkeypatch):
+    """Each with the least work, on the code that the command measures."""
+    module = importlib.import_module(kind.__module__)
+    for constant, least in {"COLLISIONS": 2, "measure": lambda case: {"nanoseconds": 1.0}}.items():
+        if hasattr(module, constant) and name != "films.Film":
+            monkeypatch.setattr(module, constant, least)
+    if name == "films.Film":
+        monkeypatch.setattr("benchmarks.render.MOST_FRAMES", 4)
+    if name == "first_use.FirstUse":
+        monkeypatch.setattr(module, "started", lambda *words: (float(words[-1] == "--help"), ""))
+    benchmark, first = kind(), [values[0] for values in getattr(kind, "params", ())]
+    getattr(benchmark, "setup", lambda *_: None)(*first)
+    found = getattr(benchmark, measurement_of(kind))(*first)
+    assert found is None or found >= 0.0
+
+
+RELEASES = ROOT / CONFIGURATION["results_dir"]
+KEPT = sorted(RELEASES.glob("*/*-*.json"))
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem[:8])
+def test_every_benchmark_of_a_kept_release_ran(path):
+    """With a number for each case, the hardware, and the versions of what it was measured with."""
+    found, machine = (json.loads(file.read_text(encoding="utf-8")) for file in (path, path.parent / "machine.json"))
+    results = {
+        name: dict(zip(found["result_columns"], values, strict=False)) for name, values in found["results"].items()
+    }
+    wanted = {f"{name}.{measurement_of(kind)}" for name, kind in benchmarks_over_time()}
+    assert set(results) == wanted
+    assert [name for name, one in results.items() if not all(isinstance(value, float) for value in one["result"])] == []
+    assert machine["cpu"]
+    assert set(found["requirements"]) == {"av", "numba", "numpy", "pymunk", "scipy"}

@@ -116,13 +116,15 @@ def _measured(
 
 
 def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
+    from softcradle.sandbox.studies.machine_stamp import machine_stamp
     from softcradle.sandbox.studies.picture_files import save_figure
     from softcradle.sandbox.studies.plot_style import styled
+    from softcradle.sandbox.studies.precision.peers.peer_list import peer_distributions
     from softcradle.sandbox.studies.precision.precision_chart import draw_chart
     from softcradle.sandbox.studies.precision.precision_table import write_csv
 
     with styled():
-        save_figure(draw_chart(measured), picture, 110.0)
+        save_figure(draw_chart(measured, machine_stamp(peer_distributions())), picture, 110.0)
     if numbers is not None:
         write_csv(measured, numbers)
 

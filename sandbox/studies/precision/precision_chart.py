@@ -47,16 +47,17 @@ BROKEN_LINES = ("--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 Style = dict[str, Any]
 
 
-def draw_chart(measured: Sequence[MeasuredCase]) -> Figure:
-    """The picture; call it inside `plot_style.styled`."""
+def draw_chart(measured: Sequence[MeasuredCase], stamp: str = "") -> Figure:
+    """The picture, with `stamp`, where it was measured, below; call it inside `plot_style.styled`."""
     import matplotlib as mpl
 
     height = ROW_HEIGHT * len(measured)
     with mpl.rc_context({"figure.constrained_layout.use": False}):  # labels stand outside the panels
         figure, panels = new_figure(WIDTH, height, len(measured), 2, squeeze=False)
     figure.subplots_adjust(
-        left=0.055, right=0.865, bottom=0.65 / height, top=1.0 - 0.35 / height, wspace=0.44, hspace=0.31
+        left=0.055, right=0.865, bottom=0.8 / height, top=1.0 - 0.35 / height, wspace=0.44, hspace=0.31
     )
+    figure.text(0.055, 0.1 / height, stamp, fontsize=6.5, color=GREY, gid="stamp")
     styles = _styles(measured)
     for found, row in zip(measured, panels, strict=True):
         for axes, (cost, label) in zip(row, COSTS, strict=True):

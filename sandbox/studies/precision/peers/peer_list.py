@@ -82,6 +82,11 @@ def missing_peers() -> list[Peer]:
     return [peer for peer in PEERS if find_spec(peer.package) is None]
 
 
+def peer_distributions() -> list[str]:
+    """What is installed for the peers, by the names under which versions are known."""
+    return [peer.name for peer in PEERS if peer.package not in ("numba", "scipy")]
+
+
 def peer_solvers(case: Case) -> list[Solver]:
     """The solvers of every installed peer that can take the case: none where friction or losses take energy."""
     if case.chain.dissipative or not _numba_compiles():

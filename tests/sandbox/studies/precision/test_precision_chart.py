@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from softcradle.physics import METHODS
+from softcradle.physics.version import version
 from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.studies.machine_stamp import machine_stamp
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.precision import measurement
 from softcradle.sandbox.studies.precision.label_placement import spread_apart
+from softcradle.sandbox.studies.precision.peers.peer_list import peer_distributions
 from softcradle.sandbox.studies.precision.precision_chart import draw_chart
 from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
 
@@ -54,6 +59,24 @@ def test_labels_of_a_chart_do_not_overlap(case):
     assert len(boxes) == 40
     assert overlapping_boxes(boxes) == []
     assert max(box[2] for box in boxes) < inside[2]
+
+
+def test_a_chart_says_where_it_was_measured(case):
+    """Below the panels, on no other text."""
+    stamp = machine_stamp(peer_distributions())
+    assert f"softcradle {version()}" in stamp
+    assert f"numpy {np.__version__}" in stamp
+    assert re.search(r"\d+ cores?; \w+, Python 3", stamp)
+    with styled():
+        picture = draw_chart([MeasuredCase(case, [made_series("ours", True, (1e-2, 1e-4), (1e-5, 1e-3))])], stamp)
+        picture.canvas.draw()
+        (shown,) = [text for text in picture.texts if text.get_gid() == "stamp"]
+        boxes = [shown.get_window_extent().extents]
+        boxes += [text.get_window_extent().extents for axes in picture.axes for text in axes.texts]
+        boxes += [axes.xaxis.label.get_window_extent().extents for axes in picture.axes]
+    assert shown.get_text() == stamp
+    assert [pair for pair in overlapping_boxes(boxes) if 0 in pair] == []
+    assert boxes[0][1] >= 0.0
 
 
 def test_methods_differ_without_colour(case):

@@ -1,0 +1,15 @@
+"""Films: processor time of a frame drawn and encoded, as `python -m benchmarks render` measures it."""
+
+from __future__ import annotations
+
+from benchmarks.render import measure
+
+
+class Film:
+    """One-on-four as mp4, 1280x720, in segments side by side."""
+
+    timeout = 600
+    unit = "ms"
+
+    def track_frame(self) -> float:
+        return float(measure("one-on-four", (1280, 720), rounds=3)["segments_ms"])

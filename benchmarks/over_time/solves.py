@@ -1,0 +1,53 @@
+"""Solves: the cases of the work-precision chart by `accurate`, and many collisions one after the other."""
+
+from __future__ import annotations
+
+from time import thread_time
+from typing import Any
+
+import numpy as np
+from softcradle.physics import warm
+from softcradle.physics.simulation import solve
+from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
+
+from benchmarks.sweep_cost import measure_work
+
+CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
+COLLISIONS = 2000
+
+
+def setup_cache() -> None:
+    """Compile before time is taken: a process that finds no machine code begins in plain Python."""
+    warm("accurate")
+
+
+setup_cache.timeout = 1800  # type: ignore[attr-defined]  # asv reads it [s]
+
+
+class Solve:
+    """Processor time of a solve, two samples."""
+
+    params = (tuple(CASES), (1e-6, 1e-9))
+    param_names = ("case", "tolerance")
+    timer = staticmethod(thread_time)
+    timeout = 600
+
+    def setup(self, case: str, tolerance: float) -> None:
+        definition = CASES[case]
+        chain = definition.make_chain()
+        velocity = np.eye(1, chain.contacts + 1)[0] if definition.velocity is None else definition.velocity
+        self.problem: tuple[Any, ...] = chain, velocity, definition.duration, "accurate", None, 2, tolerance
+        solve(*self.problem)
+
+    def time_solve(self, case: str, tolerance: float) -> None:
+        solve(*self.problem)
+
+
+class Ensemble:
+    """Processor microseconds of a collision of one on four at 1e-6, many of them."""
+
+    timeout = 600
+    unit = "µs"
+
+    def track_collision(self) -> float:
+        return 1e6 * min(measure_work(COLLISIONS) for _ in range(3)) / COLLISIONS
