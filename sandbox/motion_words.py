@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 STILL = 0.01  # of the closing speed: a slower bead is said to stand still
 ALIKE = 0.05  # of the closing speed: neighbours whose velocities differ by less go together
 MOST_CLUSTERS = 6  # that are named one by one
-TOGETHER_RIGHT = N_("Beads {first} to {last} go together to the right at {speed} metres a second.")
-TOGETHER_LEFT = N_("Beads {first} to {last} go together to the left at {speed} metres a second.")
 
 
 def describe(label: str, trajectory: Trajectory) -> str:
@@ -24,7 +22,7 @@ def describe(label: str, trajectory: Trajectory) -> str:
     scale = float(speeds.max() - speeds.min()) or float(abs(trajectory.final_velocity).max())
     sentences = [
         f"{label}:" if label else "",
-        _hits(trajectory),
+        _hits(trajectory, scale),
         clusters_in_words(trajectory.final_velocity.tolist(), scale),
     ]
     if trajectory.status.gave_up:
@@ -32,36 +30,45 @@ def describe(label: str, trajectory: Trajectory) -> str:
     return " ".join(sentence for sentence in sentences if sentence)
 
 
-def _hits(trajectory: Trajectory) -> str:
+def _hits(trajectory: Trajectory, scale: float) -> str:
     """The first hit, and until when contacts were closed."""
     closings = [(intervals[0][0], k) for k, intervals in enumerate(trajectory.contact_intervals) if intervals]
-    end = trajectory.time[-1]
     if not closings:
-        return _("No contact closes until {time} seconds.", time=number_in_words(end))
-    time, contact = min(closings)
-    row = max(int((trajectory.time <= time).sum()) - 1, 0)
-    said = f"{hit_in_words(contact, time, float(trajectory.rate[row, contact]))}"
+        return _("No contact closes until {time}.", time=seconds_in_words(trajectory.time[-1]))
     openings = [intervals[-1][1] for intervals in trajectory.contact_intervals if intervals]
     closed = sum(math.isinf(opening) for opening in openings)
     if closed:
-        return f"{said} " + ngettext(
-            "At {time} seconds {n} of {all} contacts is closed.",
-            "At {time} seconds {n} of {all} contacts are closed.",
+        after = ngettext(
+            "At {time} {n} of {all} contacts is closed.",
+            "At {time} {n} of {all} contacts are closed.",
             closed,
-            time=number_in_words(end),
+            time=seconds_in_words(trajectory.time[-1]),
             all=trajectory.chain.contacts,
         )
-    after = _("No contact is closed after {time} seconds.", time=number_in_words(max(openings)))
-    return f"{said} {after}"
+    else:
+        after = _("No contact is closed after {time}.", time=seconds_in_words(max(openings)))
+    hits = [(time, -speed, k) for time, k in closings if (speed := _approach(trajectory, k, time)) > STILL * scale]
+    if not hits:  # contacts that are pressed, or touch, close without one
+        return after
+    time, speed, contact = min(hits)  # of those at the same time, with which the others only begin to push, the fastest
+    return f"{hit_in_words(contact, time, -speed)} {after}"
+
+
+def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
+    """How fast the beads of a contact approached each other before `time` [m/s]."""
+    row = max(int((trajectory.time <= time).sum()) - 1, 0)
+    return float(trajectory.rate[row, contact])
 
 
 def hit_in_words(contact: int, time: float, speed: float) -> str:
     """That the beads of a contact hit each other."""
-    values = {"left": contact, "right": contact + 1, "time": number_in_words(time)}
-    if speed <= 0.0:
-        return _("Bead {left} hit bead {right} at {time} seconds.", **values)
-    with_speed = N_("Bead {left} hit bead {right} at {time} seconds with {speed} metres a second.")
-    return _(with_speed, **values, speed=number_in_words(speed))
+    return _(
+        "Bead {left} hit bead {right} at {time} with {speed}.",
+        left=contact,
+        right=contact + 1,
+        time=seconds_in_words(time),
+        speed=speed_in_words(speed),
+    )
 
 
 def clusters_in_words(velocities: Sequence[float], scale: float) -> str:
@@ -79,14 +86,40 @@ def clusters_in_words(velocities: Sequence[float], scale: float) -> str:
 
 def _cluster(cluster: list[int], velocities: Sequence[float], scale: float) -> str:
     mean = math.fsum(velocities[bead] for bead in cluster) / len(cluster)
-    one = len(cluster) == 1
-    if abs(mean) < STILL * scale:
-        text = N_("Bead {first} stands still.") if one else N_("Beads {first} to {last} stand still.")
+    one, still = len(cluster) == 1, abs(mean) < STILL * scale
+    between = N_("{first} and {last}") if len(cluster) == 2 else N_("{first} to {last}")
+    beads = str(cluster[0]) if one else _(between, first=cluster[0], last=cluster[-1])
+    if still:
+        text = N_("Bead {beads} stands still.") if one else N_("Beads {beads} stand still.")
     elif mean > 0.0:
-        text = N_("Bead {first} goes to the right at {speed} metres a second.") if one else TOGETHER_RIGHT
+        text = (
+            N_("Bead {beads} goes to the right at {speed}.")
+            if one
+            else N_("Beads {beads} go together to the right at {speed}.")
+        )
     else:
-        text = N_("Bead {first} goes to the left at {speed} metres a second.") if one else TOGETHER_LEFT
-    return _(text, first=cluster[0], last=cluster[-1], speed=number_in_words(abs(mean)))
+        text = (
+            N_("Bead {beads} goes to the left at {speed}.")
+            if one
+            else N_("Beads {beads} go together to the left at {speed}.")
+        )
+    return _(text, beads=beads, speed=speed_in_words(abs(mean)))
+
+
+def seconds_in_words(time: float) -> str:
+    """A time [s] with its unit."""
+    return ngettext("{value} second", "{value} seconds", _counted(time), value=number_in_words(time))
+
+
+def speed_in_words(speed: float) -> str:
+    """A speed [m/s] with its unit."""
+    return ngettext("{value} metre a second", "{value} metres a second", _counted(speed), value=number_in_words(speed))
+
+
+def _counted(value: float) -> int:
+    """The number whose plural form a decimal number takes: 1 is singular, 1.5 only where 0 is (French), 2.5 as 2."""
+    shown = float(f"{value:.3g}")
+    return 0 if 1.0 < shown < 2.0 else int(shown)
 
 
 def number_in_words(value: float) -> str:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
-from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, number_in_words
+from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, seconds_in_words
 from softcradle.sandbox.session.session import Session
 
 
 def summary_text(session: Session) -> str:
     """Some sentences about each lane, up to the frame shown."""
     several = len(session.lanes) > 1
-    parts = [_("At {time} seconds.", time=number_in_words(session.time))]
+    parts = [_("At {time}.", time=seconds_in_words(session.time))]
     for lane in range(len(session.lanes)):
         label = label_words(session.label(lane))
         words = _lane(session, lane)
@@ -24,9 +24,7 @@ def _lane(session: Session, lane: int) -> str:
     sentences = [_contacts(session, lane), clusters_in_words(live.velocity.tolist(), live.setup.speed)]
     worst = next((item for item in session.findings(lane) if item.level == "bad"), None)
     if worst is not None:
-        text = _(
-            "Do not trust it: {cause} from {time} seconds on.", cause=worst.cause, time=number_in_words(worst.begin)
-        )
+        text = _("Do not trust it: {cause} from {time} on.", cause=worst.cause, time=seconds_in_words(worst.begin))
         sentences.append(text)
     return " ".join(sentence for sentence in sentences if sentence)
 
@@ -49,4 +47,4 @@ def _contacts(session: Session, lane: int) -> str:
     last = own.select(~own.closed).time
     if not len(last):
         return first.strip()
-    return first + _("No contact has been closed since {time} seconds.", time=number_in_words(float(last[-1])))
+    return first + _("No contact has been closed since {time}.", time=seconds_in_words(float(last[-1])))

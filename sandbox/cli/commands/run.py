@@ -117,7 +117,7 @@ def _print(scene: Scene, trajectories: list[Trajectory], as_json: bool) -> None:
 def _describe(scene: Scene, trajectories: list[Trajectory]) -> None:
     from softcradle.sandbox.motion_words import describe
 
-    print(f"{scene.title}.")
+    print(scene.title if scene.title.endswith((".", "?", "!")) else f"{scene.title}.")
     for lane, found in zip(scene.lanes, trajectories, strict=True):
         print(describe(lane.label, found))
 

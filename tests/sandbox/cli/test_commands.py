@@ -135,11 +135,12 @@ def test_large_forces_have_the_prefix_of_their_unit(capsys):
 
 def test_what_happens_is_said_in_words(capsys):
     said = output(capsys, "run", "one-on-four", "--describe")
-    assert "Bead 0 hit bead 1 at 1 seconds with 1 metres a second." in said
+    assert "Bead 0 hit bead 1 at 1 second with 1 metre a second." in said
     assert (
         "Bead 0 goes to the left at 0.568 metres a second. Bead 1 goes to the right at 0.174 metres a second." in said
     )
     assert "Beads 2 to 4 go together to the right at 0.465 metres a second." in said
+    assert output(capsys, "run", "galilean", "--describe").startswith("Who hits whom?\n")
     assert main(["run", "one-on-four", "--describe", "--json"]) == 2
     assert "--json: not allowed with argument --describe" in capsys.readouterr().err
 

@@ -21,7 +21,7 @@ from softcradle.sandbox.languages import (
     scene_words,
     use_language,
 )
-from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words
+from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, seconds_in_words
 from softcradle.sandbox.session.lane_label import EDITED
 from softcradle.scenes import load, parse
 
@@ -96,10 +96,25 @@ def test_words_of_scenes_and_labels():
 
 def test_sentences_about_a_motion():
     use_language("de")
-    assert hit_in_words(0, 0.5, 1.5) == "Kugel 0 stieß bei 0,5 s mit 1,5 m/s auf Kugel 1."
+    assert hit_in_words(0, 0.5, 1.5) == "Kugel 0 stieß nach 0,5 Sekunden mit 1,5 Meter pro Sekunde auf Kugel 1."
     assert clusters_in_words([-0.5, 0.4, 0.4], 1.0) == (
-        "Kugel 0 läuft mit 0,5 m/s nach links. Die Kugeln 1 bis 2 laufen gemeinsam mit 0,4 m/s nach rechts."
+        "Kugel 0 läuft mit 0,5 Meter pro Sekunde nach links. "
+        "Die Kugeln 1 und 2 laufen gemeinsam mit 0,4 Meter pro Sekunde nach rechts."
     )
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("en", ["0 seconds", "0.5 seconds", "1 second", "1.5 seconds", "2 seconds", "2.5 seconds", "1 second"]),
+        ("de", ["0 Sekunden", "0,5 Sekunden", "1 Sekunde", "1,5 Sekunden", "2 Sekunden", "2,5 Sekunden", "1 Sekunde"]),
+        ("fr", ["0 seconde", "0,5 seconde", "1 seconde", "1,5 seconde", "2 secondes", "2,5 secondes", "1 seconde"]),
+    ],
+)
+def test_decimal_numbers_have_the_plural_of_the_language(code, said):
+    """The last of them is shown as 1."""
+    use_language(code)
+    assert [seconds_in_words(time) for time in (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 0.9999)] == said
 
 
 def _refused(call) -> str:

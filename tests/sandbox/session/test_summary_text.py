@@ -2,7 +2,10 @@
 
 import re
 
+import numpy as np
 import pytest
+from softcradle.sandbox.motion_words import describe
+from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import Session, SetMethod
 from softcradle.sandbox.session.summary_text import summary_text
 
@@ -32,3 +35,13 @@ def test_lanes_are_named_and_faults_are_told():
     assert "alpha = 1/10: " in text
     assert "draft gear: " in text
     assert "Do not trust it: verlet chattered from " in text
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_the_bead_that_hits_is_the_one_that_approached(name):
+    """Contacts that merely touch, or are pressed, close at the same time or before."""
+    scene = scenes.load(name)
+    for lane, found in zip(scene.lanes, run_scene(scene), strict=True):
+        rate = -np.diff(lane.velocity)
+        hit = re.search(r"Bead (\d+) hit bead (\d+)", describe("", found))
+        assert (int(hit[1]), int(hit[2]) - 1) == (int(rate.argmax()),) * 2 if rate.any() else hit is None

@@ -143,7 +143,7 @@ def test_the_menu_does_its_actions_by_keys_and_clicks(driver: Driver) -> None:
 
 def test_what_happened_is_told_and_copied(driver: Driver, clipboard: list[str]) -> None:
     driver.key(pygame.K_w)
-    assert "Bead 0 goes to the right at 1 metres a second." in driver.app.dialog.note
+    assert "Bead 0 goes to the right at 1 metre a second." in driver.app.dialog.note
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)
     assert clipboard[0].startswith("At 0 seconds.")
