@@ -256,6 +256,7 @@ class App:
         self.messages.update(seconds)
         if self.dialog is not None and self.dialog.open:
             self.dialog.update(seconds)
+            self.manager.ui_group.update_visibility()  # widgets come and go below it; the pointer is that of the dialog
         else:
             self.manager.update(seconds)
         self.paint()

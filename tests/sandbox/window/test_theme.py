@@ -9,6 +9,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, LIGHT, THEMES, luminance, mix, text_on, use_theme
+from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
 from softcradle.sandbox.window.theme import colour_code
 
@@ -101,6 +102,26 @@ def test_the_open_dialog_offers_the_files_of_before(tmp_path: Path):
     assert not dialog.open
     assert driver.app.settings.recent[0].endswith(f"mine-{MOST_RECENT - 1}.toml")
     assert driver.session.scene.title == "One bead on four"
+    driver.close()
+
+
+def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog():
+    """Though both keys come within one frame."""
+    driver = Driver("one-on-four")
+    driver.click(driver.bead(2))
+    driver.frames(3)
+    assert driver.page.inspector.controls
+    keys = [binding.keys[0] for action in ("leave", "lesson") for binding in bindings() if binding.action == action]
+    for key in keys:
+        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0))
+    driver.frames(3)
+    assert driver.page.editor.selection is None
+    at_once = pygame.surfarray.array3d(driver.app.surface)
+    driver.app.dialog.close()
+    driver.frames(3)
+    driver.app.act("lesson")
+    driver.frames(3)
+    assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
     driver.close()
 
 
