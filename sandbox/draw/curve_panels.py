@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -47,6 +48,15 @@ class Axis:
             return values
         logarithms: Array = np.log10(np.maximum(values, 10.0 ** (self.low - 1.0)))
         return logarithms
+
+
+def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) -> list[tuple[float, str]]:
+    """Every so many of evenly spaced ticks that they are `gap` pixels apart at `scale` pixels a unit; 0 stays among them."""
+    if len(ticks) < 2:
+        return list(ticks)
+    every = math.ceil(gap / max(scale * abs(ticks[1][0] - ticks[0][0]), 1e-9))
+    kept = next((k for k, (value, _) in enumerate(ticks) if value == 0.0), 0) % every
+    return list(ticks[kept::every])
 
 
 def linear_axis(title: str, low: float, high: float) -> Axis:

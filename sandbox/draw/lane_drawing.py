@@ -99,6 +99,7 @@ class LaneDrawing:
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
         self.bar_room = self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit  # pixels of the highest bar
+        self.heading: tuple[pygame.Rect, ...] = ()  # where the key and the ruler are, once drawn
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach(lane.velocity)
         self.mass_labels = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
@@ -123,15 +124,15 @@ class LaneDrawing:
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
             if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
                 write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, tones.muted, align=(0, 1))
-        self._key(surface)
+        key = self._key(surface)
         surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
-        self._ruler(surface)
+        self.heading = key, self._ruler(surface)
         if self.arrows != "velocity":
             place = rect.right - 12 * unit, rect.bottom - 4 * unit
             write(surface, _("arrows: {what}", what=_(self.arrows)), place, 12 * unit, tones.muted, align=(1, 1))
 
-    def _key(self, surface: pygame.Surface) -> None:
-        """The name of the lane, and what bars and lines mean."""
+    def _key(self, surface: pygame.Surface) -> pygame.Rect:
+        """The name of the lane, and what bars and lines mean; returns where."""
         unit, rect = self.unit, self.rect
         x, y = rect.left + 8 * unit, rect.top + 8 * unit
         if self.label:
@@ -141,9 +142,11 @@ class LaneDrawing:
         fits = x + 20 * unit + width(words, 12.5 * unit) < rect.right - RULER * unit
         if fits and any(share != 0.0 for share in self.rigid):
             fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
-            write(surface, words, (x + 20 * unit, y), 12.5 * unit, tones.muted)
+            x = write(surface, words, (x + 20 * unit, y), 12.5 * unit, tones.muted).right + 14 * unit
+        return pygame.Rect(rect.left, rect.top, round(x - rect.left), round((KEY - 2) * unit))
 
-    def _ruler(self, surface: pygame.Surface) -> None:
+    def _ruler(self, surface: pygame.Surface) -> pygame.Rect:
+        """The length of the picture, and how overlaps are drawn; returns where."""
         unit, rect = self.unit, self.rect
         magnification = (
             _("drawn to scale")
@@ -161,6 +164,8 @@ class LaneDrawing:
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
         write(surface, name, (middle, y - 3 * unit), 12.5 * unit, tones.muted, align=(0.5, 1))
         write(surface, magnification, (right, y + 8 * unit), 12.5 * unit, tones.muted, align=(1, 0))
+        first = round(min(left, right - wide) - 4 * unit)
+        return pygame.Rect(first, rect.top, rect.right - first, round(y + 24 * unit) - rect.top)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, left: float) -> Array:
         """Draw row `row` of `motion` with position 0 at pixel `left`; returns (n,) where the contacts are [pixels]."""
@@ -247,17 +252,18 @@ class LaneDrawing:
         self._force_labels(surface, contacts, forces, decimals)
 
     def _force_labels(self, surface: pygame.Surface, contacts: list[float], forces: list[float], decimals: int) -> None:
-        """The forces above their bars, the greatest first; those that would lie on another are left out."""
+        """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list[tuple[float, float]]()
         for i in sorted(range(len(forces)), key=lambda i: -forces[i]):
             if forces[i] <= visible:
                 return
             text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
             half = 0.5 * width(text, size, bold=True) + 2 * self.unit
-            low, high = contacts[i] - half, contacts[i] + half
-            if all(high <= left or low >= right for left, right in taken):
+            low, high, foot = contacts[i] - half, contacts[i] + half, self._label_foot(i, forces)
+            place = pygame.Rect(round(low), round(foot - size), round(high - low), round(size))
+            if place.collidelist(self.heading) < 0 and all(high <= left or low >= right for left, right in taken):
                 taken.append((low, high))
-                write(surface, text, (contacts[i], self._label_foot(i, forces)), size, bold=True, align=(0.5, 1))
+                write(surface, text, (contacts[i], foot), size, bold=True, align=(0.5, 1))
 
     def _label_foot(self, contact: int, forces: list[float]) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""

@@ -138,7 +138,7 @@ class App:
         self.settings.save()
         use_language(self.settings.language)
         self._draw_anew()
-        self.messages.show(LANGUAGES[language()].name)
+        self.messages.show(LANGUAGES[language()].name, subject="language")
 
     def _draw_anew(self) -> None:
         clear_cached_surfaces()
@@ -217,7 +217,7 @@ class App:
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
         self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
         self.rebuild()
-        self.messages.show(_("scale {percent:.0f} %", percent=100 * self.scale))
+        self.messages.show(_("scale {percent:.0f} %", percent=100 * self.scale), subject="scale")
 
     def run(self) -> None:
         """Frames until the user quits."""

@@ -17,11 +17,12 @@ WARNING_FACTOR = 2.0  # by which a warning stays longer
 
 @dataclass
 class Message:
-    """A sentence, whether it is a warning, and the seconds for which it still stays."""
+    """A sentence, whether it is a warning, the seconds for which it still stays, and what it is about, or ""."""
 
     text: str
     warning: bool
     seconds_left: float
+    subject: str = ""
 
 
 class Messages:
@@ -31,12 +32,13 @@ class Messages:
         self.visible: list[Message] = []
         self._places: list[tuple[pygame.Rect, Message]] = []
 
-    def show(self, text: str, warning: bool = False) -> None:
-        """Show `text`; a text that is on screen already stays longer."""
+    def show(self, text: str, warning: bool = False, subject: str = "") -> None:
+        """Show `text` in place of one on the same `subject`; a text that is on screen already stays longer."""
         text = refusal_words(text)
-        self.visible = [message for message in self.visible if message.text != text][-(MOST - 1) :]
+        kept = (one for one in self.visible if one.text != text and (one.subject != subject or not subject))
+        self.visible = list(kept)[-(MOST - 1) :]
         seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if warning else 1.0)
-        self.visible.append(Message(text, warning, seconds))
+        self.visible.append(Message(text, warning, seconds, subject))
 
     def handle(self, event: pygame.Event) -> bool:
         """Remove the message that is clicked."""

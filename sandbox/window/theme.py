@@ -15,6 +15,7 @@ _LENGTHS = (
     "shape_corner_radius",
     "sliding_button_width",
     "list_item_height",
+    "open_button_width",
     "rect_width",
     "text_horiz_alignment_padding",
 )

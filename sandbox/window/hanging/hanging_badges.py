@@ -15,7 +15,8 @@ from softcradle.sandbox.window.hanging.hanging_model import HangingModel
 
 FAIR_CHANGE = 0.02  # of the energy, the largest that is good: less cannot be seen in the height of a swing
 BAD_CHANGE = 0.10  # of the energy, the largest that is fair
-HEIGHT = 118.0  # design pixels of a badge
+HEIGHT, WITH_NUMBERS, LEAST_HEIGHT = 118.0, 88.0, 66.0  # design pixels of a badge: usual; least with numbers; without
+GAP = 8.0  # design pixels between badges
 NAMES = (N_("soft contacts"), N_("pymunk's rigid collisions"))
 LOST = N_("{percent:.2g} % of the energy was lost; {remedy}")
 
@@ -56,13 +57,30 @@ def paint_badge(surface: pygame.Surface, rect: pygame.Rect, unit: float, side: i
     room = rect.width - 20 * unit
     title = shortened(_(NAMES[side]), 14 * unit, room, bold=True)
     write(surface, title, (x, rect.top + 9 * unit), 14 * unit, tones.foreground, bold=True)
+    y = rect.top + 32 * unit
+    if rect.height >= round(WITH_NUMBERS * unit):
+        _paint_numbers(surface, rect, y, unit, found)
+        y += 38 * unit
+    mark = "✓" if found.level == GOOD else "!"
+    write(surface, mark, (x, y), 13 * unit, tint, bold=True)
+    lines = wrapped(found.sentence, 12 * unit, room - 14 * unit)
+    most = max(1, int((rect.bottom - y - 2 * unit) // (15 * unit)))
+    for row, line in enumerate(lines[:most]):
+        shown = shortened(f"{line} …", 12 * unit, room - 14 * unit) if row == most - 1 < len(lines) - 1 else line
+        write(surface, shown, (x + 15 * unit, y + 15 * row * unit), 12 * unit, tint)
+
+
+def badge_places(room: pygame.Rect, unit: float) -> list[pygame.Rect]:
+    """Places of the two badges at the top of a part of the panel, as high as it has room for."""
+    gap = round(GAP * unit)
+    high = min(round(HEIGHT * unit), max(round(LEAST_HEIGHT * unit), (room.height - gap) // 2))
+    return [pygame.Rect(room.left, room.top + side * (high + gap), room.width, high) for side in (0, 1)]
+
+
+def _paint_numbers(surface: pygame.Surface, rect: pygame.Rect, top: float, unit: float, found: Verdict) -> None:
     change = f"{fixed(100.0 * found.change, 2)} %"
     numbers = ((_("energy"), change), (_("strings stretched"), f"{scientific(found.stretch, 1)} m"))
     for row, (name, text) in enumerate(numbers):
-        y = rect.top + (32 + 17 * row) * unit
+        x, y = rect.left + 10 * unit, top + 17 * row * unit
         write(surface, name, (x, y), 12.5 * unit, tones.muted)
         write(surface, text, (rect.right - 10 * unit, y), 12.5 * unit, tones.foreground, align=(1, 0))
-    mark = "✓" if found.level == GOOD else "!"
-    write(surface, mark, (x, rect.top + 70 * unit), 13 * unit, tint, bold=True)
-    for row, line in enumerate(wrapped(found.sentence, 12 * unit, room - 14 * unit)[:3]):
-        write(surface, line, (x + 15 * unit, rect.top + (70 + 15 * row) * unit), 12 * unit, tint)

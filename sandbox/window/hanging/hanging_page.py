@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, _, pgettext
 from softcradle.sandbox.window.hanging.energy_plot import paint_energies
-from softcradle.sandbox.window.hanging.hanging_badges import HEIGHT, NAMES, paint_badge
+from softcradle.sandbox.window.hanging.hanging_badges import NAMES, badge_places, paint_badge
 from softcradle.sandbox.window.hanging.hanging_controls import HangingControls, HangingScrubBar
 from softcradle.sandbox.window.hanging.hanging_cradle import RADIUS
 from softcradle.sandbox.window.hanging.hanging_model import HangingModel
@@ -25,6 +25,7 @@ from softcradle.sandbox.window.scene.toolbar import TITLE_LEFT, Toolbar
 from softcradle.sandbox.window.scene.window_film import WindowFilm
 from softcradle.sandbox.window.window_page import Host
 
+HEAD = 29.0  # design pixels of the name above a cradle
 PICTURES = 0.58  # of the height between toolbar and footer
 
 
@@ -106,12 +107,12 @@ class HangingPage:
         main = pygame.Rect(gap, places.toolbar.bottom + gap // 2, places.panel.left - 2 * gap, 1)
         main.height = places.footer.top - main.top - gap // 2
         half, high = (main.width - gap) // 2, round(PICTURES * main.height)
-        self.pictures = [pygame.Rect(main.left + k * (half + gap), main.top, half, high) for k in range(2)]
+        self.lanes = [pygame.Rect(main.left + k * (half + gap), main.top, half, high) for k in range(2)]
+        head = round(HEAD * unit)
+        self.pictures = [pygame.Rect(lane.left, lane.top + head, half, high - head) for lane in self.lanes]
         self.plot = pygame.Rect(main.left, main.top + high + round(6 * unit), main.width, main.height - high)
         self.plot.height -= round(6 * unit)
-        high = round(HEIGHT * unit)
-        pitch = high + round(8 * unit)
-        self.badges = [pygame.Rect(panel.left, y + k * pitch, panel.width, high) for k in range(2)]
+        self.badges = badge_places(pygame.Rect(panel.left, y, panel.width, panel.bottom - y), unit)
         top = self.badges[1].bottom + round(10 * unit)
         self.text = pygame.Rect(panel.left, top, panel.width, max(0, panel.bottom - top))
         self.places = places
@@ -169,14 +170,15 @@ class HangingPage:
             surface.fill(tones.faint, (0, y, self.host.size[0], 1))
         surface.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
         for side, (rect, centres) in enumerate(zip(self.pictures, self.model.moment.places, strict=True)):
-            surface.fill(tones.lane_background, rect)
+            lane = self.lanes[side]
+            surface.fill(tones.lane_background, lane)
             name = (
                 _("{name}: {law}", name=_(NAMES[side]), law=pgettext("button", self.model.law))
                 if side == 0
                 else _(NAMES[side])
             )
             name = shortened(name, 15 * unit, rect.width - 20 * unit, bold=True)
-            write(surface, name, (rect.left + 10 * unit, rect.top + 7 * unit), 15 * unit, tones.foreground, bold=True)
+            write(surface, name, (lane.left + 10 * unit, lane.top + 7 * unit), 15 * unit, tones.foreground, bold=True)
             paint_cradle(surface, rect, centres)
             paint_badge(surface, self.badges[side], unit, side, self.model)
         paint_energies(surface, self.plot, unit, self.model)

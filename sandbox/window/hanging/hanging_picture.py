@@ -22,7 +22,7 @@ def pixels_a_metre(rect: pygame.Rect) -> float:
 
 def _origin(rect: pygame.Rect) -> tuple[float, float]:
     """Pixel of the first string's anchor."""
-    return rect.centerx - (BALLS - 1) * RADIUS * pixels_a_metre(rect), rect.top + 0.12 * rect.height
+    return rect.centerx - (BALLS - 1) * RADIUS * pixels_a_metre(rect), rect.top + 0.06 * rect.height
 
 
 def to_screen(rect: pygame.Rect, place: tuple[float, float]) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.curve_panels import Axis, spread
+from softcradle.sandbox.draw.curve_panels import Axis, spread, ticks_apart
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
@@ -24,6 +24,7 @@ LEFT, RIGHT, TOP, BOTTOM = 44.0, 38.0, 22.0, 20.0  # design pixels around the ax
 THICKNESS = 2.0  # design pixels of a curve
 POINTS_A_COLUMN = 3  # frames of the history that a column of pixels takes, where there are more
 SMOOTH_TURN = 0.97  # cosine of the largest turn of a curve that is drawn without a round joint
+LINE = 12.0  # design pixels between labels, and between names that are written
 MOST_MARKED = 10  # curves that have a marker at the cursor
 VEIL_OPACITY = 150  # of 255, over what is later than the cursor
 
@@ -139,7 +140,7 @@ class Plot:
         if width(title, 13 * unit) > area.width + 20 * unit:
             title = shortened(title.split(" · ")[0], 13 * unit, area.width)
         write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
-        for value, text in self.axis.ticks:
+        for value, text in ticks_apart(self.axis.ticks, area.height / (self.axis.high - self.axis.low), LINE * unit):
             y = area.top + float(self.y(np.array(value)))
             if area.top - 1 <= y <= area.bottom + 1:
                 write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, tones.muted, align=(1, 0.5))
@@ -180,10 +181,13 @@ class Plot:
         for k in range(count - 1, -1, -1):
             if 0.0 <= heights[k] <= area.height:
                 draw_marker(surface, k, (x + 0.5, area.top + heights[k] + 0.5), 3.4 * unit, colours[k])
-        for k, y in enumerate(spread(heights, 13.0 * unit, 2.0 * unit, area.height - 4.0 * unit)):
+        places = spread(heights, 13.0 * unit, 2.0 * unit, area.height - 4.0 * unit)
+        written = -math.inf  # where the last name is; where there is no room, markers stand alone
+        for k, y in sorted(enumerate(places), key=lambda pair: pair[1]):
             draw_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, colours[k])
-            place = (area.right + 14 * unit, area.top + y)
-            write(surface, self.content.names[k], place, 12 * unit, tones.foreground, align=(0, 0.5))
+            if y >= written + LINE * unit:
+                written, place = y, (area.right + 14 * unit, area.top + y)
+                write(surface, self.content.names[k], place, 12 * unit, tones.foreground, align=(0, 0.5))
 
 
 def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:

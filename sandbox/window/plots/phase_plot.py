@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.curve_panels import linear_axis
+from softcradle.sandbox.draw.curve_panels import linear_axis, ticks_apart
 from softcradle.sandbox.draw.number_format import TIMES, power_of_ten
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import history_slices
-from softcradle.sandbox.window.plots.live_plots import Plot
+from softcradle.sandbox.window.plots.live_plots import LINE, Plot
 
 MOST_POINTS = 1500  # of the curve, evenly thinned
 MARGIN = 0.06  # of the axes beyond the values
@@ -73,13 +73,16 @@ class PhasePlot(Plot):
             down = area.bottom - (rows[:, 0] - low[0]) / (low[1] - low[0]) * area.height
             return np.column_stack((across, down))
 
-        for value, text in scaled_ticks(low):
+        for value, text in ticks_apart(scaled_ticks(low), area.height / (low[1] - low[0]), LINE * unit):
             y = float(places(np.array([[value, high[0]]]))[0, 1])
             surface.fill(tones.grid, (area.left, round(y), area.width, 1))
             write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, tones.muted, align=(1, 0.5))
-        for value, text in scaled_ticks(high):
+        across = scaled_ticks(high)
+        gap = max((width(text, 11.5 * unit) for _value, text in across), default=0.0) + 8 * unit
+        for value, text in ticks_apart(across, area.width / (high[1] - high[0]), gap):
             x = float(places(np.array([[low[0], value]]))[0, 0])
-            if x < area.right - width(names[1], 11.5 * unit) - 12 * unit:
+            half = 0.5 * width(text, 11.5 * unit)
+            if area.left - 4 * unit < x - half and x + half < area.right - width(names[1], 11.5 * unit) - 6 * unit:
                 write(surface, text, (x, area.bottom + 3 * unit), 11.5 * unit, tones.muted, align=(0.5, 0))
             surface.fill(tones.grid, (round(x), area.top, 1, area.height))
         place = (area.right, area.bottom + 3 * unit)

@@ -40,7 +40,8 @@ class StripPlot(Plot):
         column = pygame.surfarray.make_surface(np.broadcast_to(shades[rows], (bar.width, bar.height, 3)))
         surface.blit(column, bar)
         pygame.draw.rect(surface, tones.faint, bar, 1)
-        for share in (0.0, 0.5, 1.0) if area.height > 60 * unit else (0.0, 1.0):
+        shares = (0.0, 0.5, 1.0) if area.height > 60 * unit else (0.0, 1.0) if area.height > 24 * unit else (1.0,)
+        for share in shares:
             y = bar.bottom - share * bar.height
             text = prefixed(share * self.content.darkest) if share else "0"
             place = (bar.right + 3 * unit, min(max(y, bar.top + 6 * unit), bar.bottom - 6 * unit))

@@ -193,14 +193,15 @@ class LaneCards:
     ) -> float:
         """One a line, two where there are two cards; returns where the next line is."""
         unit, columns = self.host.unit, 1 if len(self.rects) == 1 else 2
+        size = (12.5 if columns == 1 else 11.5) * unit
         width = (rect.width - 20 * unit) / columns
         for k, (name, short, text) in enumerate(numbers):
             x = rect.left + 10 * unit + (k % columns) * width
             shown = short if columns == 2 else name
-            write(surface, shown, (x, y), 12.5 * unit, tones.muted)
+            write(surface, shown, (x, y), size, tones.muted)
             right = x + width - (8 * unit if columns == 2 and k % 2 == 0 else 0)
-            write(surface, text, (right, y), 12.5 * unit, tones.foreground, align=(1, 0))
-            y += 16.5 * unit if k % columns == columns - 1 else 0.0
+            write(surface, text, (right, y), size, tones.foreground, align=(1, 0))
+            y += 16.5 * unit if k % columns == columns - 1 or k == len(numbers) - 1 else 0.0
         return y
 
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.sandbox.draw.curve_panels import spread
+from softcradle.sandbox.draw.curve_panels import spread, ticks_apart
 
 
 @given(
@@ -21,3 +21,11 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
 def test_names_with_room_stay_where_they_are():
     assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
+
+
+def test_ticks_of_a_low_axis_are_fewer():
+    ticks = [(-1.0, "-1"), (0.0, "0"), (1.0, "1"), (2.0, "2"), (3.0, "3")]
+    assert ticks_apart(ticks, 12.0, 12.0) == ticks
+    assert [value for value, _ in ticks_apart(ticks, 7.0, 12.0)] == [0.0, 2.0]
+    assert [value for value, _ in ticks_apart(ticks, 1.0, 12.0)] == [0.0]
+    assert ticks_apart(ticks[:1], 1.0, 12.0) == ticks[:1]

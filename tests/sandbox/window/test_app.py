@@ -43,3 +43,9 @@ def test_quitting_ends_the_loop(driver: Driver) -> None:
     pygame.event.post(pygame.Event(pygame.QUIT))
     driver.app.run()
     assert not driver.app.running
+
+
+def test_a_message_takes_the_place_of_one_on_the_same_subject(driver):
+    for _ in range(3):
+        driver.key(pygame.K_EQUALS, CTRL)
+    assert driver.messages == ["scale 150 %"]
