@@ -135,7 +135,9 @@ LEFT_OUT = (
 )  # where lines break, and what types say
 
 
-@pytest.mark.parametrize(("name", "found"), list(documented()), ids=str)
+@pytest.mark.parametrize(
+    ("name", "found"), list(documented()), ids=lambda value: value if isinstance(value, str) else ""
+)
 def test_docstrings_are_in_the_style_of_numpy(name, found):
     """As numpydoc reads and validates them: sections known, in order and complete; sentences."""
     validate = pytest.importorskip("numpydoc.validate").validate
