@@ -122,10 +122,10 @@ class Chain:
         """Number n of contacts; there are n+1 beads."""
         return len(self.contact)
 
-    @property
+    @cached_property
     def walls(self) -> int:
         """Number of beads of infinite mass."""
-        return sum(math.isinf(mass) for mass in self.mass)
+        return self.mass.count(math.inf)
 
     @cached_property
     def anchor(self) -> int:
@@ -177,6 +177,13 @@ class Chain:
     def inverse_mass(self) -> Array:
         """(n+1,) [1/kg], read-only; 0 for a wall."""
         found: Array = 1.0 / np.array(self.mass)
+        found.setflags(write=False)
+        return found
+
+    @cached_property
+    def finite_mass(self) -> Array:
+        """(n+1,) [kg], read-only; 0 for a wall, which has no kinetic energy that counts."""
+        found: Array = np.where(np.isfinite(self.mass), self.mass, 0.0)
         found.setflags(write=False)
         return found
 

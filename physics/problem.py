@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,7 @@ class Record:
         growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
         absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing dissipates.
         given: (T, 2) work [J] and impulse [N s] of forces over time up to each sample; empty where there are none.
+        kept: within the adaptive methods, the steps of the run, while samples are still to be taken from them.
     """
 
     time: Array
@@ -88,6 +89,7 @@ class Record:
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
     given: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    kept: Any = None
 
 
 class Runner(Protocol):
@@ -142,7 +144,7 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
     found = once(problem, np.inf, NO_TIMES, True)
     times = problem.sample_times(found.end.time)
     if isinstance(problem.samples, int) and problem.samples == 2:
-        return _with_ends_as_samples(found, problem.state, times)
+        return with_ends_as_samples(found, problem.state, times)
     sampled = once(problem, max(found.end.time, float(times[-1])), times, False)
     return replace(
         found,
@@ -156,7 +158,7 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
     )
 
 
-def _with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
+def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its start and its end as the two samples."""
     end = found.end
     return replace(

@@ -89,8 +89,7 @@ class State:
 
     def energy(self, chain: Chain) -> float:
         """Kinetic and contact energy [J], walls left out."""
-        mass, velocity = np.array(chain.mass), self.velocity(chain)
-        kinetic = 0.5 * float((np.where(np.isfinite(mass), mass, 0.0) * velocity**2).sum())
+        kinetic = 0.5 * float((chain.finite_mass * self.velocity(chain) ** 2).sum())
         return kinetic + float(chain.stored_energy(self.overlap).sum())
 
     def external(self, chain: Chain) -> Array | None:
@@ -116,8 +115,10 @@ class State:
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
     """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
-    np.cumsum(-difference, axis=-1, out=down[..., 1:])
-    return down - down[..., anchor : anchor + 1] + np.asarray(value)[..., None]
+    (-difference).cumsum(axis=-1, out=down[..., 1:])
+    down -= down[..., anchor : anchor + 1].copy()
+    down += np.asarray(value)[..., None]
+    return down
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:

@@ -8,7 +8,7 @@ from softcradle.physics.adaptive.events import CLOSES, NOTHING, STOPS
 from softcradle.physics.adaptive.modes import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, SAMPLE, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 LAST_FORCE = 1e-11  # of the preload: a touching contact that carries less pushes no more
 
@@ -85,17 +85,12 @@ def next_flight_event(chain, regime, motion, negligible, velocity):
 
 
 @jit
-def fly(time, end, chain, regime, motion, negligible, samples, log, velocity):
-    """Free flight to the first event or to `end`. Returns the time, and row and kind of the event (-1: none before `end`)."""
+def next_event(time, end, chain, regime, motion, negligible, velocity):
+    """Until when free flight lasts, to the first event or to `end`; row and kind of the event (-1: none before `end`)."""
     flight, row, kind = next_flight_event(chain, regime, motion, negligible, velocity)
-    until = min(time + flight, end)
-    if until == math.inf:
-        return time, NO_CONTACT, NOTHING
-    sample_flight(time, until, chain, regime, motion, samples, log, velocity)
-    drift(until - time, chain, regime, motion, velocity)
-    if time + flight > end:
-        return until, NO_CONTACT, NOTHING
-    return until, row, kind
+    if time + flight > end or time + flight == math.inf:
+        return end, NO_CONTACT, NOTHING
+    return time + flight, row, kind
 
 
 @jit
@@ -140,25 +135,3 @@ def flight_work(passed, chain, regime, motion, velocity):
             path = passed * (velocity[j] + 0.5 * passed * a)
             found += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * path
     return found
-
-
-@jit
-def sample_flight(time, until, chain, regime, motion, samples, log, velocity):
-    """Fill the rows of samples from `time` to `until` while no contact pushes; at `time` itself also while one does."""
-    counter = log.counter
-    n = motion.mode.size
-    while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] <= until:
-        k = counter[SAMPLE]
-        beyond = samples.time[k] - time
-        for i in range(n):
-            length = beyond if motion.mode[i] != FROZEN else 0.0
-            samples.overlap[k, i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), length)
-            samples.rate[k, i] = motion.rate[i] + length * bend_of(chain, i)
-            samples.force[k, i] = max(motion.force[i], 0.0)
-        bend = bend_of(chain, n) if beyond > 0.0 else 0.0
-        samples.anchor[k, 0] = motion.anchor[0] + beyond * (motion.anchor[1] + 0.5 * beyond * bend)
-        samples.anchor[k, 1] = motion.anchor[1] + beyond * bend
-        samples.absorbed[k, 0], samples.absorbed[k, 1] = motion.absorbed[0], motion.absorbed[1]
-        if regime.bed.size and beyond > 0.0:
-            samples.absorbed[k, 1] += flight_work(beyond, chain, regime, motion, velocity)
-        counter[SAMPLE] += 1

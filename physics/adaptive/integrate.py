@@ -1,7 +1,6 @@
 """The loop around `radau` and `dop853`: step sizes, contact switches, free flight, the end of a collision.
 
-Steps grade themselves into the singular times of soft contacts (onset, loss) by factors of up to 8. A sample inside a
-step is one shorter step of the method from the start of that step, so it has the step's own accuracy, forces included.
+Steps grade themselves into the singular times of soft contacts (onset, loss) by factors of up to 8.
 """
 
 from __future__ import annotations
@@ -9,9 +8,9 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.events import SLIPS, acceleration_of, bead_acceleration
-from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes, sample_flight
-from softcradle.physics.adaptive.sampling import absorbed_between, sample_inside
-from softcradle.physics.adaptive.step import NEWTON_PART, find_step
+from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
+from softcradle.physics.adaptive.sampling import absorbed_between, keep_step
+from softcradle.physics.adaptive.step import find_step
 from softcradle.physics.adaptive.step_control import first_step, propose_step, restart_control, update_control
 from softcradle.physics.adaptive.step_records import (
     AT_ONCE,
@@ -24,6 +23,7 @@ from softcradle.physics.adaptive.step_records import (
     RADAU,
     Regime,
     Scratch,
+    Steps,
     Trial,
 )
 from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
@@ -34,19 +34,17 @@ from softcradle.physics.numerics.records import (
     DONE,
     FLIGHT,
     FROZEN,
+    KEPT,
     OUT_OF_STEPS,
     PAUSED,
     REJECTED,
-    SAMPLE,
     SEPARATED,
     STEP,
     TOUCHING,
     ChainData,
     Motion,
-    Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.switches import take_sample
 
 TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step
 SLOW_PART = 1e-2  # of a step's error bound: a contact that arrives at d = 0 slower than this rests there
@@ -101,15 +99,16 @@ def any_frozen(motion):
 @jit
 def integrate(
     allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain_fields, regime_fields, motion_fields,
-    trial_fields, look_fields, scratch_fields, sample_fields, log_fields,
+    trial_fields, look_fields, scratch_fields, steps_fields, log_fields,
 ):  # fmt: skip
     """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
 
     `allowed` is a kind of step or EITHER, `scale` the velocity [m/s] that `tolerance` is relative to. After `pause` steps,
-    rejected ones included, the status is PAUSED, and a call with `resumed` goes on. Records come as plain tuples of their
-    fields; `look` is a second Trial, for what happens inside a step. Returns the status and the time reached.
+    rejected ones included, or where no row for another step is left, the status is PAUSED, and a call with `resumed` goes on.
+    Records come as plain tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status
+    and the time reached.
     """
-    chain, motion, samples = ChainData(*chain_fields), Motion(*motion_fields), Samples(*sample_fields)
+    chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
     regime = Regime(*regime_fields)
     trial, look, scratch, log = (
         Trial(*trial_fields),
@@ -123,26 +122,22 @@ def integrate(
     if not resumed:
         begin(time, chain, regime, motion, wanted, slow, scratch, log)
     while True:
-        sample_flight(time, time, chain, regime, motion, samples, log, scratch.work[0])
         if time >= end:
             return DONE, end
         spent = counter[STEP] + counter[REJECTED]
         if spent >= most_steps:
             return OUT_OF_STEPS, time
-        if spent >= pause:
+        if spent >= pause or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
         if firm and nothing_moves(chain, regime, motion):
-            if stop:
-                return SEPARATED, time
-            while counter[SAMPLE] < samples.time.size:
-                take_sample(samples, log, motion)
-            return DONE, end
+            return (SEPARATED, time) if stop else (DONE, end)
         if nothing_pushes(chain, motion, negligible):
             apart = stop and firm and not any_frozen(motion)  # what stays closed may only come to rest
             if apart and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
             time, row = fly_to_event(
-                time, math.inf if stop else end, chain, regime, motion, wanted, slow, negligible, scratch, samples, log
+                time, math.inf if stop else end, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps,
+                log,
             )  # fmt: skip
             if row < 0 and stop:
                 return SEPARATED, time
@@ -175,9 +170,8 @@ def integrate(
         control[LOCAL_ERROR] += error
         control[LOCAL_SQUARE] += error * error
         find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log)
-        if counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < time + h:
-            precision = NEWTON_PART * wanted
-            sample_inside(time, h, kind, chain, regime, motion, precision, past_step, look, scratch, samples, log)
+        if steps.time.size:
+            keep_step(time, h, kind, chain, regime, motion, trial, steps, counter)
         absorb(chain, regime, motion, trial, scratch.work[0])
         accept_step(kind, motion, trial, scratch.past)
         before, time = time, time + h if h < end - time else end

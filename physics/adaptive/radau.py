@@ -204,12 +204,12 @@ def move_anchor(h, chain, anchor, trial):
 
 
 @jit
-def radau_step(h, chain, motion, precision, past_step, trial, scratch):
-    """One step into `trial`; `past_step` is the length of the one before, or NO_GUESS.
+def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
+    """One step into `trial`; `past_step` is the length of the one before, or NO_GUESS; for `origin` see `first_guess`.
 
     Returns the iterations used, 0 where the stages did not converge.
     """
-    first_guess(h, chain, motion, past_step, scratch.past, trial)
+    first_guess(h, chain, motion, past_step, origin, scratch.past, trial)
     used = solve_stages(h, chain, motion, precision, trial, scratch)
     if used > 0:
         stage_rates(h, chain, motion, trial)

@@ -10,6 +10,7 @@ from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used
+AFTER, INSIDE = 1.0, 0.0  # where a step begins in the one whose cubics it is guessed by, as part of it
 FOLLOW = 3.0  # largest ratio of successive steps at which the cubics of the step before are extrapolated
 SOFT_FOLLOW = 1.3  # largest ratio of successive steps at which those of soft contacts are
 SUDDEN = 0.2  # of the time since an onset, or until an opening: a longer step goes on by a power of that time
@@ -18,11 +19,12 @@ MOST_GROWTH = math.log(3.0)  # of a guessed force
 
 
 @inlined
-def first_guess(h, chain, motion, past_step, past, trial):
+def first_guess(h, chain, motion, past_step, origin, past, trial):
     """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
 
-    `past` (8, n): force at the start and stages of that step, then the overlaps. Else soft contacts go on as a power of the
-    time since an onset, d (1 + t/T)**(w T/d), or keep their force where `past_step` is NO_GUESS; others keep their rate.
+    `past` (8, n): force at the start and stages of that step, then the overlaps; `origin` says whether the new one begins AFTER
+    it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), or keep their
+    force where `past_step` is NO_GUESS; others keep their rate.
     """
     law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
@@ -34,7 +36,7 @@ def first_guess(h, chain, motion, past_step, past, trial):
         preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
         for k in range(3):
             flown = overlap[i] + h * NODES[k] * rate[i]
-            x = 1.0 + NODES[k] * h / past_step if follows else 0.0
+            x = origin + NODES[k] * h / past_step if follows else 0.0
             if mode[i] == OPEN:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
             elif mode[i] == TOUCHING or mode[i] == FROZEN:
@@ -47,7 +49,11 @@ def first_guess(h, chain, motion, past_step, past, trial):
                 stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
                 own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
                 time = overlap[i] / rate[i] if own else since
-                if past_step >= 0.0 and (not soft_follows or h > SUDDEN * abs(time)) and overlap[i] > SMALLEST:
+                if (
+                    past_step >= 0.0
+                    and (not soft_follows or (origin == AFTER and h > SUDDEN * abs(time)))
+                    and overlap[i] > SMALLEST
+                ):
                     growth = math.log(max(1.0 + h * NODES[k] / time, LEAST_LEFT))
                     if own and flown <= 0.0 and preload == 0.0:
                         stage_overlap[k, i], stage_force[k, i] = flown, 0.0

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.integrate import integrate
+from softcradle.physics.adaptive.integrate import TOLERANCE_PART, integrate
+from softcradle.physics.adaptive.kept_steps import KeptSteps
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
     DOP853,
@@ -18,11 +19,13 @@ from softcradle.physics.adaptive.step_records import (
     LOCAL_SQUARE,
     RADAU,
     Scratch,
+    Steps,
     Trial,
     empty_scratch,
+    empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import finish
+from softcradle.physics.adaptive.undetermined import ROWS, finish
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
@@ -43,12 +46,10 @@ from softcradle.physics.numerics.records import (
     FALLBACK,
     PAUSED,
     REJECTED,
-    SAMPLE,
     STEP,
-    Samples,
     SwitchLog,
 )
-from softcradle.physics.problem import MOST_STEPS, NO_TIMES, Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import MOST_STEPS, NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples
 from softcradle.physics.scales import closing_scale, contact_scales
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -77,16 +78,17 @@ class Memory:
     trial: Trial
     look: Trial
     scratch: Scratch
-    samples: Samples
+    steps: Steps
     log: SwitchLog
 
     @classmethod
-    def of(cls, contacts: int, times: Array = NO_TIMES, log_size: int = 0) -> Memory:
-        """Memory for a chain with `contacts`; sample rows at `times`."""
-        mode, held = np.zeros(contacts, dtype=np.int8), np.zeros(contacts, dtype=np.int8)
-        samples = Samples(times, *empty_samples(times.size, contacts))
-        trials = empty_trial(contacts), empty_trial(contacts)
-        return cls(mode, held, *trials, empty_scratch(contacts), samples, empty_log(contacts, log_size))
+    def of(cls, chain: Chain, log_size: int = 0, steps: Steps | None = None) -> Memory:
+        """Memory for a chain; with rows for `steps` where samples are wanted."""
+        n = chain.contacts
+        mode, held, rows = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8), steps
+        if rows is None:
+            rows = empty_steps(0, n, chain.dissipative)
+        return cls(mode, held, empty_trial(n), empty_trial(n), empty_scratch(n), rows, empty_log(n, log_size))
 
 
 def run(problem: Problem) -> Record:
@@ -95,17 +97,37 @@ def run(problem: Problem) -> Record:
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
         record = checked(problem, record, _scale(problem), completed)
-    record.velocity_error = record.velocity_error + _unresolved(problem, record)
-    record.warnings += _energy_warnings(problem, record)
+    if record.kept is not None:
+        began = perf_counter()
+        record = _sampled(record, problem.sample_times(record.end.time))
+        record.seconds += perf_counter() - began
+    before, change = problem.state.energy(problem.chain), _ledger_error(problem, record)
+    record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
+    if change > MOST_ENERGY * problem.tolerance * before:
+        record.warnings += (_energy_warning(problem, change / before),)
     return record
 
 
 def completed(problem: Problem) -> Record:
-    """One run to the end of the problem, by `conserving` from where the contacts only rattle."""
-    record = run_to_end(problem, _pass)
+    """One run to the end of the problem, by `conserving` from where contacts only rattle; samples may be still to be taken."""
+    record = _pass(problem)
     if record.status.gave_up and problem.most_steps is None:
-        record = finish(problem, record, _pass)
+        record = finish(problem, record, _sampled)
     return record
+
+
+def _sampled(record: Record, times: Array) -> Record:
+    """The record with its samples; from another run where it ended before the last, or did not keep its steps."""
+    kept: KeptSteps = record.kept
+    if kept.ends and times.size == 2:
+        return replace(with_ends_as_samples(record, kept.problem.state, times), kept=None)
+    late = not isinstance(kept.problem.samples, int) and times.size > 0 and times[-1] > record.end.time
+    if kept.known or not (kept.ends or kept.overflows or late):
+        return kept.record(record, times)
+    end = max(record.end.time, float(times[-1])) if times.size else record.end.time
+    again = _pass(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
+    found = again.kept.record(again, times)
+    return replace(record, kept=None, **{name: getattr(found, name) for name in ROWS})
 
 
 def step_budget(problem: Problem) -> int:
@@ -125,55 +147,59 @@ def step_budget(problem: Problem) -> int:
 
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the memory of the kernels stays with the state."""
-    state, end = problem.state, problem.end
-    memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain.contacts))
+    state = problem.state
+    memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain))
     memory.log.counter[:] = 0
     memory.log.closed[:] = state.closed
-    status, state.time = _integrate(problem, state, end, False, memory, live=True)
+    status, state.time = _integrate(problem, state, _scale(problem), memory)
     return Status(status)
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool, log_size: int = FIRST_LOG) -> Record:
+def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     """One run of the kernel; again with a larger log of switches where the first was too small."""
     state = problem.state.copy()
-    memory = Memory.of(problem.chain.contacts, times, log_size)
+    fields, scale = _chain_and_regime(problem.chain, state), _scale(problem)
+    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, fields, KERNELS)
+    memory = Memory.of(problem.chain, log_size, kept.steps)
     began = perf_counter()
-    code, state.time = _integrate(problem, state, end, stop, memory)
+    code, state.time = _integrate(problem, state, scale, memory, kept)
     seconds = perf_counter() - began
     larger = larger_log(memory.log)
     if larger:
-        return _pass(problem, end, times, stop, larger)
+        return _pass(problem, larger)
     counter, status, control = memory.log.counter, Status(code), memory.scratch.control
     growth = 1.0 + control[GROWTH] + memory.scratch.grown.sum()
     error = ERROR_GROWTH * growth * float(np.sqrt(control[LOCAL_SQUARE]))
-    rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
-    overlap, rate, anchor, force, absorbed = (row[:rows] for row in memory.samples[1:])
+    overlap, rate, anchor, force, absorbed = empty_samples(0, problem.chain.contacts)
     return Record(
-        times[:rows], overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
+        NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, absorbed,
-        np.full(overlap.shape[1] + 1, error), growth,
+        np.full(problem.chain.contacts + 1, error), growth, kept=kept,
     )  # fmt: skip
 
 
-def _integrate(problem: Problem, state: State, end: float, stop: bool, memory: Memory, live: bool = False) -> Any:
-    """Run the kernel on `state`, in a frame of `live` use by what is at hand. Returns its status and the time reached."""
+def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kept: KeptSteps | None = None) -> Any:
+    """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
     data, regime = _chain_and_regime(problem.chain, state)
-    most, scale, counter = step_budget(problem), _scale(problem), memory.log.counter
-    motion, code, time = motion_record(state, memory.mode, memory.held), PAUSED, state.time
-    rest = tuple(map(tuple, (memory.trial, memory.look, memory.scratch, memory.samples, memory.log)))
-    work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
-    with kernel_arithmetic():
-        while code == PAUSED:
-            spent = int(counter[STEP] + counter[REJECTED])
-            kernel: Any = KERNELS.of_frame(integrate) if live else KERNELS.of(integrate, work)
-            pause = PAUSE
-            if kernel is not integrate:
-                pause = PLAIN_PAUSE
-                KERNELS.spent += 0.0 if live else work
+    most, counter, stop = step_budget(problem), memory.log.counter, problem.duration is None
+    motion, code, time, resumed = motion_record(state, memory.mode, memory.held), PAUSED, state.time, False
+    rest = tuple(map(tuple, (memory.trial, memory.look, memory.scratch)))
+    work, end = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts, problem.end
+    while code == PAUSED:
+        kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
+        pause = int(counter[STEP] + counter[REJECTED]) + PAUSE
+        if kernel is not integrate:
+            pause += PLAIN_PAUSE - PAUSE
+            KERNELS.spent += work if kept else 0.0
+        steps = kept.steps if kept else memory.steps
+        with kernel_arithmetic():
             code, time = kernel(
-                ALLOWED[problem.method], spent > 0, time, end, stop, most, spent + pause, scale, problem.tolerance, data,
-                regime, motion, *rest,
+                ALLOWED[problem.method], resumed, time, end, stop, most, pause, scale, problem.tolerance, data, regime,
+                motion, *rest, tuple(steps), tuple(memory.log),
             )  # fmt: skip
+        resumed = True
+        if kept:
+            kept.take(memory.log)
     return code, time
 
 
@@ -218,39 +244,35 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _unresolved(problem: Problem, record: Record) -> float:
-    """What velocities [m/s] the energy that the run has lost or gained could be, where contacts are so soft that they rattle.
+def _ledger_error(problem: Problem, record: Record) -> float:
+    """By how much the energy ledger [J] of an undriven chain does not close; 0 where work is done on it."""
+    chain, start = problem.chain, problem.state
+    moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0) if chain.walls else NO_FLAGS
+    if start.external(chain) is not None or moved.any():
+        return 0.0
+    absorbed = float((record.end.absorbed - start.absorbed).sum())
+    return abs(float(record.end.energy(chain) + absorbed - start.energy(chain)))
+
+
+def _unresolved(chain: Chain, change: float) -> float:
+    """What velocities [m/s] the energy `change` of a run could be, where contacts are so soft that they rattle.
 
     A cluster of such contacts is all but rigid: rattling far below the closing speed can be damped in every run alike, so that
     none tells of it, and of its energy alone is known that it is no more than what the ledger lacks.
     """
-    chain = problem.chain
-    if not any(contact.preload == 0.0 and contact.exponent < SOFTEST for contact in chain.power_laws):
+    law = chain.law_rows
+    if not ((law[:, 0] == 0.0) & (law[:, 2] < SOFTEST)).any():
         return 0.0
-    return float(np.sqrt(2.0 * abs(_ledger_error(problem, record)) * chain.inverse_reduced_mass.max()))
+    return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max()))
 
 
-def _ledger_error(problem: Problem, record: Record) -> float:
-    """Change of the energy ledger [J] of an undriven chain; 0 where work is done on it."""
-    chain, start = problem.chain, problem.state
-    moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0)
-    if start.external(chain) is not None or moved.any():
-        return 0.0
-    absorbed = float((record.end.absorbed - start.absorbed).sum())
-    return float(record.end.energy(chain) + absorbed - start.energy(chain))
-
-
-def _energy_warnings(problem: Problem, record: Record) -> Warnings:
-    """A warning where the energy ledger of an undriven chain does not close to within many times the tolerance."""
-    before, change = problem.state.energy(problem.chain), abs(_ledger_error(problem, record))
-    if change <= MOST_ENERGY * problem.tolerance * before:
-        return ()
-    error = change / before
+def _energy_warning(problem: Problem, error: float) -> CodedWarning:
+    """The energy ledger does not close to within many times the tolerance."""
     sentence = (
         f"energy is off by {error:.1g} of itself, more than {problem.method} promises at tolerance {problem.tolerance:g}: "
         "compare with method 'conserving', or with another tolerance"
     )
-    return (CodedWarning(WarningCode.ENERGY, sentence, {"error": error}),)
+    return CodedWarning(WarningCode.ENERGY, sentence, {"error": error})
 
 
 def _call_kernels() -> None:

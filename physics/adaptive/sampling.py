@@ -1,13 +1,24 @@
-"""Samples inside a step of the adaptive methods, each a shorter step of the method, and what is absorbed on the way."""
+"""Samples inside the steps of a run, taken when it is over: each is a shorter step of the method, or a flight.
+
+A run keeps its steps, for without a duration it does not know before its end which samples are wanted.
+"""
 
 from __future__ import annotations
 
-from softcradle.physics.adaptive.step import try_step
+from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
+from softcradle.physics.adaptive.radau_guess import INSIDE
+from softcradle.physics.adaptive.step import NEWTON_PART, take_step
+from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.contact_law import energy
-from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.records import SAMPLE
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
+from softcradle.physics.numerics.switches import copy_into
 
+PRECISION_PART = (
+    0.1  # of a step's error bound: precision to which the stages of a sample are solved, for no error adds up
+)
 SHRINK = 0.9  # of the time to a sample where a step to it does not converge; the rest is flown
+LEAST_LENGTH = 1e-12  # of that time: the shortest such step
 
 
 @jit
@@ -34,30 +45,123 @@ def absorbed_between(chain, regime, before, moved, end, path):
     return by_contacts, by_bed
 
 
+@inlined
+def put(row, at, source):
+    """Copy `source` (k,) into `row` from `at` on; returns where it ends."""
+    for i in range(source.size):
+        row[at + i] = source[i]
+    return at + source.size
+
+
+@inlined
+def get(row, at, target):
+    """Fill `target` (k,) from `row` at `at`; returns where it ends."""
+    for i in range(target.size):
+        target[i] = row[at + i]
+    return at + target.size
+
+
 @jit
-def sample_inside(time, h, kind, chain, regime, motion, precision, past_step, trial, scratch, samples, log):
-    """Fill the rows of the samples within the step to come, each by a shorter step into `trial`.
+def keep_step(time, length, kind, chain, regime, motion, trial, steps, counter):
+    """Keep the step from `time` of `length` [s] into `trial`, or the flight, with the motion at its start.
+
+    A row holds the motion, where something dissipates the effective chain, and of radau forces and overlaps of the stages.
+    """
+    k = counter[KEPT]
+    counter[KEPT] = k + 1
+    steps.time[k], steps.length[k], steps.kind[k] = time, length, kind
+    row, flags = steps.values[k], steps.flags[k]
+    at = put(row, put(row, put(row, 0, motion.force), motion.overlap), motion.rate)
+    at, end = put(row, put(row, at, motion.anchor), motion.absorbed), put(flags, 0, motion.mode)
+    if regime.bed.size or regime.easing.size:
+        for i in range(motion.mode.size):
+            at = put(row, at, chain.law[i])
+        at = put(row, put(row, at, chain.inverse_mass), chain.external)
+        put(flags, put(flags, end, regime.slide), regime.easing)
+    if kind == RADAU:
+        for s in range(3):
+            at = put(row, put(row, at, trial.force[s]), trial.overlap[s])
+
+
+@inlined
+def restore_step(k, chain, regime, motion, past, steps):
+    """Make the motion and the chain those at the start of step k, and `past` its stages."""
+    row, flags = steps.values[k], steps.flags[k]
+    at = get(row, get(row, get(row, 0, motion.force), motion.overlap), motion.rate)
+    at, end = get(row, get(row, at, motion.anchor), motion.absorbed), get(flags, 0, motion.mode)
+    if regime.bed.size or regime.easing.size:
+        for i in range(motion.mode.size):
+            at = get(row, at, chain.law[i])
+        at = get(row, get(row, at, chain.inverse_mass), chain.external)
+        get(flags, get(flags, end, regime.slide), regime.easing)
+    if steps.kind[k] == RADAU:
+        copy_into(past[0], motion.force)
+        copy_into(past[4], motion.overlap)
+        for s in range(1, 4):
+            at = get(row, get(row, at, past[s]), past[4 + s])
+
+
+@jit
+def sample_steps(
+    count, wanted, chain_fields, regime_fields, motion_fields, trial_fields, scratch_fields, steps_fields, sample_fields,
+    log_fields,
+):  # fmt: skip
+    """Fill the rows of all samples before the end of the last of `count` steps; `wanted` [m/s] was their error bound."""
+    chain, regime, motion = ChainData(*chain_fields), Regime(*regime_fields), Motion(*motion_fields)
+    trial, scratch, steps = Trial(*trial_fields), Scratch(*scratch_fields), Steps(*steps_fields)
+    samples, log = Samples(*sample_fields), SwitchLog(*log_fields)
+    counter = log.counter
+    for k in range(count):
+        end = steps.time[k] + steps.length[k]
+        if counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
+            restore_step(k, chain, regime, motion, scratch.past, steps)
+        while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
+            passed = samples.time[counter[SAMPLE]] - steps.time[k]
+            if steps.kind[k] == FLOWN or passed <= 0.0:  # before the step lies one of another method
+                sample_flight(passed, chain, regime, motion, samples, counter[SAMPLE], scratch.work[0])
+            else:
+                sample_inside(
+                    passed, steps.length[k], steps.kind[k], wanted, chain, regime, motion, trial, scratch, samples, log
+                )
+            counter[SAMPLE] += 1
+
+
+@jit
+def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch, samples, log):
+    """Fill the next sample row, `passed` [s] after the start of a step of length `h`, by a shorter step into `trial`.
 
     Where its stages do not converge, the step is made a little shorter and the rest drifts.
     """
-    counter = log.counter
-    firm = regime.bed.size > 0
-    while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < time + h:
-        k = counter[SAMPLE]
-        wanted = samples.time[k] - time
-        length = wanted
-        while (
-            try_step(length, kind, firm, chain, motion, precision, past_step, trial, scratch, log) < 0.0
-            and time + length > time
-        ):
-            length *= SHRINK
-        for i in range(motion.mode.size):
-            samples.overlap[k, i] = trial.overlap[2, i] + (wanted - length) * trial.rate[2, i]
-            samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
-        samples.anchor[k, 0] = trial.anchor[0] + (wanted - length) * trial.anchor[1]
-        samples.anchor[k, 1] = trial.anchor[1]
-        path = samples.anchor[k, 0] - motion.anchor[0]
-        absorbed = absorbed_between(chain, regime, motion.overlap, scratch.work[0], samples.overlap[k], path)
-        samples.absorbed[k, 0] = motion.absorbed[0] + absorbed[0]
-        samples.absorbed[k, 1] = motion.absorbed[1] + absorbed[1]
-        counter[SAMPLE] += 1
+    k, length, firm = log.counter[SAMPLE], passed, regime.bed.size > 0
+    precision = NEWTON_PART * wanted
+    while take_step(length, kind, firm, chain, motion, precision, h, INSIDE, trial, scratch, log) < 0.0:
+        length *= SHRINK
+        if length < LEAST_LENGTH * passed:
+            break
+    rest = passed - length
+    for i in range(motion.mode.size):
+        samples.overlap[k, i] = trial.overlap[2, i] + rest * trial.rate[2, i]
+        samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
+    samples.anchor[k, 0] = trial.anchor[0] + rest * trial.anchor[1]
+    samples.anchor[k, 1] = trial.anchor[1]
+    path = samples.anchor[k, 0] - motion.anchor[0]
+    absorbed = absorbed_between(chain, regime, motion.overlap, scratch.work[0], samples.overlap[k], path)
+    samples.absorbed[k, 0] = motion.absorbed[0] + absorbed[0]
+    samples.absorbed[k, 1] = motion.absorbed[1] + absorbed[1]
+
+
+@jit
+def sample_flight(passed, chain, regime, motion, samples, k, velocity):
+    """Fill sample row k, `passed` [s] after the start of a flight."""
+    n = motion.mode.size
+    for i in range(n):
+        length = passed if motion.mode[i] != FROZEN else 0.0
+        samples.overlap[k, i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), length)
+        samples.rate[k, i] = motion.rate[i] + length * bend_of(chain, i)
+        samples.force[k, i] = max(motion.force[i], 0.0)
+    bend = bend_of(chain, n) if passed > 0.0 else 0.0
+    samples.anchor[k, 0] = motion.anchor[0] + passed * (motion.anchor[1] + 0.5 * passed * bend)
+    samples.anchor[k, 1] = motion.anchor[1] + passed * bend
+    samples.absorbed[k, 0], samples.absorbed[k, 1] = motion.absorbed[0], motion.absorbed[1]
+    if regime.bed.size and passed > 0.0:
+        samples.absorbed[k, 1] += flight_work(passed, chain, regime, motion, velocity)

@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.events import (
 from softcradle.physics.adaptive.first_root import first_root, stage_cubic
 from softcradle.physics.adaptive.radau import MOST_NEWTON, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
-from softcradle.physics.adaptive.radau_guess import NO_GUESS
+from softcradle.physics.adaptive.radau_guess import AFTER, NO_GUESS
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, REJECTED, STEP
@@ -36,17 +36,24 @@ MOST_FAILURES = 6  # tries of one step whose stages do not converge, before the 
 
 
 @jit
-def try_step(h, kind, firm, chain, motion, precision, past_step, trial, scratch, log):
-    """Try one step; returns its error as a velocity [m/s], negative where its stages do not converge. `firm`: beads may stick."""
+def take_step(h, kind, firm, chain, motion, precision, past_step, origin, trial, scratch, log):
+    """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
     if kind == DOP853:
         return dop853_step(h, INACTIVE_PART * precision, firm, chain, motion, trial, scratch)
-    used = radau_step(h, chain, motion, precision, past_step, trial, scratch)
+    used = radau_step(h, chain, motion, precision, past_step, origin, trial, scratch)
     log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
     if used == 0:
-        used = radau_step(h, chain, motion, precision, NO_GUESS, trial, scratch)
+        used = radau_step(h, chain, motion, precision, NO_GUESS, AFTER, trial, scratch)
         log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
-    return embedded_error(h, chain, motion, trial, scratch.work) if used > 0 else -1.0
+    return 0.0 if used > 0 else -1.0
+
+
+@inlined
+def try_step(h, kind, firm, chain, motion, precision, past_step, trial, scratch, log):
+    """One step that may be taken; returns its error as a velocity [m/s], negative where its stages do not converge."""
+    error = take_step(h, kind, firm, chain, motion, precision, past_step, AFTER, trial, scratch, log)
+    return error if kind == DOP853 or error < 0.0 else embedded_error(h, chain, motion, trial, scratch.work)
 
 
 @inlined

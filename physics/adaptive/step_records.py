@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 RADAU, DOP853 = 0, 1  # kinds of step; tables below are indexed by them
 EITHER = 2  # in place of a kind, for a method that takes whichever is cheaper
+FLOWN = 2  # in place of a kind, for a free flight among the steps that are kept
 ERROR_EXPONENT = (0.2, 0.125)  # by kind: one over the order of the error estimate, for the next step size
 TRY_EVALUATIONS = (0, 15)  # by kind: evaluations of all contacts in one try; radau counts its iterations itself
 
@@ -41,6 +42,16 @@ class Trial(NamedTuple):
     rate: Array  # (3, n)
     force: Array  # (3, n)
     anchor: Array  # (2,) at the end
+
+
+class Steps(NamedTuple):
+    """Steps and flights of a run, each with the motion and the chain at its start, so that samples in it can be taken later."""
+
+    time: Array  # (R,) start [s]
+    length: Array  # (R,) [s]
+    kind: NDArray[np.int8]  # (R,) RADAU, DOP853 or FLOWN
+    values: Array  # (R, K) what `keep_step` puts there
+    flags: NDArray[np.int8]  # (R, F) modes, then directions of sliding and easing
 
 
 class Regime(NamedTuple):
@@ -85,6 +96,15 @@ class Scratch(NamedTuple):
 def empty_trial(contacts: int) -> Trial:
     """Memory of one step tried."""
     return Trial(np.zeros((3, contacts)), np.zeros((3, contacts)), np.zeros((3, contacts)), np.zeros(2))
+
+
+def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
+    """Memory of `rows` steps."""
+    values, flags = 9 * contacts + 4, contacts
+    if dissipative:
+        values, flags = values + 5 * contacts + 2, flags + 2 * contacts + 1
+    time, length, kind = np.empty(rows), np.empty(rows), np.empty(rows, dtype=np.int8)
+    return Steps(time, length, kind, np.empty((rows, values)), np.empty((rows, flags), dtype=np.int8))
 
 
 def empty_scratch(contacts: int) -> Scratch:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.events import is_continued
-from softcradle.physics.adaptive.step import NEWTON_PART, try_step
+from softcradle.physics.adaptive.radau_guess import AFTER
+from softcradle.physics.adaptive.step import NEWTON_PART, take_step
 from softcradle.physics.adaptive.step_records import GROWTH
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import cubic, flow_into
@@ -79,7 +80,9 @@ def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, 
     for i in range(motion.mode.size):
         for _ in range(OPENING_TRIES):  # Newton on the time at which contact i opens
             part = opening[i]
-            if part <= 0.0 or try_step(part, kind, firm, chain, motion, precision, past_step, look, scratch, log) < 0.0:
+            if part <= 0.0:
+                break
+            if take_step(part, kind, firm, chain, motion, precision, past_step, AFTER, look, scratch, log) < 0.0:
                 break
             miss, speed = look.overlap[2, i], look.rate[2, i]
             if speed >= 0.0:

@@ -6,10 +6,11 @@ import math
 
 from softcradle.physics.adaptive.events import CLOSES, EASES, SLIPS, STOPS, TURNS, YIELDS, friction_needed, is_continued
 from softcradle.physics.adaptive.fallback_step import fallback_step
-from softcradle.physics.adaptive.flight import fly
+from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.modes import find_slides, resolve_modes, stop_bead, stop_beside
+from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
-from softcradle.physics.adaptive.step_records import AT_ONCE, GROWTH, LOCAL_ERROR, LOCAL_SQUARE, NEXT, PAST_STEP
+from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_ERROR, LOCAL_SQUARE, NEXT, PAST_STEP
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import flow_into
@@ -112,14 +113,19 @@ def switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log):
 
 
 @jit
-def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, scratch, samples, log):
+def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps, log):
     """Open all loaded contacts, fly to the first event, and carry it out. Returns the time and the row (-1: none)."""
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
             motion.mode[i], motion.force[i] = OPEN, 0.0
     log_switches(time, time, motion, wanted, scratch, log)
     scratch.control[NEXT] = math.inf
-    time, row, kind = fly(time, end, chain, regime, motion, negligible, samples, log, scratch.work[0])
+    until, row, kind = next_event(time, end, chain, regime, motion, negligible, scratch.work[0])
+    if until < math.inf:
+        if steps.time.size:
+            keep_step(time, until - time, FLOWN, chain, regime, motion, trial, steps, log.counter)
+        drift(until - time, chain, regime, motion, scratch.work[0])
+        time = until
     if row >= 0:
         switch(row, kind, time, chain, regime, motion, wanted, slow, scratch, log)
     return time, row

@@ -7,6 +7,7 @@ and how far runs of unlike steps differ says how well that end is determined.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.fixed_step import runner as fixed_step
-from softcradle.physics.problem import NO_TIMES, Pass, Problem, Record, continued_switches
+from softcradle.physics.problem import NO_TIMES, Problem, Record, continued_switches
 from softcradle.physics.scales import default_step
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode
@@ -30,8 +31,11 @@ ROWS = ("time", "overlap", "rate", "anchor", "force", "absorbed")  # fields of a
 STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
 
 
-def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
-    """The whole record of a motion that the adaptive method gave up at ``given_up.end``; its error is the spread of the runs."""
+def finish(problem: Problem, given_up: Record, sampled: Callable[[Record, Array], Record]) -> Record:
+    """The whole record of a motion that the adaptive method gave up at ``given_up.end``; its error is the spread of the runs.
+
+    `sampled` takes samples of a record at some times.
+    """
     start = given_up.end
     elapsed = start.time - problem.state.time
     step = STEP_PART * default_step(problem.chain, problem.state.velocity(problem.chain))
@@ -41,12 +45,8 @@ def finish(problem: Problem, given_up: Record, run_pass: Pass) -> Record:
     error = confirmed_error(given_up) + SPREAD * np.ptp(velocities, axis=0)
     times = problem.sample_times(ends[-1].end.time)
     early = times[times <= start.time]
-    parts = [run_pass(problem, start.time, early, False)]
-    missed = early[parts[0].time.size :]  # cut at another end, that pass may not get so far
-    if missed.size:
-        parts.append(_run_on(problem, parts[0].end, PARTS[-1] * step, start.time, missed))
     last = _run_on(problem, start, PARTS[-1] * step, ends[-1].end.time, times[times > start.time])
-    return _joined(problem, [*parts, replace(last, end=ends[-1].end)], start.time, error)
+    return _joined(problem, sampled(given_up, early), replace(last, end=ends[-1].end), error)
 
 
 def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
@@ -85,15 +85,14 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
     )
 
 
-def _joined(problem: Problem, parts: list[Record], handed_over: float, error: Array) -> Record:
-    """Records of runs that go on from each other, the last one from `handed_over` [s], as that of a motion not determined."""
-    starts = [problem.state.time, *(part.end.time for part in parts[:-2]), handed_over]
+def _joined(problem: Problem, first: Record, last: Record, error: Array) -> Record:
+    """Two records, the second of which goes on from the first, as that of a motion not determined."""
     return replace(
-        _in_a_row(problem.chain, starts, parts),
+        _in_a_row(problem.chain, [problem.state.time, first.end.time], [first, last]),
         status=Status.UNDETERMINED,
         warnings=(undetermined(error),),
         velocity_error=error,
-        growth=parts[0].growth,
+        growth=first.growth,
     )
 
 

@@ -37,7 +37,8 @@ FALLBACK = 4  # steps of the discrete gradient in place of one that failed
 SAMPLE = 5  # sample rows filled
 SWITCH = 6  # contact switches, those beyond the end of the log included
 FLIGHT = 7  # free flights
-COUNTERS = 8
+KEPT = 8  # rows of steps kept for samples
+COUNTERS = 9
 
 
 class ChainData(NamedTuple):

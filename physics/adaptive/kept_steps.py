@@ -1,0 +1,135 @@
+"""The samples of a run of the adaptive methods: as it goes where their times are known, else from its steps when it is over."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.adaptive.sampling import sample_steps
+from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
+from softcradle.physics.chain import Chain
+from softcradle.physics.kernel_records import empty_log, motion_record
+from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
+from softcradle.physics.numerics.records import KEPT, SAMPLE, Samples, SwitchLog
+from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
+
+Array = NDArray[np.float64]
+
+MOST_ROWS, MOST_NUMBERS = 256, 2**18  # steps between two samplings, and numbers that these take
+MOST_SPARE = (
+    4  # blocks of steps that a thread keeps for its next runs: fresh memory costs more than what is written to it
+)
+MOST_KEPT = 2**28  # bytes of steps that a run without a duration keeps; a longer one is run again for its samples
+SAMPLE_COST = 1.0  # fixed steps that cost plain Python as much as one sample
+
+
+class KeptSteps:
+    """Rows for the steps of a run, and the samples taken from them.
+
+    Attributes:
+        steps: what the kernel fills; without rows where no samples are wanted.
+        known: whether the times of the samples were known at the start.
+        ends: whether the samples wanted are the start and the end of the run.
+        overflows: whether the run had more steps than are kept.
+    """
+
+    def __init__(self, problem: Problem, wanted: float, fields: Any, tiers: KernelTiers) -> None:
+        """`wanted` [m/s] bounds the error of a step, `fields` are those of the chain and its Regime."""
+        self.problem, self.wanted, self.fields, self.tiers = problem, wanted, fields, tiers
+        self.ends = problem.duration is None and isinstance(problem.samples, int) and problem.samples == 2
+        self.known = problem.duration is not None
+        self.overflows = False
+        self._chunks: list[tuple[Steps, int]] = []
+        self._log = empty_log(problem.chain.contacts, 0)
+        self._want(problem.sample_times(problem.end) if self.known else NO_TIMES)
+        self.steps = (
+            _no_steps(problem.chain) if self.ends or (self.known and not self.times.size) else _block(problem.chain)
+        )
+
+    def _want(self, times: Array) -> None:
+        self.times = times
+        self._samples = Samples(times, *empty_samples(times.size, self.problem.chain.contacts))
+
+    def take(self, log: SwitchLog) -> None:
+        """Take the samples in the steps that the kernel has filled, or keep these."""
+        count, log.counter[KEPT] = int(log.counter[KEPT]), 0
+        if self.known:
+            self._sample(self.steps, count)
+        elif count:
+            self._chunks.append((self.steps, count))
+            bytes_a_chunk = self.steps.values.nbytes + self.steps.flags.nbytes
+            self.overflows = len(self._chunks) * bytes_a_chunk > MOST_KEPT
+            if self.overflows:
+                self._chunks.clear()
+            self.steps = _no_steps(self.problem.chain) if self.overflows else _block(self.problem.chain)
+
+    def _sample(self, steps: Steps, count: int) -> None:
+        """Take the samples in `count` steps."""
+        done = int(self._log.counter[SAMPLE])
+        last = steps.time[count - 1] + steps.length[count - 1] if count else -np.inf
+        many = int(np.searchsorted(self.times[done:], last))
+        if many == 0:
+            return
+        work = SAMPLE_COST * many * self.problem.chain.contacts
+        kernel: Any = self.tiers.of(sample_steps, work)
+        if kernel is not sample_steps:
+            self.tiers.spent += work
+        n, motion = self.problem.chain.contacts, self.problem.state.copy()
+        mode, held = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)
+        scratch = tuple(empty_trial(n)), tuple(empty_scratch(n))
+        with kernel_arithmetic():
+            kernel(
+                count, self.wanted, *self.fields, motion_record(motion, mode, held), *scratch, tuple(steps),
+                tuple(self._samples), tuple(self._log),
+            )  # fmt: skip
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`, as far as it got."""
+        if not self.known:
+            self._want(times)
+            for steps, count in self._chunks:
+                self._sample(steps, count)
+        state, done, rows = found.end, int(self._log.counter[SAMPLE]), times.size
+        if found.status.gave_up:
+            rows = max(done, int(np.searchsorted(times, state.time, side="right")))
+        overlap, rate, anchor, force, absorbed = (row[:rows] for row in self._samples[1:])
+        left = times[done:rows] - state.time
+        overlap[done:], rate[done:], force[done:] = state.overlap + np.outer(left, state.rate), state.rate, state.force
+        anchor[done:, 0], anchor[done:, 1] = state.anchor[0] + left * state.anchor[1], state.anchor[1]
+        absorbed[done:] = state.absorbed
+        _spare.blocks = [self.steps, *(steps for steps, _ in self._chunks)][:MOST_SPARE]
+        return replace(
+            found, time=times[:rows], overlap=overlap, rate=rate, anchor=anchor, force=force, absorbed=absorbed, kept=None
+        )  # fmt: skip
+
+
+class _Spare(threading.local):
+    """Blocks of steps of the last run of a thread."""
+
+    def __init__(self) -> None:
+        self.blocks: list[Steps] = []
+
+
+_spare = _Spare()
+
+
+def _no_steps(chain: Chain) -> Steps:
+    return empty_steps(0, chain.contacts, chain.dissipative)
+
+
+def _block(chain: Chain) -> Steps:
+    """Rows for some steps: those of the run before, where they fit."""
+    none = _no_steps(chain)
+    while _spare.blocks:
+        block = _spare.blocks.pop()
+        if (
+            block.time.size
+            and block.values.shape[1] == none.values.shape[1]
+            and block.flags.shape[1] == none.flags.shape[1]
+        ):
+            return block
+    return empty_steps(min(MOST_ROWS, MOST_NUMBERS // none.values.shape[1] + 1), chain.contacts, chain.dissipative)
