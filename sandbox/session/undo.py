@@ -123,6 +123,10 @@ class UndoStack:
         """Whether edits have not been saved."""
         return self._last_edit() != self._saved
 
+    def lose_what_was_saved(self) -> None:
+        """Call the state unsaved: it was made from edits that are in no file."""
+        self._saved = -1
+
     def _last_edit(self) -> int:
         return next((step.number for step in reversed(self.done) if step.is_edit), 0)
 

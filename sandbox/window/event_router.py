@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.window.keys import action_of
+from softcradle.sandbox.window.keys import REPEATED, action_of
 from softcradle.sandbox.window.window_page import Window
 
 AWAY = frozenset((pygame.WINDOWMINIMIZED, pygame.WINDOWHIDDEN, pygame.WINDOWFOCUSLOST))
@@ -16,6 +16,8 @@ class EventRouter:
 
     def __init__(self, app: Window) -> None:
         self.app = app
+        self._held: set[int] = set()  # keys that are down, as far as events tell
+        self._repeated = False  # whether the key of the present event was down already
         self._pressed = False  # whether the left button is down, as far as events tell
 
     def take(self, event: pygame.Event) -> None:
@@ -23,6 +25,7 @@ class EventRouter:
         if event.type in AWAY or (event.type == pygame.MOUSEMOTION and self._pressed and not any(event.buttons)):
             self._let_go()
         if event.type in FOCUS:
+            self._held.clear()
             self.app.reader.take_focus(event.type == pygame.WINDOWFOCUSGAINED)
         if event.type == pygame.QUIT:
             self.app.act("quit")
@@ -41,6 +44,11 @@ class EventRouter:
             self._take_input(event)
 
     def _take_input(self, event: pygame.Event) -> None:
+        if event.type == pygame.KEYDOWN:
+            self._repeated = event.key in self._held
+            self._held.add(event.key)
+        elif event.type == pygame.KEYUP:
+            self._held.discard(event.key)
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.focus.handle(event)
         if event.type in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP) and event.button == 1:
@@ -77,4 +85,6 @@ class EventRouter:
         if self.app.manager.process_events(event) or self.app.page.handle(event) or self.app.page.typing:
             return
         if event.type == pygame.KEYDOWN and not self.app.focus.handle(event):
-            self.app.act(action_of(event.key, event.mod))
+            action = action_of(event.key, event.mod)
+            if not self._repeated or action in REPEATED:
+                self.app.act(action)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.draw.text import write_on_plate
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
@@ -71,8 +71,11 @@ class ScenePage:
         }
 
     def show_scene(self, scene: Scene) -> None:
-        """Show another scene in place of this page."""
-        self.host.show(ScenePage(self.host, Session(scene, clock=self.host.clock), self.leave))
+        """Show a scene that was made of this one in its place; edits of this one stay unsaved there."""
+        session = Session(scene, clock=self.host.clock)
+        if self.unsaved:
+            session.undo_stack.lose_what_was_saved()
+        self.host.show(ScenePage(self.host, session, self.leave))
 
     @property
     def title(self) -> str:
@@ -215,8 +218,11 @@ class ScenePage:
         if self.editor.preparing or self.replay is not None:
             text = _(PREPARING) if self.replay is None else self.replay.sentence
             bad = self.replay is not None and self.replay.diverged is not None
-            place = (places.lanes[0].centerx, places.lanes[0].top + 30 * unit)
-            write(surface, text, place, 15 * unit, tones.warning if bad else tones.muted, bold=bad, align=(0.5, 0.5))
+            place, tint = (
+                (places.lanes[0].centerx, places.lanes[0].top + 30 * unit),
+                tones.warning if bad else tones.muted,
+            )
+            write_on_plate(surface, text, place, 15 * unit, tint, bold=bad)
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
         """Record the finished picture, if a film is being made."""

@@ -13,6 +13,8 @@ from softcradle.sandbox.session.values_table import values_csv
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
+OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/scene_words.py
+
 
 class Sharing:
     """What goes from a session to the clipboard."""
@@ -50,5 +52,6 @@ class Sharing:
 def beside_itself(scene: Scene) -> Scene:
     """The first lane of a scene beside a copy of it, to be edited and compared."""
     lane = scene.lanes[0].model_dump()
-    lanes = [lane, {**lane, "label": f"{lane['label']}, the other".removeprefix(", ")}]
-    return Scene.model_validate({**scene.model_dump(), "title": f"{scene.title}, compared", "lanes": lanes})
+    lanes = [lane, {**lane, "label": f"{lane['label']}{OTHER}".removeprefix(", ")}]
+    title = scene.title.removesuffix(COMPARED) + COMPARED  # once, though it is compared again
+    return Scene.model_validate({**scene.model_dump(), "title": title, "lanes": lanes})

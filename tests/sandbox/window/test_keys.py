@@ -26,3 +26,27 @@ def test_modifiers_distinguish_keys():
     assert action_of(pygame.K_r, pygame.KMOD_ALT) is None
     assert action_of(pygame.K_MINUS, SHIFT) == "slower"  # on keyboards where the sign needs Shift
     assert action_of(pygame.K_MINUS, CTRL) == "smaller"
+
+
+def test_a_key_that_is_held_repeats_only_what_is_gradual():
+    """The system sends it again and again, as one that was pressed."""
+    driver = Driver("one-on-four")
+
+    def hold(code, times=5):
+        for _ in range(times):
+            pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=0, unicode="", scancode=0))
+        driver.frames()
+        pygame.event.post(pygame.Event(pygame.KEYUP, key=code, mod=0, unicode="", scancode=0))
+        driver.frames()
+
+    hold(pygame.K_PERIOD)
+    assert driver.session.frame == 5
+    hold(pygame.K_COMMA)
+    assert driver.session.frame == 0
+    beads = len(driver.session.lanes[0].chain.mass)
+    driver.key(pygame.K_RIGHT)
+    hold(pygame.K_a)
+    assert len(driver.session.lanes[0].chain.mass) == beads + 1
+    hold(pygame.K_SPACE, 4)
+    assert driver.session.playing
+    driver.close()

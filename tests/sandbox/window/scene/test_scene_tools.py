@@ -98,6 +98,22 @@ def test_a_scene_is_compared_with_a_copy(driver: Driver) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(60)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
+    driver.key(pygame.K_d, CTRL)  # the first lane of the two
+    assert driver.page.title == "One bead on four, compared"
+    assert [driver.session.label(lane) for lane in (0, 1)] == ["alpha = 1/10", "alpha = 1/10, the other"]
+
+
+def test_edits_stay_unsaved_in_a_comparison(driver: Driver) -> None:
+    driver.key(pygame.K_d, CTRL)
+    assert not driver.page.unsaved
+    driver.session.apply(SetMass(0, 1, 3.0))
+    driver.key(pygame.K_d, CTRL)
+    assert driver.session.lanes[1].chain.mass[1] == 3.0
+    assert driver.page.unsaved
+    page = driver.page
+    driver.key(pygame.K_ESCAPE)
+    assert driver.app.page is page
+    assert driver.app.dialog.title == "Keep the edits?"
 
 
 def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
