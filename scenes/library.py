@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import tomllib
 from pathlib import Path
 
@@ -52,7 +53,7 @@ def _read(wanted: str) -> tuple[str, str]:
     shipped = CATALOGUE / f"{wanted}.toml"
     if wanted in names():
         return shipped.read_text(encoding="utf-8"), shipped.name
-    if not wanted.endswith(".toml") and Path(wanted).name == wanted and not Path(wanted).is_file():
+    if not wanted.endswith(".toml") and Path(wanted).name == wanted and not os.path.isfile(wanted):
         raise SceneError([_unknown(wanted)])
     try:
         return Path(wanted).read_text(encoding="utf-8"), wanted

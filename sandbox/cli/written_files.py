@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import webbrowser
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -19,7 +20,7 @@ class WrittenFiles:
     """
 
     def __init__(self, candidates: Iterable[Path]) -> None:
-        self._before = {path.absolute() for path in candidates if path.exists()}
+        self._before = {path.absolute() for path in candidates if os.path.exists(path)}
 
     def report(self, paths: Sequence[Path], detail: str = "", show: bool = False) -> None:
         """Say what was written and what was replaced; `show` opens the first of the files.

@@ -142,7 +142,7 @@ def check(
 
 
 def _by_name(output: str) -> Codec | None:
-    if output.endswith(("/", "\\")) or Path(output).is_dir():
+    if output.endswith(("/", "\\")) or os.path.isdir(output):
         return None
     suffix = Path(output).suffix.lower()
     for codec in CODECS:

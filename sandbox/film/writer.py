@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import threading
 from collections.abc import Iterator, Sequence
@@ -58,7 +59,7 @@ def open_film(
     """
     codec = check(output, size, frame_rate, pixel_format)
     if codec is None:
-        folder = str(output).endswith(("/", "\\")) or Path(output).is_dir()
+        folder = str(output).endswith(("/", "\\")) or os.path.isdir(output)
         with output_folder(output) if folder else output_file(output) as path:
             yield _Pictures(path, size)
         return

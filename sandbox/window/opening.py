@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -25,7 +26,7 @@ def page_of(host: Host, name_or_path: str, leave: Callable[[], None]) -> Page:
         return _scene_page(
             host, scene_from_text(text) if is_shared_text(text) else parse(text, _("standard input")), leave
         )
-    wanted = name_or_path if name_or_path in names() else str(Path(name_or_path).expanduser())
+    wanted = name_or_path if name_or_path in names() else str(Path(os.path.expanduser(name_or_path)))
     if wanted.lower().endswith(".npz"):
         return _replay_page(host, wanted, leave)
     return _scene_page(host, load(wanted), leave)

@@ -67,7 +67,7 @@ class Settings:
     def remember(self, path: str | Path) -> None:
         """Put a file at the head of the recent ones, where it is a file."""
         try:
-            found = Path(path).expanduser()
+            found = Path(os.path.expanduser(path))
             whole = str(found.resolve()) if found.is_file() else ""
         except (OSError, RuntimeError, ValueError):  # a scene as text is longer than any path
             return

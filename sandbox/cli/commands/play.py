@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+import os
 
 from softcradle.sandbox.cli.arguments import completed, picture_size, scene_words
 from softcradle.sandbox.scene_runs import load_scene
@@ -51,7 +51,7 @@ def _require_scene(wanted: str) -> None:
     from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME
     from softcradle.sandbox.window.opening import STANDARD_INPUT
 
-    if wanted in (HANGING_NAME, STANDARD_INPUT) or is_shared_text(wanted) or Path(wanted).exists():
+    if wanted in (HANGING_NAME, STANDARD_INPUT) or is_shared_text(wanted) or os.path.exists(wanted):
         return
     if wanted.lower().endswith(".npz"):
         raise UserError(f"there is no file {wanted}")

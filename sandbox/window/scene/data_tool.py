@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import partial
 from pathlib import Path
 
@@ -55,7 +56,7 @@ class DataTool:
 
     def take_file(self, text: str, point: tuple[int, int]) -> bool:
         """Lay a file over the plot at `point`, or over the usual one; whether it is a table or a picture."""
-        path = Path(text).expanduser()
+        path = Path(os.path.expanduser(text))
         ending = path.suffix.lower()
         if ending not in (*TABLES, *PICTURES):
             return False
@@ -64,7 +65,7 @@ class DataTool:
                 self._lay_numbers(path, point)
             else:
                 self._ask_edges(path)
-        except UserError as error:
+        except (UserError, ValueError) as error:  # no file can have a name with a NUL
             self.host.messages.show(str(error), warning=True)
         return True
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -94,8 +95,12 @@ class SaveDialogs:
     def save(self, name: str, text: str) -> None:
         """Write that kind of file to the path `text`; ask first where there is a file already."""
         saving = self.savings[name]
-        path = typed_path(text, saving.endings)
-        taken = [file for file in saving.files(path) if file.exists()]
+        try:
+            path = typed_path(text, saving.endings)
+        except UserError as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        taken = [file for file in saving.files(path) if os.path.exists(file)]
         if not taken:
             self._write(saving, path)
             return

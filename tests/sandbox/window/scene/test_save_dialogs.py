@@ -126,3 +126,37 @@ def test_a_bad_file_gives_a_message_and_no_crash(
     assert driver.app.page is page
     assert any(name in text for text in driver.messages)
     assert driver.app.messages.visible[-1].warning
+
+
+NO_NAMES = (
+    "x" * 300,
+    "..",
+    "/",
+    "~nobody-at-all/\0",
+    "a" * 250 + "/" + "b" * 270,
+    "\0",
+    "~" * 400,
+    "there/" + "é" * 200,
+)
+
+
+@pytest.mark.parametrize("text", NO_NAMES)
+@pytest.mark.parametrize("saving", ["save_scene", "save_session", "export", "share_page", "film"])
+def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver, saving: str, text: str) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(5)
+    driver.page.dialogs.save(saving, text)
+    driver.frames(2)
+    said = driver.messages[-1]
+    assert said.startswith(("cannot write", f"{text} is a folder"))
+    assert driver.page.dialogs.film.film is None
+
+
+@pytest.mark.parametrize("text", [name for name in NO_NAMES if name not in ("..", "/")])
+def test_such_a_name_opens_nothing_and_says_so(driver: Driver, text: str) -> None:
+    driver.app.open(text)
+    driver.frames(2)
+    assert driver.messages
+    driver.page.tools.data._take_typed(text + ".csv")
+    driver.frames(2)
+    assert driver.page is not None
