@@ -127,8 +127,24 @@ _BINDINGS: tuple[Binding, ...] = (
 
 # What a key that is held down does again and again; the rest is done once a press.
 REPEATED = frozenset(
-    "forward back slower faster previous_event next_event select_left select_right undo redo "
-    "zoom_in zoom_out larger smaller next_control previous_control".split()
+    [
+        "forward",
+        "back",
+        "slower",
+        "faster",
+        "previous_event",
+        "next_event",
+        "select_left",
+        "select_right",
+        "undo",
+        "redo",
+        "zoom_in",
+        "zoom_out",
+        "larger",
+        "smaller",
+        "next_control",
+        "previous_control",
+    ]
 )
 
 
