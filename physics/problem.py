@@ -159,15 +159,8 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
-    """The record with its start and its end as the two samples."""
-    end = found.end
-    return replace(
-        found,
-        time=times,
-        overlap=np.array([start.overlap, end.overlap]),
-        rate=np.array([start.rate, end.rate]),
-        anchor=np.array([start.anchor, end.anchor]),
-        force=np.array([start.force, end.force]),
-        absorbed=np.array([start.absorbed, end.absorbed]),
-        given=np.array([start.given, end.given]),
-    )
+    """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
+    late = (times > start.time)[:, None]
+    names = ("overlap", "rate", "anchor", "force", "absorbed", "given")
+    rows = {name: np.where(late, getattr(found.end, name), getattr(start, name)) for name in names}
+    return replace(found, time=times, **rows)

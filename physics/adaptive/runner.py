@@ -119,10 +119,10 @@ def completed(problem: Problem) -> Record:
 def _sampled(record: Record, times: Array) -> Record:
     """The record with its samples; from another run where it ended before the last, or did not keep its steps."""
     kept: KeptSteps = record.kept
-    if kept.ends and times.size == 2:
+    if kept.ends:
         return replace(with_ends_as_samples(record, kept.problem.state, times), kept=None)
     late = not isinstance(kept.problem.samples, int) and times.size > 0 and times[-1] > record.end.time
-    if kept.known or not (kept.ends or kept.overflows or late):
+    if kept.known or not (kept.overflows or late):
         return kept.record(record, times)
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = _pass(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))

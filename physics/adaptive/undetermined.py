@@ -7,7 +7,9 @@ and how far runs of unlike steps differ says how well that end is determined.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.fixed_step import runner as fixed_step
-from softcradle.physics.problem import NO_TIMES, Problem, Record, continued_switches
+from softcradle.physics.problem import NO_TIMES, Problem, Record, continued_switches, with_ends_as_samples
 from softcradle.physics.scales import default_step
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode
@@ -40,13 +42,17 @@ def finish(problem: Problem, given_up: Record, sampled: Callable[[Record, Array]
     elapsed = start.time - problem.state.time
     step = STEP_PART * default_step(problem.chain, problem.state.velocity(problem.chain))
     step = max(step, ELAPSED_PART * elapsed)
-    ends = [_run_on(problem, start, part * step, None, NO_TIMES) for part in PARTS]
+    with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
+        ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
     velocities = np.array([end.end.velocity(problem.chain) for end in ends])
     error = confirmed_error(given_up) + SPREAD * np.ptp(velocities, axis=0)
-    times = problem.sample_times(ends[-1].end.time)
-    early = times[times <= start.time]
-    last = _run_on(problem, start, PARTS[-1] * step, ends[-1].end.time, times[times > start.time])
-    return _joined(problem, sampled(given_up, early), replace(last, end=ends[-1].end), error)
+    times, last = problem.sample_times(ends[-1].end.time), ends[-1]
+    early, late = times[times <= start.time], times[times > start.time]
+    if (late < last.end.time).any():
+        last = replace(_run_on(problem, start, PARTS[-1] * step, last.end.time, late), end=last.end)
+    else:
+        last = with_ends_as_samples(last, start, late)
+    return _joined(problem, sampled(given_up, early), last, error)
 
 
 def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
