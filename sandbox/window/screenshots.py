@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import product
 from pathlib import Path
+from time import perf_counter
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
@@ -148,6 +149,10 @@ def _play(app: App, name: str, end: float, selection: Pick | None) -> None:
     page.editor.selection = selection
     app.act("play_pause")
     run_frames(app, 30)
+    end = perf_counter() + LONGEST_WAIT
+    while any(state.velocity_error is None for state in page.cards.health) and perf_counter() < end:
+        run_frames(app, 1)  # until the accurate run on the thread behind has come as far
+        pygame.time.wait(5)
 
 
 def save_thumbnails() -> None:
