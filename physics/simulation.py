@@ -90,12 +90,18 @@ def solve(
     step: float | None = None,
     samples: int | ArrayLike = 201,
     tolerance: float = 1e-8,
+    most_steps: int | None = None,
 ) -> Trajectory:
-    """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads."""
+    """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads.
+
+    After `most_steps` the method gives up, and its end is not confirmed; None: as many as it takes.
+    """
     if method == AUTO:
         return _solve_by_choice(chain, velocity, duration, step, samples, tolerance)
     chosen = find_method(method)
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
+    if most_steps is not None:
+        problem = replace(problem, most_steps=most_steps)
     log_compilation()
     began = perf_counter()
     record = dispatch.run(problem)

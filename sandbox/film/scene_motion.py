@@ -45,15 +45,23 @@ def scene_motions(
 
 
 def scene_motions_quietly(
-    scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None, end: float | None = None
+    scene: Scene,
+    rows_per_second: float,
+    method: str | None = None,
+    step: float | None = None,
+    end: float | None = None,
+    most: int | None = None,
 ) -> tuple[list[Motion], tuple[str, ...]]:
-    """As :func:`scene_motions`, with the warnings as sentences: Python's warnings must not be used in threads."""
+    """As :func:`scene_motions`, with the warnings as sentences: Python's warnings must not be used in threads.
+
+    A lane that takes more than `most` steps times contacts has given up.
+    """
     said = ""
     if end is None:
-        end, said = _end_and_sentence(scene, method, step)
+        end, said = _end_and_sentence(scene, method, step, most)
     times = _row_times(scene, end, rows_per_second)
     moving = times[times >= 0.0]
-    trajectories = _solved(scene, method, step, duration=float(moving[-1]), samples=moving)
+    trajectories = _solved(scene, method, step, most, duration=float(moving[-1]), samples=moving)
     motions = [motion_of(trajectory, times[times < 0.0]) for trajectory in trajectories]
     require_finite(motions)
     sentences = [said] if said else []
@@ -71,17 +79,25 @@ def motion_end(scene: Scene, method: str | None = None, step: float | None = Non
     return end
 
 
-def _end_and_sentence(scene: Scene, method: str | None, step: float | None) -> tuple[float, str]:
+def _end_and_sentence(
+    scene: Scene, method: str | None, step: float | None, most: int | None = None
+) -> tuple[float, str]:
     """When the last lane is over [s], or its duration, and a sentence where more would follow after a long pause."""
     if scene.duration is not None:
         return scene.duration, ""
-    return quiet_end(_solved(scene, method, step, samples=2))
+    return quiet_end(_solved(scene, method, step, most, samples=2))
 
 
-def _solved(scene: Scene, method: str | None, step: float | None, **settings: Any) -> list[Trajectory]:
+def _solved(
+    scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
+) -> list[Trajectory]:
     try:
         settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step, **settings)
-        found = [solve(lane.chain(), lane.velocity, **settings) for lane in scene.lanes]
+        chains = [lane.chain() for lane in scene.lanes]
+        found = [
+            solve(chain, lane.velocity, most_steps=most and most // chain.contacts, **settings)
+            for chain, lane in zip(chains, scene.lanes, strict=True)
+        ]
     except ValueError as error:
         raise UserError(str(error)) from error
     for trajectory in found:

@@ -9,12 +9,20 @@ from softcradle.scenes import Scene
 ROWS = 240  # of the motion, at least
 ROWS_PER_SECOND = 60.0  # of the scene as it is shown, at least
 METHOD = "conserving"  # where the scene gives none: a picture needs no more digits
+MOST_AT_ONCE = (
+    1_000_000  # steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
+)
+MOST_BEHIND = 30_000_000  # likewise of one on a thread
 
 
-def motions_ahead(scene: Scene) -> list[Motion]:
-    """The motion of each lane. It takes some milliseconds; its warnings are left to the badges of whoever plays the scene."""
+def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
+    """The motion of each lane; its warnings are left to the badges of whoever plays the scene.
+
+    Most scenes take some milliseconds. Raises GaveUpError where a lane takes more than `most` steps times contacts.
+    """
     from softcradle.sandbox.film.scene_motion import scene_motions_quietly
 
     rate = max(ROWS / (scene.duration or 1.0), ROWS_PER_SECOND * scene.view.slow)
-    motions, _ = scene_motions_quietly(scene, rate, method=METHOD if scene.method in (None, AUTO) else scene.method)
+    method = METHOD if scene.method in (None, AUTO) else scene.method
+    motions, _ = scene_motions_quietly(scene, rate, method=method, most=most)
     return motions

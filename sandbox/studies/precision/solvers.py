@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,7 +107,7 @@ def _run_fixed(case: Case, method: str, steps: float, start: Start, sample_times
     return _run(start, duration, method, sample_times, step=case.run_duration / steps)
 
 
-def _run(start: Start, duration: float | None, method: str, sample_times: Array, **fineness: float) -> Solution:
+def _run(start: Start, duration: float | None, method: str, sample_times: Array, **fineness: Any) -> Solution:
     samples = sample_times + start.early if sample_times.size else 2
     found = solve(start.chain, start.velocity, duration, method, samples=samples, **fineness)
     overlap, force = (found.overlap, found.force) if sample_times.size else (None, None)

@@ -8,6 +8,7 @@ from dataclasses import astuple, dataclass, fields
 from enum import StrEnum
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,7 +132,7 @@ def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanR
     """One run, compared with the reference motion."""
     chain = scan.chain(value)
     velocity, reference = _reference(chain)
-    chosen = {"tolerance": fineness} if method.adaptive else {"step": fineness}
+    chosen: dict[str, Any] = {"tolerance": fineness} if method.adaptive else {"step": fineness}
     found = solve(chain, velocity, float(reference.time[-1]), method.name, samples=SAMPLES, **chosen)
     energy = found.kinetic_energy + found.contact_energy
     change = np.abs(energy / energy[0] - 1.0)

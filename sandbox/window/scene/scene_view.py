@@ -11,7 +11,7 @@ from softcradle.sandbox.languages import scene_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.look_ahead import METHOD as AHEAD
-from softcradle.sandbox.window.look_ahead import motions_ahead
+from softcradle.sandbox.window.look_ahead import MOST_AT_ONCE, motions_ahead
 from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
 from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated_scales
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
@@ -56,21 +56,24 @@ class SceneView:
 
     def look_ahead(self) -> None:
         """Take scales and camera from a run ahead, as a film does; estimate them, and run behind, where it would take long."""
-        self.scales = LiveScales(self._first_scales(), self.session.lanes)
+        seen = self._scales_ahead()
+        scales = seen or estimated_scales(self.session.scene, self.session)
+        self.scales = LiveScales(scales, self.session.lanes)
         self.follower = EditFollower(self.host, self.session, self.scales, self.rebuild)
-        if not self._sees_ahead:
+        if seen is None:
             self.follower.notice()
         self.camera = Camera.of(self.scales.scales)
         self.motions = [lane.motion for lane in self.session.lanes]
 
-    def _first_scales(self) -> Scales:
+    def _scales_ahead(self) -> Scales | None:
+        """The scales of a run ahead; None where it takes long, or fails: such a scene can still be played."""
         scene = self.session.scene
-        if self._sees_ahead:
-            try:
-                return scales_of(scene, motions_ahead(scene))
-            except (UserError, ValueError, RuntimeError, ArithmeticError):
-                pass  # a scene whose run ahead fails can still be played
-        return estimated_scales(scene, self.session)
+        if not self._sees_ahead:
+            return None
+        try:
+            return scales_of(scene, motions_ahead(scene, MOST_AT_ONCE))
+        except (UserError, ValueError, RuntimeError, ArithmeticError):
+            return None
 
     @property
     def _sees_ahead(self) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 import pygame
 import pytest
 from PIL import Image
+from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film import codecs, scene_film, scene_motion
 from softcradle.sandbox.film.codecs import pixels_of
@@ -16,7 +17,7 @@ from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.library import parse
 
-from softcradle import physics, scenes
+from softcradle import scenes
 from tests.helpers.drawn_text import colliding, film_texts
 
 SIZE = (480, 270)
@@ -248,7 +249,7 @@ def test_what_cannot_be_written_is_refused_before_any_work(tmp_path, monkeypatch
 
 def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
     def broken(*arguments, **settings):
-        trajectory = physics.simulate(*arguments, **settings)
+        trajectory = solve(*arguments, **settings)
         trajectory.force[-1] = np.nan
         return trajectory
 

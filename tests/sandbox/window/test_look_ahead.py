@@ -7,7 +7,8 @@ import warnings
 import numpy as np
 import pytest
 from softcradle.sandbox.film.scene_motion import scene_motions, scene_motions_quietly
-from softcradle.sandbox.window.look_ahead import motions_ahead
+from softcradle.sandbox.user_error import GaveUpError
+from softcradle.sandbox.window.look_ahead import MOST_AT_ONCE, motions_ahead
 
 from softcradle import scenes
 
@@ -27,3 +28,23 @@ def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
     assert sentences
     assert np.array_equal(motions[0].position, of_film[0].position)
     assert motions_ahead(scene)
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_the_window_sees_every_shipped_scene_ahead_at_once(name):
+    assert motions_ahead(scenes.load(name), MOST_AT_ONCE)
+
+
+def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
+    """Its scales are estimated, and follow from a thread, which gives up as well where a step was mistyped."""
+    scene = scenes.load("one-on-four").model_copy(update={"method": "conserving", "step": 1e-9})
+    for most in (MOST_AT_ONCE, 10 * MOST_AT_ONCE):
+        with pytest.raises(GaveUpError):
+            motions_ahead(scene, most)
+    driver.page.show_scene(scene)
+    assert driver.page.view.follower.pending
+    slower = scenes.load("one-on-four").model_copy(update={"method": "conserving", "step": 2e-6})
+    driver.page.show_scene(slower)
+    assert driver.page.view.follower.pending
+    driver.until(lambda: not driver.page.view.follower.pending)
+    assert driver.page.view.scales.scales
