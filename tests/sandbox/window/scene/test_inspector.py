@@ -113,3 +113,16 @@ def test_numbers_are_read_as_people_type_them(text, value):
 def test_a_text_that_is_no_number_is_refused(text):
     with pytest.raises(ValueError):  # noqa: PT011 - the inspector names the field and the text itself
         number(text)
+
+
+def test_after_enter_keys_are_those_of_the_window_again(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    entry = driver.page.inspector.controls["mass"].entry
+    driver.click(entry.rect.center)
+    entry.set_text("")
+    driver.type("2")
+    driver.key(pygame.K_RETURN)
+    assert driver.session.lanes[0].chain.mass[2] == 2.0
+    driver.key(pygame.K_SPACE, text=" ")
+    assert driver.session.playing
+    assert " " not in driver.page.inspector.controls["mass"].entry.get_text()
