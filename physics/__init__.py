@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from softcradle.physics.contact import hooke as hooke
     from softcradle.physics.contact import power_law as power_law
     from softcradle.physics.contact import step_force as step_force
+    from softcradle.physics.coupler import Coupler as Coupler
     from softcradle.physics.methods import METHODS as METHODS
     from softcradle.physics.own_law import OwnLaw as OwnLaw
     from softcradle.physics.pymunk_contacts.soft_chain import SoftChain as SoftChain
@@ -35,6 +36,7 @@ _HOME = {
     "hertz": "contact",
     "hooke": "contact",
     "step_force": "contact",
+    "Coupler": "coupler",
     "OwnLaw": "own_law",
     "Chain": "chain",
     "one_on": "chain",

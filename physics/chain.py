@@ -21,12 +21,14 @@ from softcradle.physics.checked_input import (
     whole_number,
 )
 from softcradle.physics.contact import Contact, stored_energy
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.timed_force import TimedForce, checked_forces, summed
 
 Array = NDArray[np.float64]
 
-OneLaw = Contact | Law | Callable[[float], SupportsFloat]  # a Contact, or a law of one's own
+Joint = Contact | OwnLaw | Coupler  # what a chain holds between two beads
+OneLaw = Contact | Coupler | Law | Callable[[float], SupportsFloat]  # what it takes: a law of one's own as it is, too
 Laws = OneLaw | Sequence[OneLaw]  # one for all contacts, or one for each
 
 MOST_SHOWN = 4  # different values in the text of a chain
@@ -51,7 +53,8 @@ class Chain:
         Masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
     contact : Contact, law or sequence of them
         One Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it
-        takes, is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it.
+        takes, is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it. A
+        :class:`Coupler` pulls, too.
     gap : float or array_like, optional
         Distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0
         the contact is pressed from the start, by the overlap -gap.
@@ -78,7 +81,7 @@ class Chain:
     """
 
     mass: tuple[float, ...]
-    contact: tuple[Contact | OwnLaw, ...]
+    contact: tuple[Joint, ...]
     gap: tuple[float, ...]
     drive: tuple[float, ...] | None = None
     friction: float = 0.0
@@ -143,16 +146,26 @@ class Chain:
         return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, OwnLaw))
 
     @cached_property
+    def couplers(self) -> tuple[tuple[int, Coupler], ...]:
+        """The contacts that are couplers: which, and the coupler."""
+        return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, Coupler))
+
+    @cached_property
+    def pulls(self) -> bool:
+        """Whether a coupler pulls."""
+        return any(coupler.pull is not None for _, coupler in self.couplers)
+
+    @cached_property
     def power_laws(self) -> tuple[Contact, ...]:
         """The contacts, if all are preloaded power laws.
 
         Raises:
-            ValueError: one has a law of its own; what asks for this needs preload, stiffness and exponent.
+            ValueError: one is a coupler or has a law of its own; what asks for this needs preload, stiffness and exponent.
         """
-        for i, law in self.own_contacts:
+        others = [(i, f"has a law of its own, {law.name!r}") for i, law in self.own_contacts]
+        for i, what in [*others, *((i, "is a coupler") for i, _ in self.couplers)]:
             raise ValueError(
-                f"contact {i}-{i + 1} has a law of its own, {law.name!r}: this takes contacts "
-                "force = preload + stiffness * overlap**exponent only"
+                f"contact {i}-{i + 1} {what}: this takes contacts force = preload + stiffness * overlap**exponent only"
             )
         return tuple(contact for contact in self.contact if isinstance(contact, Contact))
 
@@ -164,12 +177,17 @@ class Chain:
 
     @cached_property
     def law_rows(self) -> Array:
-        """(n, 3) preload, stiffness, exponent of each contact, read-only; the last two are nan for a law of one's own."""
-        rows = [
-            (c.preload, c.stiffness, c.exponent) if isinstance(c, Contact) else (c.preload, math.nan, math.nan)
-            for c in self.contact
-        ]
-        law = np.array(rows)
+        """(n, 3) preload, stiffness, exponent of each contact, read-only; the last two are nan for a law of one's own.
+
+        Those of a coupler are of the gear that it pushes with.
+        """
+        laws = [contact.push if isinstance(contact, Coupler) else contact for contact in self.contact]
+        law = np.array(
+            [
+                (c.preload, c.stiffness, c.exponent) if isinstance(c, Contact) else (c.preload, math.nan, math.nan)
+                for c in laws
+            ]
+        )
         law.setflags(write=False)
         return law
 
@@ -191,7 +209,8 @@ class Chain:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`."""
         preload, stiffness, exponent = self.law_rows.T
         found = stored_energy(preload, stiffness, exponent, overlap)
-        for i, law in self.own_contacts:
+        special: list[tuple[int, OwnLaw | Coupler]] = [*self.own_contacts, *self.couplers]
+        for i, law in special:
             found[..., i] = law.energy(np.asarray(overlap)[..., i])
         return found
 
@@ -216,7 +235,7 @@ class Chain:
         reach; 0 for a wall; empty without friction and brakes."""
         bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.on_bed else np.zeros(0)
         for brake in self.brakes:
-            bed[list(brake.beads)] += max(brake.force) * self.parameters.inverse_mass[list(brake.beads)]
+            bed[list(brake.beads)] += max(brake.force) * self.inverse_mass[list(brake.beads)]
         bed.setflags(write=False)
         return bed
 
@@ -294,8 +313,8 @@ def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
     return tuple(masses.tolist())
 
 
-def _checked_contacts(contact: Laws, n: int) -> tuple[Contact | OwnLaw, ...]:
-    one = isinstance(contact, Contact) or is_law(contact)
+def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
+    one = isinstance(contact, Contact | Coupler) or is_law(contact)
     if not (one or isinstance(contact, Sequence)) or isinstance(contact, str):
         raise ValueError(
             f"contact must be a Contact or a list of them, such as power_law(1.0, 0.1); not {shown(contact)}"
@@ -306,9 +325,9 @@ def _checked_contacts(contact: Laws, n: int) -> tuple[Contact | OwnLaw, ...]:
     return contacts
 
 
-def _contact(item: object) -> Contact | OwnLaw:
-    """A contact as it is, a law of one's own as an OwnLaw."""
-    if isinstance(item, OwnLaw):
+def _contact(item: object) -> Joint:
+    """A contact or a coupler as it is, a law of one's own as an OwnLaw."""
+    if isinstance(item, OwnLaw | Coupler):
         return item
     if not isinstance(item, Contact) and is_law(item):
         return OwnLaw(cast("Law", item))

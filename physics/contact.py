@@ -122,11 +122,13 @@ def stored_energy(preload: Numbers, stiffness: Numbers, exponent: Numbers, overl
 def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:
     """Whether contacts at `overlap` [m] that push with `force` [N] are closed, any shape: loaded, or touching with a force.
 
-    >>> is_closed([-1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 2.0, 3.0])
-    array([False, False,  True,  True])
+    A coupler that pulls, with a force < 0, is closed, too.
+
+    >>> is_closed([-1.0, 0.0, 0.0, 1.0, -1.0], [0.0, 0.0, 2.0, 3.0, -4.0])
+    array([False, False,  True,  True,  True])
     """
-    overlaps = np.asarray(overlap)
-    closed: NDArray[np.bool_] = (overlaps > 0.0) | ((overlaps == 0.0) & (np.asarray(force) > 0.0))
+    overlaps, forces = np.asarray(overlap), np.asarray(force)
+    closed: NDArray[np.bool_] = (overlaps > 0.0) | ((overlaps == 0.0) & (forces > 0.0)) | (forces < 0.0)
     return closed
 
 

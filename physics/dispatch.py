@@ -12,11 +12,11 @@ from softcradle.physics.status import Status
 def runner_of(method: str, chain: Chain) -> Runner:
     """The runner that carries out `method` on `chain`, imported on first use: numba, pymunk and SciPy load with theirs.
 
-    Kernels of fixed steps and of adaptive methods carry friction and loss; the reference has a runner of its own for them.
+    Kernels carry friction, loss and couplers as they are; the reference has a runner of its own for them.
     """
     family = find_method(method).family
     runner = _runner(family)
-    if chain.dissipative and family is Family.REFERENCE:
+    if (chain.dissipative or chain.couplers) and family is Family.REFERENCE:
         from softcradle.physics.reference import dissipative_runner
 
         return dissipative_runner

@@ -58,7 +58,7 @@ def pieces_of(chain: Chain, start: float, end: float, tolerance: float, least: f
     most; no piece of a slope is much shorter than `least` [s].
     """
     edges = [start, *(knot for knot in chain.knots if start < knot < end), end]
-    speed = float((_impulses(chain) * chain.parameters.inverse_mass).max())
+    speed = float((_impulses(chain) * chain.inverse_mass).max())
     shortest = max(least, (chain.knots[-1] - chain.knots[0]) / MOST_PIECES)
     for first, last in pairwise(edges):
         yield from _between_knots(chain, first, last, STAIR_PART * tolerance * speed, shortest)
@@ -85,7 +85,7 @@ def _between_knots(chain: Chain, start: float, end: float, error: float, shortes
     change = sum(
         (_total([(item, 0.0, abs(last - first))], 1.0, beads) for item, first, last in sloped), np.zeros(beads)
     )
-    bend = change * chain.parameters.inverse_mass / (end - start)  # of the velocities [m/s³]
+    bend = change * chain.inverse_mass / (end - start)  # of the velocities [m/s³]
     length = max(math.sqrt(12.0 * error / float(bend.max())) if bend.any() else math.inf, shortest)
     count = max(1, math.ceil((end - start) / length * (1.0 - 1e-12)))
     off = bend * ((end - start) / count) ** 3 / 24.0

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.numerics.joints import Joints
 from softcradle.physics.numerics.law_functions import functions_of
 from softcradle.physics.numerics.own_contacts import OwnLaws
 from softcradle.physics.numerics.records import COUNTERS, SWITCH, Dissipation, SwitchLog
@@ -26,14 +27,15 @@ def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], Dissipat
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
-    law, inverse_mass, own = chain.law_rows.copy(), chain.inverse_mass.copy(), _own_laws(chain)
-    dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if chain.dissipative else None
+    law, inverse_mass, special = chain.law_rows.copy(), chain.inverse_mass.copy(), (_own_laws(chain), _joints(chain))
+    dissipates = chain.dissipative or chain.couplers  # kernels for couplers are compiled once, with loss and without
+    dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else None
     push = state.external(chain)
     if push is None:
-        return (law, inverse_mass, NOTHING, NOTHING, chain.anchor, own), dissipation
+        return (law, inverse_mass, NOTHING, NOTHING, chain.anchor, *special), dissipation
     acceleration = push * inverse_mass
     external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
-    return (law, inverse_mass, push, external, chain.anchor, own), dissipation
+    return (law, inverse_mass, push, external, chain.anchor, *special), dissipation
 
 
 def _own_laws(chain: Chain) -> OwnLaws | None:
@@ -46,6 +48,18 @@ def _own_laws(chain: Chain) -> OwnLaws | None:
         numbers[i] = number[law]
     functions = functions_of(chain.own_laws)
     return OwnLaws(numbers, functions.force, functions.energy)
+
+
+def _joints(chain: Chain) -> Joints | None:
+    """The record of the couplers; None for a chain without."""
+    if not chain.couplers:
+        return None
+    count, below, rows = np.zeros(chain.contacts + 1, dtype=np.int64), np.full(chain.contacts, -np.inf), []
+    for i, coupler in chain.couplers:
+        count[i + 1], below[i] = len(coupler.parts), coupler.pulls_below
+        laws = [(law.preload, law.stiffness, law.exponent, law.loss) for law, _, _ in coupler.parts]
+        rows += [(*law, side, origin) for law, (_, side, origin) in zip(laws, coupler.parts, strict=True)]
+    return Joints(np.cumsum(count), np.array(rows), below)
 
 
 def require_finite_motion(chain: Chain, state: State) -> None:

@@ -34,6 +34,7 @@ class Method:
         purpose: what to take it for.
         dissipative: True: carries bed friction and contacts with loss.
         own_laws: True: carries contacts with laws of one's own.
+        couplers: True: carries couplers.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Method:
     purpose: str
     dissipative: bool = True
     own_laws: bool = False
+    couplers: bool = False
 
 
 METHODS: tuple[Method, ...] = (
@@ -57,6 +59,7 @@ METHODS: tuple[Method, ...] = (
         "symplectic Euler, what one pymunk step does",
         "to see what a step of pymunk does",
         own_laws=True,
+        couplers=True,
     ),
     Method(
         "verlet",
@@ -67,6 +70,7 @@ METHODS: tuple[Method, ...] = (
         "leapfrog",
         "Hertz and Hooke contacts at errors of 1e-3 to 1e-5",
         own_laws=True,
+        couplers=True,
     ),
     Method(
         "yoshida4",
@@ -78,6 +82,7 @@ METHODS: tuple[Method, ...] = (
         "Hertz and Hooke contacts at errors of 1e-5, without friction or loss",
         dissipative=False,
         own_laws=True,
+        couplers=True,
     ),
     Method(
         "conserving",
@@ -88,6 +93,7 @@ METHODS: tuple[Method, ...] = (
         "discrete gradient: energy exact at any step",
         "live use and long runs: energy and momentum to round-off",
         own_laws=True,
+        couplers=True,
     ),
     Method(
         "radau",
@@ -135,6 +141,7 @@ METHODS: tuple[Method, ...] = (
         "the reference: solve_ivp between located contact switches",
         "to check the others: slow, shares no code with them",
         own_laws=True,
+        couplers=True,
     ),
 )
 
@@ -163,6 +170,15 @@ def refusal_of(method: str, chain: Chain) -> str:
         return (
             f"method {method!r} takes contacts force = preload + stiffness * overlap**exponent, not a law of your own, "
             f"{law!r}: take 'conserving', 'verlet' or 'scipy'"
+        )
+    if chain.couplers and (found is None or not found.couplers):
+        return (
+            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
+            "take 'conserving' or 'scipy'"
+        )
+    if chain.couplers and chain.own_laws and found is not None and found.family is Family.REFERENCE:
+        return (
+            "method 'scipy' carries couplers beside preloaded power laws only, not laws of your own: take 'conserving'"
         )
     if not chain.dissipative or found is None:
         return ""

@@ -115,7 +115,11 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
         depth = np.minimum(energy / preload, by_power)
     for i, law in chain.own_contacts:
         depth[i] = law.depth(float(energy[i]))
-    return depth, 2.0 * depth / speed
+    times = 2.0 * depth / speed
+    for i, coupler in chain.couplers:
+        if coupler.stop:
+            times[i] = min(times[i], math.pi / math.sqrt(coupler.stop * chain.inverse_reduced_mass[i]))
+    return depth, times
 
 
 def require_computable(chain: Chain, velocity: ArrayLike) -> None:

@@ -232,6 +232,7 @@ def _problem(
     if duration is None:
         _require(chain.walls < 2, "a chain with two walls may never come apart: give a duration")
         _require(not chain.lasts, "a driven chain may never come apart: give a duration")
+        _require(not chain.pulls, "a chain whose couplers pull never comes apart: give a duration")
     else:
         duration = magnitude("duration", duration, zero=True)
     tolerance = magnitude("tolerance", tolerance)

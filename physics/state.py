@@ -70,7 +70,9 @@ class State:
         position = np.concatenate(([0.0], np.cumsum(gap)))
         anchor = np.array([position[chain.anchor], speeds[chain.anchor]])
         force = np.zeros(chain.contacts)
-        for i in np.flatnonzero(gap < 0.0):
+        for i in np.flatnonzero(gap < 0.0).tolist() + [
+            i for i, coupler in chain.couplers if -gap[i] < coupler.pulls_below
+        ]:
             force[i] = float(chain.contact[i].force(-gap[i]))
         return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, force)
 

@@ -20,17 +20,19 @@ from numpy.typing import NDArray
 from softcradle.physics.atomic_files import output_file
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 from softcradle.physics.timed_force import TimedForce
 from softcradle.physics.version import version
 
-FORMAT = 4
+FORMAT = 5
 READABLE = (
     1,
     2,
     3,
     4,
-)  # 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time
+    5,
+)  # 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers
 
 Array = NDArray[np.float64]
 Path = str | PathLike[str]
@@ -148,7 +150,15 @@ def _read(path: Path) -> tuple[dict[str, Array], dict[str, Any]]:
 def chain_from_table(stored: dict[str, Any]) -> Chain:
     """The chain of which `stored` is ``asdict(chain)``; keys that earlier versions did not write have their defaults."""
     timed = {name: [TimedForce(**item) for item in stored.get(name, ())] for name in ("forces", "brakes")}
-    return Chain(**{**stored, **timed, "contact": [Contact(**numbers) for numbers in stored["contact"]]})
+    return Chain(**{**stored, **timed, "contact": [_contact(item) for item in stored["contact"]]})
+
+
+def _contact(stored: dict[str, Any]) -> Contact | Coupler:
+    """The contact or coupler of which `stored` is ``asdict``."""
+    if "push" not in stored:
+        return Contact(**stored)
+    gears = {name: None if stored[name] is None else Contact(**stored[name]) for name in ("push", "pull")}
+    return Coupler(**{**stored, **gears})
 
 
 def _intervals(rows: Array, contacts: int) -> Intervals:

@@ -4,19 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, SerializeAsAny, create_model
+from pydantic import BeforeValidator, SerializeAsAny, create_model, model_validator
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
-from softcradle.scenes.toml_table import Loss, Table, problem, suggestion
+from softcradle.scenes.toml_table import Loss, NotNegative, Positive, Table, problem, suggestion
 
 from softcradle import physics
 
 
-class Law(Table):
-    """A contact law by name; its other keys are its numbers. `loss` may be left out: 0, elastic."""
+class AnyLaw(Table):
+    """What is between two beads, by the name of its law."""
 
     law: str
+
+    def contact(self) -> physics.Contact | physics.Coupler:
+        """What the table describes, for a Chain."""
+        raise NotImplementedError
+
+
+class Law(AnyLaw):
+    """A contact law by name; its other keys are its numbers. `loss` may be left out: 0, elastic."""
+
     loss: Loss = 0.0
 
     def contact(self) -> physics.Contact:
@@ -34,21 +43,74 @@ MODELS = {kind.law: _model(kind) for kind in KINDS}
 
 def read_law(table: Any) -> Law:
     """The law that a table of a scene file describes. Its name is checked first, because it decides on the other keys."""
-    if isinstance(table, Law):
+    found = _read(table, [kind.law for kind in KINDS])
+    assert isinstance(found, Law)
+    return found
+
+
+def _read(table: Any, laws: list[str]) -> AnyLaw:
+    """What a table describes, of the `laws` that are allowed there."""
+    if isinstance(table, AnyLaw):
         return table
     if not isinstance(table, Mapping):
         raise problem(f'must be a table such as {{law = "power_law", f0 = 1.0, alpha = 0.1}}, not {table!r}')
-    laws = [kind.law for kind in KINDS]
     if "law" not in table:
         raise problem(f"key 'law' is missing; allowed: {', '.join(laws)}")
     law = table["law"]
+    if law == COUPLER and COUPLER in laws:
+        return CouplerTable.model_validate(table)
     if not isinstance(law, str) or law not in KIND_BY_NAME:
         raise problem(f"unknown law {law!r}{suggestion(str(law), laws)}")
     name = KIND_BY_NAME[law].law
     return MODELS[name].model_validate({**table, "law": name})
 
 
-ContactTable = Annotated[SerializeAsAny[Law], BeforeValidator(read_law)]
+class CouplerTable(AnyLaw):
+    """A coupler of a train, as :class:`softcradle.Coupler`: pushes, has slack, pulls, and goes solid at full travel.
+
+    Attributes:
+        push: the contact law that it pushes with, a table.
+        pull: the contact law that it pulls with, a table; without it the coupler pulls nothing.
+        slack: way between pushing and pulling [m].
+        travel: way of a gear until it is solid [m]; needs `stop`.
+        stop: stiffness beyond the travel, beside the gear's law [N/m]; needs `travel`.
+    """
+
+    push: GearTable
+    pull: GearTable | None = None
+    slack: NotNegative = 0.0
+    travel: Positive | None = None
+    stop: NotNegative = 0.0
+
+    def contact(self) -> physics.Coupler:
+        """The coupler that the table describes."""
+        pull, travel = (
+            None if self.pull is None else self.pull.contact(),
+            math.inf if self.travel is None else self.travel,
+        )
+        return physics.Coupler(self.push.contact(), pull, self.slack, travel, self.stop)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        self.contact()
+        return self
+
+
+COUPLER = "coupler"
+GearTable = Annotated[SerializeAsAny[Law], BeforeValidator(read_law)]
+ContactTable = Annotated[
+    SerializeAsAny[AnyLaw], BeforeValidator(lambda table: _read(table, [*(kind.law for kind in KINDS), COUPLER]))
+]
+
+
+def table_of(contact: physics.Contact | physics.Coupler, accuracy: float = 0.0) -> AnyLaw:
+    """The table of a contact, see :func:`law_of`, or of a coupler."""
+    if isinstance(contact, physics.Contact):
+        return law_of(contact, accuracy)
+    pull = None if contact.pull is None else law_of(contact.pull, accuracy)
+    travel = None if math.isinf(contact.travel) else contact.travel
+    push = law_of(contact.push, accuracy)
+    return CouplerTable(law=COUPLER, push=push, pull=pull, slack=contact.slack, travel=travel, stop=contact.stop)
 
 
 def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:

@@ -7,14 +7,15 @@ import tomllib
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
+from softcradle.physics.chain import Joint
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
-from softcradle.scenes.contact_table import ContactTable, Law, law_of
+from softcradle.scenes.contact_table import AnyLaw, CouplerTable, GearTable, Law, table_of
 from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.toml_table import suggestion
 
 from softcradle import physics
 
-TABLE: TypeAdapter[Law] = TypeAdapter(ContactTable)
+TABLE: TypeAdapter[Law] = TypeAdapter(GearTable)
 CALL = re.compile(r"\s*([A-Za-z_]+)\s*\((.*)\)\s*")
 ACCURACY = 1e-6  # relative; that of the six digits in which numbers are written
 
@@ -68,15 +69,21 @@ def _number(text: str) -> Any:
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def contact_text(contact: Law | physics.Contact | physics.OwnLaw) -> str:
-    """The contact as one line of text, numbers to six digits; :func:`contact_from` reads it back, but for an OwnLaw.
+def contact_text(contact: AnyLaw | Joint) -> str:
+    """The contact as one line of text, numbers to six digits; :func:`contact_from` reads back what is one contact law.
 
     >>> contact_text(physics.draft_gear(770.0, 0.0177))
     'draft_gear(770, 0.0177)'
     """
     if isinstance(contact, physics.OwnLaw):
         return f"{contact.name}(overlap)"
-    law = law_of(contact, ACCURACY) if isinstance(contact, physics.Contact) else contact
+    law = contact if isinstance(contact, AnyLaw) else table_of(contact, ACCURACY)
+    if isinstance(law, CouplerTable):
+        gears = {"push": law.push, "pull": law.pull}
+        lengths = {"slack": law.slack, "travel": law.travel, "stop": law.stop}
+        words = [f"{name}={contact_text(gear)}" for name, gear in gears.items() if gear is not None]
+        return f"{law.law}({', '.join([*words, *(f'{name}={value:.6g}' for name, value in lengths.items() if value)])})"
+    assert isinstance(law, Law)
     kind: ContactKind = KIND_BY_NAME[law.law]
     numbers = [f"{getattr(law, name):.6g}" for name in kind.numbers]
     if law.loss:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from softcradle.physics import METHODS as METHODS
     from softcradle.physics import Chain as Chain
     from softcradle.physics import Contact as Contact
+    from softcradle.physics import Coupler as Coupler
     from softcradle.physics import OwnLaw as OwnLaw
     from softcradle.physics import SoftChain as SoftChain
     from softcradle.physics import SoftContact as SoftContact

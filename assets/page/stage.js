@@ -3,6 +3,7 @@
 const TALLEST_BEAD = 0.4; // of the height of the drawing
 const GROUND = 30; // from the ground line to the lower edge of the drawing
 const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
+const PULL_RIM = 2.5; // pixels of the rim of the hollow bar of a force that pulls
 const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
 const BARS_HEIGHT = 46; // of one row of energy and momentum
 const RIGID = "if clusters were rigid";
@@ -60,7 +61,8 @@ function leftEdges(now, view, data) {
 // Where the captions of the bars stand: after the label, or below it where there is no room; bars end below the captions.
 function captionPlaces(pen, motion, data, room) {
   const words = (text, weight, size) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
-  const force = `contact force (${data.forceUnit.name})`;
+  const stops = motion.solid.flat().some((force) => force !== null);
+  const force = `contact force (${data.forceUnit.name})${motion.pulls ? "   hollow: pulls" : ""}${stops ? "   dark: solid" : ""}`;
   const label = 8 + (motion.label ? words(motion.label, 600, 15) + 14 : 0), after = label + words(force, 400, 12.5);
   const named = after < room ? force : "", rigid = motion.rigid.some((share) => share !== 0);
   const beside = after + 36 + words(RIGID, 400, 12.5) < room;
@@ -136,17 +138,23 @@ function forceBars(pen, view, data, now) {
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.scales.force / unit)));
   now.contacts.forEach((x, k) => {
-    const force = now.force[k], top = barTop(view, data, force), expected = now.force[motion.interface] * motion.rigid[k];
+    const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = now.force[motion.interface] * motion.rigid[k];
     pen.fillStyle = view.contactColours[k];
     pen.fillRect(x - wide / 2, top, wide, view.base - top);
+    if (force < 0 && view.base - top > 2 * PULL_RIM) { // hollow: it pulls
+      pen.fillStyle = theme.card;
+      pen.fillRect(x - wide / 2 + PULL_RIM, top + PULL_RIM, wide - 2 * PULL_RIM, view.base - top - 2 * PULL_RIM);
+    }
     pen.fillStyle = theme.ink;
+    const solid = motion.solid[k][force < 0 ? 1 : 0]; // dark: what is beyond the force at which the gear is solid
+    if (solid !== null && Math.abs(force) > solid) pen.fillRect(x - wide / 2, top, wide, barTop(view, data, solid) - top);
     let above = top;
     if (k !== motion.interface && expected > visible) {
       const reach = wide / 2 + (view.narrow ? 3 : 5), line = barTop(view, data, expected);
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
       if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through
     }
-    if (force > visible && size >= 28) write(pen, fixed(force / unit, decimals), x, above - 5, size < 40 ? 11 : 13, theme.ink, "center", true);
+    if (Math.abs(force) > visible && size >= 28) write(pen, fixed(force / unit, decimals), x, above - 5, size < 40 ? 11 : 13, theme.ink, "center", true);
   });
 }
 

@@ -66,6 +66,9 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
         push = small / (weight * preload)
     for i, law in chain.own_contacts:
         stiff[i], onset[i] = _bounds_of(law, float(weight[i]), speed, small, float(depth[i]))
+    for i, coupler in chain.couplers:
+        if coupler.stop:
+            stiff[i] = min(stiff[i], 2.0 / math.sqrt(2.0 * weight[i] * coupler.stop))
     bounds = np.stack([stiff, np.where(stiffness != 0.0, onset, np.inf), push])
     return float(np.nanmin(bounds))
 

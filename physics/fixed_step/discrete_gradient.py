@@ -20,12 +20,14 @@ from softcradle.physics.numerics.contact_solve import (
     FREE_VELOCITY,
     FRICTION,
     HOLD,
+    LEAST_AT_HOLD,
     SOLVER_ROWS,
     START_VELOCITY,
     loses,
     solve_contacts,
 )
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.joints import is_joint, joint_fall, settle_joint_forces
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import any_switched, copy_into
@@ -53,16 +55,16 @@ def velocity_after(h, j, beads, bed):
 
 
 @inlined
-def first_event(h, dissipation, motion, beads, work):
+def first_event(h, joints, dissipation, motion, beads, work):
     """Part of the step after which the first bead turns or contact with loss reverses, 1 where none does; an estimate."""
     first = 1.0
-    loss, bed, overlap, rate = dissipation.loss, dissipation.bed, motion.overlap, motion.rate
+    bed, overlap, rate = dissipation.bed, motion.overlap, motion.rate
     for i in range(overlap.size):
-        if loss[i] > 0.0 and overlap[i] > 0.0 and rate[i] != 0.0 and work[HOLD, i] > 0.0:
+        least, full = work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i]
+        if full > least and rate[i] != 0.0 and (overlap[i] > 0.0 or is_joint(joints, i)):
             end = work[END, i]
             ended = 2.0 * (end - overlap[i]) / h - rate[i]
-            full = work[FORCE_AT_HOLD, i]
-            kept = full if rate[i] > 0.0 else (1.0 - loss[i]) * full
+            kept = full if rate[i] > 0.0 else least
             held = end == work[HOLD, i]
             free = ended - h * work[DIAGONAL, i] * (kept - motion.force[i]) if held else ended
             if (free < 0.0) == (rate[i] > 0.0):
@@ -81,7 +83,10 @@ def absorb(h, chain, dissipation, motion, beads, work):
     """Add what contacts and bed absorb in the step: what they take of the motion less what is stored."""
     law, overlap, end, bed = chain.law, motion.overlap, work[END], dissipation.bed
     for i in range(overlap.size):
-        if loses(dissipation.loss[i], overlap[i], motion.rate[i]):
+        if is_joint(chain.joints, i):
+            fall = joint_fall(chain.joints, i, overlap[i], end[i], False)
+            motion.absorbed[0] += motion.force[i] * (end[i] - overlap[i]) + fall
+        elif loses(dissipation.loss[i], overlap[i], motion.rate[i]):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
             motion.absorbed[0] += motion.force[i] * (end[i] - overlap[i]) + fall
@@ -113,7 +118,8 @@ def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
     start, rate, end = motion.overlap[i], motion.rate[i], work[END, i]
     slide = 0.0
     if dissipation is not None:
-        if loses(dissipation.loss[i], start, rate) and end == work[HOLD, i]:
+        lossy = is_joint(chain.joints, i) or loses(dissipation.loss[i], start, rate)
+        if lossy and end == work[HOLD, i]:
             return 0.0
         bed = dissipation.bed
         if bed.size:
@@ -175,17 +181,19 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     if dissipation is not None and dissipation.bed.size:
         bead_velocities(rate, chain.anchor_bead, motion.anchor[1], beads[START_VELOCITY])
     used = solve_contacts(
-        h, chain.law, chain.own, dissipation, diagonal, inverse_mass, outside, free, overlap, rate, end, force, beads, work
+        h, chain.law, chain.own, chain.joints, dissipation, diagonal, inverse_mass, outside, free, overlap, rate, end, force,
+        beads, work,
     )  # fmt: skip
     if used < 0 and not forced:
         return used, 1.0
     if dissipation is not None:
         if not whole:
-            part = first_event(h, dissipation, motion, beads, work)
+            part = first_event(h, chain.joints, dissipation, motion, beads, work)
             if NEAR_END < part < 1.0 - NEAR_END:
                 return used, part
         absorb(h, chain, dissipation, motion, beads, work)
     move(h, chain, dissipation, motion, beads, work)
+    settle_joint_forces(chain.joints, motion)
     return used, 1.0
 
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.contact import power_law
+from softcradle.physics.contact import Contact, hooke, power_law
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.splitting import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.splitting_simd import LONG
@@ -136,6 +137,8 @@ def _pass(
 
 def _kernels(chain: Chain) -> KernelTiers:
     """The kernels for a chain of power laws."""
+    if chain.couplers:
+        return TIERS["fixed-step-couplers"]
     return TIERS["fixed-step-dissipative" if chain.dissipative else "fixed-step"]
 
 
@@ -171,7 +174,7 @@ def _kind(method: str, chain: Chain) -> int:
     """The kind of step that the loop takes."""
     if method == "conserving":
         return DISCRETE_GRADIENT
-    scalar = chain.dissipative or chain.own_laws  # vector code has the power law alone
+    scalar = chain.dissipative or chain.own_laws or chain.couplers  # vector code has the power law alone
     return SPLITTING if scalar or chain.contacts < LONG else SPLITTING_SIMD
 
 
@@ -189,15 +192,19 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _call_kernels(dissipative: bool) -> None:
-    """Call every kernel once, with friction or without."""
-    chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1 if dissipative else 0.0)
+def _call_kernels(contact: Contact | Coupler, friction: float) -> None:
+    """Call every kernel once for such contacts, with friction or without."""
+    chain = Chain([1.0, 1.0, 1.0], contact, friction=friction)
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))
     run(Problem(chain, state, "conserving", 1e-3, 1e-3))
 
 
 TIERS = {
-    "fixed-step": KernelTiers("fixed-step", __name__, partial(_call_kernels, False)),
-    "fixed-step-dissipative": KernelTiers("fixed-step-dissipative", __name__, partial(_call_kernels, True)),
+    name: KernelTiers(name, __name__, partial(_call_kernels, contact, friction))
+    for name, contact, friction in (
+        ("fixed-step", power_law(1.0, 0.1), 0.0),
+        ("fixed-step-dissipative", power_law(1.0, 0.1), 0.1),
+        ("fixed-step-couplers", Coupler(hooke(1.0), hooke(1.0)), 0.0),
+    )
 }

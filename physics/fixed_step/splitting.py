@@ -26,6 +26,7 @@ import numpy as np
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.joints import is_joint, joint_fall, joint_force, settle_joint_forces
 from softcradle.physics.numerics.own_contacts import force_at
 from softcradle.physics.numerics.switches import any_switched
 
@@ -48,7 +49,9 @@ def drift(part, chain, dissipation, motion):
     for i in range(overlap.size):
         before = overlap[i]
         overlap[i] += part * rate[i]
-        if dissipation is not None and dissipation.loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
+        if is_joint(chain.joints, i):
+            motion.absorbed[0] += joint_fall(chain.joints, i, before, overlap[i], True)
+        elif dissipation is not None and dissipation.loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
             fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             motion.absorbed[0] += dissipation.loss[i] * fall
@@ -60,6 +63,9 @@ def push(chain, dissipation, motion):
     """The contact forces at the present overlaps."""
     law, own, force = chain.law, chain.own, motion.force
     for i in range(force.size):
+        if is_joint(chain.joints, i):
+            force[i] = joint_force(chain.joints, i, motion.overlap[i], motion.rate[i])
+            continue
         force[i] = force_at(law, own, i, motion.overlap[i])
         if dissipation is not None and motion.rate[i] < 0.0:
             force[i] *= 1.0 - dissipation.loss[i]
@@ -125,6 +131,7 @@ def split_steps(most, h, drifts, kicks, chain, dissipation, motion, closed, bead
                 kick_and_brake(h * kicks[stage], chain, dissipation, motion, beads)
         if drifts[stages] != 0.0:
             drift(h * drifts[stages], chain, dissipation, motion)
+        settle_joint_forces(chain.joints, motion)
         stopped = any_switched(motion, closed)
         if dissipation is not None:
             stopped |= at_rest(motion)

@@ -17,6 +17,7 @@ from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
 from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.joints import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.meeting import flight_time, meets_again
 from softcradle.physics.numerics.records import (
     DONE,
@@ -43,7 +44,7 @@ MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infin
 
 
 @inlined
-def log_switches(before, time, motion, log):
+def log_switches(before, time, joints, motion, log):
     """Log every contact that has left the state of its flag since `before`. Returns the number of closed contacts.
 
     Its time is that of the straight line through the new overlap with the new rate, second order in the step; a contact
@@ -57,7 +58,8 @@ def log_switches(before, time, motion, log):
         if now != (log.closed[i] != 0):
             when = before if now and overlap[i] == 0.0 else time
             if overlap[i] != 0.0 and rate[i] != 0.0:
-                when = min(max(before, time - overlap[i] / rate[i]), time)
+                past = overlap[i] - crossed_overlap(joints, i, overlap[i], rate[i])
+                when = min(max(before, time - past / rate[i]), time)
             log_switch(log, i, now, when)
     return closed
 
@@ -97,7 +99,8 @@ def march(
     still = STANDSTILL * largest(motion.rate)
     between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
     rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
-    closed, rests, time = log_switches(start, start, motion, log), False, start
+    settle_joint_forces(chain.joints, motion)
+    closed, rests, time = log_switches(start, start, chain.joints, motion, log), False, start
     while True:
         sampling = counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
         most, length, last = ONE, 0.0, False
@@ -114,7 +117,7 @@ def march(
                 return OUT_OF_STEPS, time
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
             if rests or (free and not bed):
-                flight = math.inf if rests else flight_time(motion.overlap, motion.rate, still)
+                flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
                 whole = math.floor(min(flight, until - time) / h) - 1.0
                 if whole >= 1.0:
                     fly(whole, h, motion)
@@ -145,7 +148,7 @@ def march(
         before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
         if between_walls:
             keep_wall_distance(now - start, motion, rates, overlaps)
-        closed = log_switches(before, now, motion, log)  # a run of steps ends with the first switch
+        closed = log_switches(before, now, chain.joints, motion, log)  # a run of steps ends with the first switch
         if last:
             return DONE, end
         time = start + counter[STEP] * h

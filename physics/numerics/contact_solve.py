@@ -18,10 +18,10 @@ Friction acts by the velocity at the end of the step: it stops a bead and holds 
 w1 = 2 (d1 - d0)/h - w0, a contact with loss has a vertical piece at d0 + (h/2) w0, one more branch of its resolvent. The step
 minimises a strictly convex function of v1, so v1 is unique; forces between beads that all stick need not be.
 
-The unknown s_i is then taken less d0_i where a contact with loss is loaded, so that the force of one that is held does not
-drown in its overlap; the matrix has 0 in place of 1/m_j where bead j sticks. Where that leaves a contact between two
-sticking beads without any slope, its row is moved to the next place at which it bends. Where Newton's iteration cycles,
-sweeps that solve each row alone follow.
+The unknown s_i is then taken less d0_i in couplers and where a contact with loss is loaded, so that the force of one that
+is held does not drown in its overlap; the matrix has 0 in place of 1/m_j where bead j sticks. Where that leaves a contact
+between two sticking beads without any slope, its row is moved to the next place at which it bends. Where Newton's iteration
+cycles, sweeps that solve each row alone follow.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ import math
 
 from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.joints import is_joint, joint_mean_force, joint_resolvent
 from softcradle.physics.numerics.own_contacts import own_resolvent
 from softcradle.physics.numerics.resolvent import EPSILON, mean_force, resolvent
 from softcradle.physics.numerics.switches import copy_into
@@ -50,17 +51,18 @@ AFTER_SWEEPS = 20  # Newton iterations after each round of sweeps
 BISECTIONS = 120  # of a row in a sweep, widening of its bracket included
 
 # rows (n,) of scratch memory
-UNKNOWN = 0  # s, or s - d0 where a contact with loss is loaded
+UNKNOWN = 0  # s, or s - d0 in couplers and where a contact with loss is loaded
 RESIDUAL = 1
 SLOPE = 2  # dg/ds
 START_POWER = 3  # d0**a
 UPPER = 4  # of the eliminated matrix
 SHIFT = 5  # Newton's correction of s
 HOLD = 6  # overlap d0 + (h/2) w0 at which a contact stands still at the end of the step
-FORCE_AT_HOLD = 7  # q there
+FORCE_AT_HOLD = 7  # q there, pressed in; 0 where nothing is lost
 OFFSET = 8  # d0 where the unknown is taken less it, else 0
 BEST = 9  # the unknowns of least residual
-SOLVER_ROWS = 10
+LEAST_AT_HOLD = 10  # q at the hold as it comes out
+SOLVER_ROWS = 11
 
 # rows (n+1,) of scratch memory by bead
 START_VELOCITY = 0  # v0
@@ -71,14 +73,14 @@ STICKS = math.nan
 
 
 @jit
-def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahead, at_hold, weight, s, guess):
-    """The one (d1, g) with d1 - start + weight g = s, and dg/ds, for start >= 0; `at_hold` is q at the overlap
+def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahead, least, at_hold, weight, s, guess):
+    """The one (d1, g) with d1 - start + weight g = s, and dg/ds, for start >= 0; q is from `least` to `at_hold` at the overlap
     start + `ahead` where w1 = 0."""
     kept = 1.0 - loss
     if start + ahead > 0.0:
         if s - ahead > weight * at_hold:
             return resolvent(preload, stiffness, exponent, start, start_power, weight, start + s, guess)
-        if s - ahead >= weight * kept * at_hold:
+        if s - ahead >= weight * least:
             return start + ahead, (s - ahead) / weight, 1.0 / weight
     return resolvent(kept * preload, kept * stiffness, exponent, start, start_power, weight, start + s, guess)
 
@@ -90,9 +92,15 @@ def loses(loss, start, rate):
 
 
 @inlined
-def solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, force, work):
+def solve_contact(h, i, law, own, joints, dissipation, diagonal, start, rate, overlap, force, work):
     """Put overlap, force and slope dg/ds of contact i at its s into their rows."""
     weight = 0.5 * h * h * diagonal[i]
+    if is_joint(joints, i):
+        moved, force[i], work[SLOPE, i] = joint_resolvent(
+            joints, i, start[i], 0.5 * h * rate[i], weight, work[UNKNOWN, i]
+        )
+        overlap[i] = start[i] + moved
+        return
     if own is not None and own.number[i] >= 0:
         overlap[i], force[i], work[SLOPE, i] = own_resolvent(
             own, own.number[i], law[i, 0], start[i], weight, work[UNKNOWN, i], overlap[i]
@@ -101,7 +109,7 @@ def solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, f
     if dissipation is not None and loses(dissipation.loss[i], start[i], rate[i]):
         overlap[i], force[i], work[SLOPE, i] = lossy_resolvent(
             law[i, 0], law[i, 1], law[i, 2], dissipation.loss[i], start[i], work[START_POWER, i], 0.5 * h * rate[i],
-            work[FORCE_AT_HOLD, i], weight, work[UNKNOWN, i], overlap[i],
+            work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i], weight, work[UNKNOWN, i], overlap[i],
         )  # fmt: skip
     else:
         overlap[i], force[i], work[SLOPE, i] = resolvent(
@@ -117,7 +125,7 @@ def slide(h, j, coupling, push, bed, force, beads):
     u = beads[START_VELOCITY, j] + h * coupling[j] * (before - after + outside)
     beads[FREE_VELOCITY, j] = u
     most = h * bed[j]
-    terms = abs(beads[START_VELOCITY, j]) + h * coupling[j] * (before + after + abs(outside)) + most
+    terms = abs(beads[START_VELOCITY, j]) + h * coupling[j] * (abs(before) + abs(after) + abs(outside)) + most
     stuck = abs(u) <= most + ROUND_OFF * terms  # round-off alone sets no bead going
     beads[FRICTION, j] = 0.0 if bed[j] == 0.0 else (STICKS if stuck else math.copysign(bed[j], -u))
 
@@ -152,25 +160,25 @@ def row_residual(h, i, dissipation, coupling, push, free, start, rate, force, be
                 right, own = 0.0, own + half * coupling[i + 1] * force[i]
         else:
             base = begin + (free[i] + half * (beads[FRICTION, i] - beads[FRICTION, i + 1]))
-    return s - own - base - (left + right), abs(s) + own + abs(base) + abs(left + right)
+    return s - own - base - (left + right), abs(s) + abs(own) + abs(base) + abs(left + right)
 
 
 @inlined
-def solve_all(h, law, own, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work):
+def solve_all(h, law, own, joints, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work):
     """Contacts, then beads on a bed, at the present unknowns."""
     for i in range(start.size):
-        solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, force, work)
+        solve_contact(h, i, law, own, joints, dissipation, diagonal, start, rate, overlap, force, work)
     if dissipation is not None:
         for j in range(dissipation.bed.size):
             slide(h, j, coupling, push, dissipation.bed, force, beads)
 
 
 @jit
-def distance_to_bend(h, i, loss, weight, start, rate, preload, up, coupling, bed, beads, work):
+def distance_to_bend(h, i, weight, rate, preload, up, coupling, bed, beads, work):
     """How far s_i has to move (up, or down) until the contact leaves its vertical piece or a bead beside it breaks loose."""
-    ahead, at_hold, s = 0.5 * h * rate, work[FORCE_AT_HOLD, i], work[UNKNOWN, i]
-    if start + ahead > 0.0 and loss > 0.0:
-        low, high = ahead + weight * (1.0 - loss) * at_hold, ahead + weight * at_hold
+    ahead, s = 0.5 * h * rate, work[UNKNOWN, i]
+    if work[FORCE_AT_HOLD, i] > work[LEAST_AT_HOLD, i]:
+        low, high = ahead + weight * work[LEAST_AT_HOLD, i], ahead + weight * work[FORCE_AT_HOLD, i]
     else:
         low, high = 0.0, weight * preload
     found = high - s if up else s - low
@@ -184,7 +192,7 @@ def distance_to_bend(h, i, loss, weight, start, rate, preload, up, coupling, bed
 
 
 @jit
-def sweep(h, law, own, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
+def sweep(h, law, own, joints, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
     """Solve each row alone for its s, by bisection, once from left to right and once back."""
     n, bed = start.size, dissipation.bed
     s = work[UNKNOWN]
@@ -192,7 +200,7 @@ def sweep(h, law, own, dissipation, diagonal, coupling, push, free, start, rate,
         i = k if k < n else 2 * n - 1 - k
         low, high, width = s[i], s[i], 0.0
         for _ in range(BISECTIONS):
-            solve_contact(h, i, law, own, dissipation, diagonal, start, rate, overlap, force, work)
+            solve_contact(h, i, law, own, joints, dissipation, diagonal, start, rate, overlap, force, work)
             if bed.size:
                 slide(h, i, coupling, push, bed, force, beads)
                 slide(h, i + 1, coupling, push, bed, force, beads)
@@ -231,7 +239,7 @@ def newton_shift(h, law, dissipation, diagonal, coupling, start, rate, largest, 
                 upper[i], shift[i] = 0.0, 0.0
                 if abs(residual[i]) > ROUND_OFF * (abs(work[UNKNOWN, i]) + NEGLIGIBLE * largest):
                     bend = distance_to_bend(
-                        h, i, dissipation.loss[i], half * diagonal[i], start[i], rate[i], law[i, 0], residual[i] < 0.0,
+                        h, i, half * diagonal[i], rate[i], law[i, 0], residual[i] < 0.0,
                         coupling, dissipation.bed, beads, work,
                     )  # fmt: skip
                     far = -residual[i] / max(1.0 - bound, ROUND_OFF)
@@ -246,7 +254,7 @@ def newton_shift(h, law, dissipation, diagonal, coupling, start, rate, largest, 
 
 
 @inlined
-def begin_solve(h, law, dissipation, diagonal, coupling, free, start, rate, overlap, force, work):
+def begin_solve(h, law, joints, dissipation, diagonal, coupling, free, start, rate, overlap, force, work):
     """Rows that one step needs, and the first s: by the neighbours' forces, or by a contact's own with dissipation."""
     half = 0.5 * h * h
     for i in range(start.size):
@@ -259,11 +267,19 @@ def begin_solve(h, law, dissipation, diagonal, coupling, free, start, rate, over
             continue
         loss = dissipation.loss[i]
         work[HOLD, i] = start[i] + 0.5 * h * rate[i]
+        work[FORCE_AT_HOLD, i], work[LEAST_AT_HOLD, i] = 0.0, 0.0
+        if is_joint(joints, i):
+            work[OFFSET, i], ahead = start[i], 0.5 * h * rate[i]
+            work[LEAST_AT_HOLD, i], _ = joint_mean_force(joints, i, start[i], ahead, False)
+            work[FORCE_AT_HOLD, i], _ = joint_mean_force(joints, i, start[i], ahead, True)
+            work[UNKNOWN, i] = overlap[i] - start[i] + half * diagonal[i] * force[i]
+            continue
         work[OFFSET, i] = start[i] if loss > 0.0 and start[i] > 0.0 else 0.0
         if loses(loss, start[i], rate[i]) and work[HOLD, i] > 0.0:
             work[FORCE_AT_HOLD, i], _ = mean_force(
                 law[i, 0], law[i, 1], law[i, 2], start[i], work[START_POWER, i], work[HOLD, i]
             )
+            work[LEAST_AT_HOLD, i] = (1.0 - loss) * work[FORCE_AT_HOLD, i]
         work[UNKNOWN, i] = overlap[i] - work[OFFSET, i] + half * diagonal[i] * force[i]
 
 
@@ -279,7 +295,9 @@ def begin_again(h, dissipation, coupling, free, start, pressed, work):
 
 
 @jit
-def solve_contacts(h, law, own, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work):
+def solve_contacts(
+    h, law, own, joints, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work
+):
     """Solve one step for all contacts: g into `force` (on entry a guess), d1 into `overlap` (on entry a guess).
 
     `diagonal` (n,) is L_ii; `coupling` (n+1,) by bead -L_(i-1,i), its inverse mass in a straight row; `push` (n+1,) forces
@@ -288,7 +306,7 @@ def solve_contacts(h, law, own, dissipation, diagonal, coupling, push, free, sta
     Returns the iterations used, negative where they did not converge.
     """
     n = start.size
-    begin_solve(h, law, dissipation, diagonal, coupling, free, start, rate, overlap, force, work)
+    begin_solve(h, law, joints, dissipation, diagonal, coupling, free, start, rate, overlap, force, work)
     best, least, damping = math.inf, math.inf, 1.0
     spare = 0 if dissipation is None else n
     warm = MOST_WARM + spare
@@ -306,10 +324,24 @@ def solve_contacts(h, law, own, dissipation, diagonal, coupling, push, free, sta
         if dissipation is not None and iteration >= swept and (iteration - swept) % AFTER_SWEEPS == 0:
             for _ in range(1 + n):
                 sweep(
-                    h, law, own, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work
+                    h,
+                    law,
+                    own,
+                    joints,
+                    dissipation,
+                    diagonal,
+                    coupling,
+                    push,
+                    free,
+                    start,
+                    rate,
+                    overlap,
+                    force,
+                    beads,
+                    work,
                 )
             best = math.inf
-        solve_all(h, law, own, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
+        solve_all(h, law, own, joints, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
         total, terms, worst, largest = 0.0, 0.0, 0.0, 0.0
         for i in range(n):
             largest = max(largest, abs(work[UNKNOWN, i]))
@@ -340,5 +372,5 @@ def solve_contacts(h, law, own, dissipation, diagonal, coupling, push, free, sta
             work[UNKNOWN, i] += work[SHIFT, i]
     if dissipation is not None:
         copy_into(work[UNKNOWN], work[BEST])
-        solve_all(h, law, own, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
+        solve_all(h, law, own, joints, dissipation, diagonal, coupling, push, start, rate, overlap, force, beads, work)
     return -most

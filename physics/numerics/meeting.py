@@ -9,12 +9,14 @@ from softcradle.physics.numerics.jit import inlined, jit
 
 
 @inlined
-def flight_time(overlap, rate, still):
-    """Time until the first contact closes if no force acts; inf when none closes faster than `still`."""
+def flight_time(joints, overlap, rate, still):
+    """Time until the first contact closes, or coupler pulls, if no force acts; inf when none closes faster than `still`."""
     first = math.inf
     for i in range(overlap.size):
         if rate[i] > still:
             first = min(first, -overlap[i] / rate[i])
+        elif joints is not None and rate[i] < -still:
+            first = min(first, (joints.pulls_below[i] - overlap[i]) / rate[i])
     return first
 
 
@@ -34,7 +36,7 @@ def meets_again(chain, bed, motion, still, velocity):
     the other until both rest, so they meet if the places where they would rest overlap. `velocity` (n+1,) is scratch memory.
     """
     if bed.size == 0:
-        return flight_time(motion.overlap, motion.rate, still) < math.inf
+        return flight_time(chain.joints, motion.overlap, motion.rate, still) < math.inf
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
     for i in range(motion.overlap.size):
         if motion.rate[i] > still:

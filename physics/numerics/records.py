@@ -49,7 +49,8 @@ class ChainData(NamedTuple):
     push: Array  # (n+1,) external force on each bead [N]; (0,) without any
     external: Array  # (n+1,) accelerations by it of the overlaps, then of the anchor [m/s²]; (0,) without any
     anchor_bead: int  # index of the bead whose position and velocity are kept
-    own: Any = None  # OwnLaws, or None where all contacts are power laws
+    own: Any = None  # OwnLaws, or None where no contact has a law of one's own
+    joints: Any = None  # Joints, or None where no contact is a coupler
 
 
 class Dissipation(NamedTuple):

@@ -8,8 +8,8 @@ from softcradle.physics.numerics.records import SAMPLE, SWITCH
 
 @inlined
 def is_closed(overlap, force):
-    """Whether a contact pushes: it overlaps, or it touches and carries a force."""
-    return overlap > 0.0 or (overlap == 0.0 and force > 0.0)
+    """Whether a contact pushes: it overlaps, or it touches and carries a force; or pulls, as couplers alone do."""
+    return overlap > 0.0 or (overlap == 0.0 and force > 0.0) or force < 0.0
 
 
 @inlined

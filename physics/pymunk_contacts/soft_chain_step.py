@@ -129,7 +129,7 @@ def solve_chain_step(
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     coupling[n] = 0.0
     used = solve_contacts(
-        h, law, None, dissipation, diagonal, coupling, coupling[:0], free, overlap, rate, end, force, beads, work
+        h, law, None, None, dissipation, diagonal, coupling, coupling[:0], free, overlap, rate, end, force, beads, work
     )  # fmt: skip
     for i in range(n):
         held = False

@@ -9,6 +9,7 @@ from typing import Any
 import pymunk
 from softcradle.physics.checked_input import magnitude, require_kind, shown
 from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import Law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
 from softcradle.physics.pymunk_contacts.post_step import raise_after_step
@@ -238,6 +239,10 @@ def _scalar_law(contact: Law) -> Callable[[float], float]:
     """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.contact_law."""
     if not callable(getattr(contact, "force", None)):
         raise ValueError(f"contact must be a Contact or have a method force(overlap), not {shown(contact)}")
+    if isinstance(contact, Coupler):
+        raise ValueError(
+            "a SoftContact only pushes, a coupler pulls and goes solid: take simulate(..., method='conserving')"
+        )
     if not isinstance(contact, Contact):
         return lambda overlap: float(contact.force(overlap))
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent

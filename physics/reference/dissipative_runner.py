@@ -1,4 +1,4 @@
-"""Method `scipy` on chains with bed friction or loss: the collocation of this room, which finds stick and slip by itself."""
+"""Method `scipy` on chains with bed friction, loss or couplers: the collocation of this room, which finds its switches itself."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class _Recorder:
             self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": float(self.run.time)}),)
 
     def _note(self) -> None:
-        point = self.run.point
-        now = is_closed(point.overlap.astype(np.float64), point.force.astype(np.float64))
+        reached = self.run.reached()
+        now = is_closed(reached.overlap, reached.force)
         self.switches.extend((float(self.run.time), int(i)) for i in np.flatnonzero(now != self.closed))
         self.closed = now
 

@@ -83,7 +83,9 @@ class ExtendedRun:
     def reached(self) -> State:
         """Where the run is, in double precision."""
         point, anchor = self.point, self.chain.anchor
-        overlap, rate, force = (v.astype(np.float64) for v in (point.overlap, point.rate, point.force))
+        rows, first = self.rows, np.unique(self.rows.joint, return_index=True)[1]  # the pushing part tells of the joint
+        values = point.overlap[first], point.rate[first], rows.on_joints(point.force)
+        overlap, rate, force = (v.astype(np.float64) for v in values)
         lead = np.array([float(self.position[anchor]), float(point.velocity[anchor])])
         return State(float(self.time), overlap, rate, lead, force, absorbed=self.absorbed.astype(np.float64))
 
@@ -147,8 +149,9 @@ class ExtendedRun:
         """Longest step [s] that may cross a corner."""
         acceleration = self.rows.acceleration(self.point.force, self.point.friction)
         jump = np.zeros_like(acceleration)
-        jump[:-1] += self.rows.preload + self.point.force * self.rows.loss
-        jump[1:] += self.rows.preload + self.point.force * self.rows.loss
+        of_contact = self.rows.preload + self.point.force * self.rows.loss
+        np.add.at(jump, self.rows.joint, of_contact)
+        np.add.at(jump, self.rows.joint + 1, of_contact)
         if self.rows.bed.size:
             jump += 2.0 * self.rows.bed
         most = float((np.abs(acceleration) + jump * self.rows.inverse_mass).max())
@@ -189,12 +192,13 @@ class ExtendedRun:
             point.side[rests & past] = STICKS
         left = np.where(rests, point.velocity, 0.0)
         point.velocity -= left
-        point.rate -= left[:-1] - left[1:]
+        point.rate -= self.rows.closing(left)
         stays = rests & (before.velocity == 0.0)
         moved[stays] = 0.0
-        both = stays[:-1] & stays[1:]
+        joint = self.rows.joint
+        both = stays[joint] & stays[joint + 1]
         point.overlap[both] = before.overlap[both]
-        point.rate[rests[:-1] & rests[1:]] = 0.0
+        point.rate[rests[joint] & rests[joint + 1]] = 0.0
         fixed = np.isin(point.branch, (TOUCHING, HELD)) & (np.abs(point.rate) < 10.0 * self.tolerance * self.speed)
         point.rate[fixed] = 0.0
 
@@ -207,7 +211,8 @@ class ExtendedRun:
 
 
 def _first_point(rows: Rows, chain: Chain, state: State) -> Point:
-    overlap, rate = state.overlap.astype(Extended), state.rate.astype(Extended)
+    overlap = rows.of_contacts(state.overlap.astype(Extended), origin=True)
+    rate = rows.of_contacts(state.rate.astype(Extended))
     velocity = state.velocity(chain).astype(Extended)
     with_loss = rows.loss > 0.0
     branch = np.where(overlap > 0.0, PRESSED, OPEN).astype(np.int8)

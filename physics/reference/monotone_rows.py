@@ -5,7 +5,9 @@
                                                           HELD      w = 0   f between the two
     bed      SLIDES    v != 0  r = R sign(v)              STICKS    v = 0   -R <= r <= R
 
-A row is a point on its graph: its primal value (d, w = 0, or v), its dual value (f or r), and its branch.
+A row is a point on its graph: its primal value (d, w = 0, or v), its dual value (f or r), and its branch. A coupler is several
+contacts between the same two beads, rows of its own each: one with side -1 pulls, and d of a row is side * (d - origin) of the
+joint.
 """
 
 from __future__ import annotations
@@ -14,7 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.chain import GRAVITY, Chain
+from softcradle.physics.chain import GRAVITY, Chain, Joint
+from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
+from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.reference.collocation import Array, Extended
 
 Branches = NDArray[np.int8]
@@ -25,16 +30,21 @@ BACKWARD, STICKS, FORWARD = -1, 0, 1
 
 @dataclass(frozen=True)
 class Rows:
-    """The rows of a chain in extended precision: n contacts, and with friction n+1 beds.
+    """The rows of a chain in extended precision: m contacts, at least one between any two beads, and with friction n+1 beds.
 
     Attributes:
-        preload, stiffness, exponent, loss: (n,) of the contacts.
+        joint: (m,) which two neighbours each contact is between.
+        side, origin: (m,) 1 and 0 for contacts that are no part of a coupler.
+        preload, stiffness, exponent, loss: (m,) of the contacts.
         inverse_mass: (n+1,), 0 for a wall.
         bed: (n+1,) friction of a sliding bead [N], or empty.
         external: (n+1,) steady force on each bead [N].
-        response: (n+b, n+b) what the dual values take from the acceleration of each row's primal value.
+        response: (m+b, m+b) what the dual values take from the acceleration of each row's primal value.
     """
 
+    joint: NDArray[np.intp]
+    side: Array
+    origin: Array
     preload: Array
     stiffness: Array
     exponent: Array
@@ -48,7 +58,10 @@ class Rows:
     def of(cls, chain: Chain, external: NDArray[np.float64] | None) -> Rows:
         """The rows of `chain` under the force `external` (n+1,) on its beads."""
         n = chain.contacts
-        laws = [(c.preload, c.stiffness, c.exponent, c.loss) for c in chain.power_laws]
+        parts = [(i, *part) for i, contact in enumerate(chain.contact) for part in _parts(contact)]
+        joint = np.array([i for i, *_ in parts])
+        side, origin = np.array([part[2:] for part in parts], dtype=Extended).T
+        laws = [(law.preload, law.stiffness, law.exponent, law.loss) for _, law, _, _ in parts]
         preload, stiffness, exponent, loss = np.array(laws, dtype=Extended).T
         mass = np.array(chain.mass, dtype=Extended)
         inverse_mass = 1.0 / mass
@@ -58,22 +71,38 @@ class Rows:
             bed[beads] += Extended(max(brake.force))
         bed = bed if chain.on_bed else np.zeros(0, dtype=Extended)
         force = np.zeros(n + 1, dtype=Extended) if external is None else external.astype(Extended)
-        difference = np.eye(n, n + 1) - np.eye(n, n + 1, 1)
+        difference = (np.eye(n, n + 1) - np.eye(n, n + 1, 1))[joint] * side.astype(np.float64)[:, None]
         rows = np.vstack((difference, np.eye(n + 1))) if chain.on_bed else difference
         response = rows * inverse_mass.astype(np.float64) @ rows.T
-        return cls(preload, stiffness, exponent, loss, inverse_mass, bed, force, response)
+        return cls(joint, side, origin, preload, stiffness, exponent, loss, inverse_mass, bed, force, response)
 
     @property
     def contacts(self) -> int:
-        """Number n of contacts."""
+        """Number m of contacts, each part of a coupler for itself."""
         return self.preload.size
 
+    def of_contacts(self, joints: Array, origin: bool = False) -> Array:
+        """(..., m) of each contact what the differences (..., n) of neighbours are for it; of overlaps less its `origin`."""
+        found: Array = joints[..., self.joint] - self.origin if origin else joints[..., self.joint]
+        return self.side * found
+
+    def closing(self, beads: Array) -> Array:
+        """(..., m) by how much values (..., n+1) of the beads close each contact."""
+        return self.of_contacts(beads[..., :-1] - beads[..., 1:])
+
+    def on_joints(self, force: Array) -> Array:
+        """(..., n) forces between neighbours, from those (..., m) of contacts; negative where they pull."""
+        total = np.zeros((self.inverse_mass.size - 1, *force.shape[:-1]), dtype=force.dtype)
+        np.add.at(total, self.joint, np.moveaxis(self.side * force, -1, 0))
+        return np.moveaxis(total, 0, -1)
+
     def acceleration(self, force: Array, friction: Array) -> Array:
-        """(..., n+1) accelerations of the beads under contact forces (..., n) and bed friction (..., n+1 or 0)."""
-        net = np.empty((*force.shape[:-1], force.shape[-1] + 1), dtype=Extended)
+        """(..., n+1) accelerations of the beads under contact forces (..., m) and bed friction (..., n+1 or 0)."""
+        joints = self.on_joints(force)
+        net = np.empty((*force.shape[:-1], self.external.size), dtype=Extended)
         net[...] = self.external
-        net[..., :-1] -= force
-        net[..., 1:] += force
+        net[..., :-1] -= joints
+        net[..., 1:] += joints
         if self.bed.size:
             net -= friction
         return net * self.inverse_mass
@@ -103,3 +132,10 @@ class Rows:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             found = (excess / self.stiffness) ** (1.0 / self.exponent)
         return np.where(excess > 0.0, found, 0.0)
+
+
+def _parts(contact: Joint) -> tuple[tuple[Contact, float, float], ...]:
+    """(law, side, origin) of the contacts between two neighbours."""
+    if isinstance(contact, OwnLaw):
+        raise ValueError(f"the reference takes no law of your own on a bed or with loss, {contact.name!r}")
+    return contact.parts if isinstance(contact, Coupler) else ((contact, 1.0, 0.0),)

@@ -36,9 +36,9 @@ class Point:
     """Where the rows are: one moment, or s stages (leading axis).
 
     Attributes:
-        overlap, rate (..., n), velocity (..., n+1): of contacts and beads.
-        force (..., n), friction (..., n+1 or 0): dual values.
-        branch (..., n), side (..., n+1 or 0): branches of contacts and beds.
+        overlap, rate (..., m), velocity (..., n+1): of contacts and beads.
+        force (..., m), friction (..., n+1 or 0): dual values.
+        branch (..., m), side (..., n+1 or 0): branches of contacts and beds.
     """
 
     overlap: Array
@@ -97,7 +97,7 @@ class Stages:
         start, rows, shape = self.start, self.rows, self.drift.shape
         stages = Point(*(np.broadcast_to(v, (shape[0], v.size)).copy() for v in vars(start).values()))
         acceleration = rows.acceleration(start.force, start.friction)
-        ahead = self.drift + self.twice.sum(axis=1)[:, None] * (acceleration[:-1] - acceleration[1:])
+        ahead = self.drift + self.twice.sum(axis=1)[:, None] * rows.closing(acceleration)
         loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
         slack = loaded & (self.yielding * rows.slope(start.overlap) < 1.0) & (ahead > 0.0)
         stages.overlap = np.where(slack | ((stages.branch == OPEN) & (ahead <= 0.0)), ahead, stages.overlap)
@@ -111,7 +111,7 @@ class Stages:
     def _residuals(self, stages: Point) -> tuple[Array, Array]:
         """Primal values less what the stage equations make them, of contacts and beds; updates rates and velocities."""
         acceleration = self.rows.acceleration(stages.force, stages.friction)
-        closing = acceleration[:, :-1] - acceleration[:, 1:]
+        closing = self.rows.closing(acceleration)
         overlap = self.drift + self.twice @ closing
         stages.rate = self.start.rate + self.once @ closing
         velocity = self.start.velocity + self.once @ acceleration

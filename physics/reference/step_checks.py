@@ -39,7 +39,7 @@ def hides_switch(tableau: Tableau, rows: Rows, start: Point, stages: Point, h: f
     if rows.bed.size and _mixes(rows.bed > 0.0, stages.side, stages.friction, weight[kinked.size :], slack):
         return True
     acceleration = rows.acceleration(stages.force, stages.friction)
-    closing = acceleration[:, :-1] - acceleration[:, 1:]
+    closing = rows.closing(acceleration)
     branch = stages.branch[0]
     overlap = h * h * (tableau.bernstein @ closing)
     overlap += start.overlap + np.linspace(0.0, 1.0, overlap.shape[0])[:, None] * (h * start.rate)
@@ -86,7 +86,7 @@ def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: fl
     """
     point = stages.last()
     acceleration = rows.acceleration(point.force, point.friction)
-    closing = acceleration[:-1] - acceleration[1:]
+    closing = rows.closing(acceleration)
     branch = point.branch
     sign = np.where(branch == OPEN, 1.0, -1.0)
     gap = sign * point.overlap

@@ -8,7 +8,8 @@ from typing import Protocol
 
 import numpy as np
 import pygame
-from softcradle.physics import Chain, Contact, OwnLaw
+from softcradle.physics import Chain, Contact, Coupler
+from softcradle.physics.chain import Joint
 from softcradle.sandbox.draw.bead_arrows import ARROWS
 from softcradle.sandbox.draw.bead_sprites import (
     CYLINDER_HEIGHT,
@@ -43,6 +44,8 @@ SMALLEST_NUMBER = 8.0  # pixels: lower numbers on beads could not be read and ar
 SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts beside them
 VISIBLE_FORCE = 0.01  # of the force axis: lower bars have neither a number nor a line for rigid clusters
 ARROW_TONE = 0.35  # share of the foreground in the colour of an arrow: it stands out from the ground in both themes
+PULL_RIM = 2.5  # design pixels: the rim of the hollow bar of a force that pulls
+HEAVY = 1e4  # [kg] masses from here on are written in tonnes
 EQUAL_MASSES = 1.02  # ratio of masses up to which beads look alike and no masses are written
 
 
@@ -138,6 +141,10 @@ class LaneDrawing:
         if self.label:
             x = write(surface, self.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
         x = write(surface, _("contact force (N)"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
+        if self.chain.pulls:
+            x = write(surface, _("hollow: pulls"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
+        if any(coupler.stop for i, coupler in self.chain.couplers):
+            x = write(surface, _("dark: solid"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
         words = _("if clusters were rigid")
         fits = x + 20 * unit + width(words, 12.5 * unit) < rect.right - RULER * unit
         if fits and any(share != 0.0 for share in self.rigid):
@@ -242,8 +249,7 @@ class LaneDrawing:
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
         decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
         for i, (x, force) in enumerate(zip(contacts, forces, strict=True)):
-            top = self._bar_top(force)
-            fill_rectangle(surface, self.contact_colours[i], (x - wide / 2, top, wide, self.bar_base - top))
+            self._bar(surface, i, x - wide / 2, wide, force)
             expected = forces[self.interface] * self.rigid[i]
             if i != self.interface and expected > visible:
                 reach = wide / 2 + 5 * unit
@@ -251,11 +257,22 @@ class LaneDrawing:
                 fill_rectangle(surface, tones.foreground, line)
         self._force_labels(surface, contacts, forces, decimals)
 
+    def _bar(self, surface: pygame.Surface, contact: int, left: float, wide: float, force: float) -> None:
+        """The bar of a force: filled where it pushes, hollow where it pulls, dark from where the gear is solid."""
+        colour, top, rim = self.contact_colours[contact], self._bar_top(abs(force)), max(1.0, PULL_RIM * self.unit)
+        fill_rectangle(surface, colour, (left, top, wide, self.bar_base - top))
+        if force < 0.0:
+            hollow = left + rim, top + rim, wide - 2 * rim, self.bar_base - top - 2 * rim
+            fill_rectangle(surface, tones.lane_background, hollow)
+        solid = self._bar_top(solid_force(self.chain.contact[contact], force)) - top
+        if solid > 0.0:
+            fill_rectangle(surface, tones.foreground, (left, top, wide, solid))
+
     def _force_labels(self, surface: pygame.Surface, contacts: list[float], forces: list[float], decimals: int) -> None:
         """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list[tuple[float, float]]()
-        for i in sorted(range(len(forces)), key=lambda i: -forces[i]):
-            if forces[i] <= visible:
+        for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
+            if abs(forces[i]) <= visible:
                 return
             text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
             half = 0.5 * width(text, size, bold=True) + 2 * self.unit
@@ -267,7 +284,7 @@ class LaneDrawing:
 
     def _label_foot(self, contact: int, forces: list[float]) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""
-        foot, mark = self._bar_top(forces[contact]), self._bar_top(forces[self.interface] * self.rigid[contact])
+        foot, mark = self._bar_top(abs(forces[contact])), self._bar_top(forces[self.interface] * self.rigid[contact])
         near = contact != self.interface and foot - FORCE_LABEL * self.unit < mark <= foot
         return (mark if near else foot) - 3 * self.unit
 
@@ -288,9 +305,18 @@ def _tallest(rect: pygame.Rect, unit: float) -> float:
     return min(TALLEST_BEAD * rect.height, max(room, LEAST_BEAD * rect.height))
 
 
-def is_gear(contact: Contact | OwnLaw) -> bool:
-    """Whether the contact is drawn as a piston: a preloaded spring."""
+def is_gear(joint: Joint) -> bool:
+    """Whether the contact is drawn as a piston: a preloaded spring, in a coupler or by itself."""
+    contact = joint.push if isinstance(joint, Coupler) else joint
     return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
+
+
+def solid_force(joint: Joint, force: float) -> float:
+    """Size of the force [N] from which on the gear of a coupler that pushes, or pulls with `force` < 0, is solid; inf: never."""
+    if not isinstance(joint, Coupler) or math.isinf(joint.travel):
+        return math.inf
+    gear = joint.push if force >= 0.0 else joint.pull
+    return math.inf if gear is None else gear.force(joint.travel)
 
 
 def body_height(scene: DrawnScene) -> float:
@@ -304,4 +330,5 @@ def mass_labels(chain: Chain) -> tuple[str, ...]:
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     if max(finite) <= EQUAL_MASSES * min(finite):
         return ()
-    return tuple(localized(f"{mass:.3g} kg") if math.isfinite(mass) else _("wall") for mass in chain.mass)
+    unit, size = ("t", 1e3) if max(finite) >= HEAVY else ("kg", 1.0)
+    return tuple(localized(f"{mass / size:.3g} {unit}") if math.isfinite(mass) else _("wall") for mass in chain.mass)

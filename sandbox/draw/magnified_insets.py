@@ -66,7 +66,10 @@ class MagnifiedInsets:
             self._leader(surface, float(contacts[contact]), (x, y))
             inset = self._inset(contact, overlap * self.drawing.scale * self.magnify[contact])
             surface.blit(inset, (round(x) - self.side // 2, round(y) - self.side // 2))
-            depth = f"{scientific(overlap)} m" if overlap > 0.0 else _("apart") if overlap < 0.0 else _("touching")
+            resting = (
+                _("pulled") if motion.force[row, contact] < 0.0 else _("apart") if overlap < 0.0 else _("touching")
+            )
+            depth = f"{scientific(overlap)} m" if overlap > 0.0 else resting
             place = (x + self.radius + 10 * self.unit, y - 13 * self.unit)
             write(
                 surface,

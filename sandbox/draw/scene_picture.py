@@ -124,7 +124,7 @@ class _LanePicture:
             )
             return Panel(rect, unit, scales.time, axis, colours=colours, names=names)
         if kind == 1:
-            axis, letter = linear_axis(_("contact force (N)"), 0.0, scales.force), "f"
+            axis, letter = linear_axis(_("contact force (N)"), scales.pull, scales.force), "f"
         else:
             axis, letter = decade_axis(_("overlap (m), logarithmic"), *scales.decades), "δ"
         names = [letter + subscript(i, i + 1) for i in contacts]
@@ -135,7 +135,7 @@ class _LanePicture:
         self.insets.backdrop(surface)
         self.bars.backdrop(surface)
         for kind, (panel, values) in enumerate(zip(self.panels, _curves(self.motion), strict=False)):
-            peaks = values[-1] if kind == 0 else values.max(axis=0)
+            peaks = values[-1] if kind == 0 else _extremes(values)
             panel.backdrop(surface, self.motion.time, values, peaks, self.ahead)
 
     def paint(self, surface: pygame.Surface, row: int, centre: float | None) -> None:
@@ -157,3 +157,10 @@ def _speed(slow: float) -> str:
     if slow > 1.0:
         return _("slow motion 1/{times:.4g}", times=slow)
     return _("quick motion {times}", times=factor(1.0 / slow))
+
+
+def _extremes(values: Array) -> Array:
+    """(n,) the value of each curve (T, n) that is farthest from 0."""
+    low, high = values.min(axis=0), values.max(axis=0)
+    found: Array = np.where(-low > high, low, high)
+    return found

@@ -26,7 +26,8 @@ class Scales:
         time: ends of the time axis [s].
         window: left and right end of the lanes [m].
         velocity: ends of the velocity axis [m/s].
-        force: upper end of the force axis [N].
+        force: upper end of the force axis [N], for pushes and pulls alike.
+        pull: lower end of the force axis of plots [N], below 0 where couplers pull.
         decades: exponents of ten at the ends of the overlap axis.
         magnify: factor by which lanes draw overlaps larger than they are.
         deepest: for each lane (n,) the greatest overlap of each contact [m]; insets are magnified by it.
@@ -38,6 +39,7 @@ class Scales:
     window: Span
     velocity: Span
     force: float
+    pull: float
     decades: tuple[int, int]
     magnify: float
     deepest: tuple[tuple[float, ...], ...]
@@ -55,7 +57,8 @@ def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
         time=(min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)),
         window=_window(scene, motions, magnify),
         velocity=_padded(min(0.0, float(speeds.min())), max(0.0, float(speeds.max()))),
-        force=FORCE_MARGIN * max(float(m.force.max()) for m in motions) or 1.0,
+        force=FORCE_MARGIN * max(float(np.abs(m.force).max()) for m in motions) or 1.0,
+        pull=FORCE_MARGIN * min(0.0, *(float(m.force.min()) for m in motions)),
         decades=_decades(deepest),
         magnify=magnify,
         deepest=deepest,

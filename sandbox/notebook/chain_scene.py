@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from softcradle.physics import Contact, Trajectory, hooke
+from softcradle.physics import OwnLaw, Trajectory, hooke
 from softcradle.scenes import Lane, Scene, View
-from softcradle.scenes.contact_table import law_of
+from softcradle.scenes.contact_table import law_of, table_of
 from softcradle.scenes.scene_schema import ForceTable
 
 UNDRAWN = law_of(hooke(1.0))  # stands in the scene for a law of one's own, which no scene can name and no picture shows
@@ -24,7 +24,7 @@ def scene_of(trajectory: Trajectory, slow: float) -> Scene:
     chain = trajectory.chain
     lane = Lane(
         mass=chain.mass,
-        contact=tuple(law_of(contact) if isinstance(contact, Contact) else UNDRAWN for contact in chain.contact),
+        contact=tuple(UNDRAWN if isinstance(contact, OwnLaw) else table_of(contact) for contact in chain.contact),
         velocity=tuple(trajectory.velocity[0].tolist()),
         gap=chain.gap,
         drive=chain.drive,

@@ -17,7 +17,7 @@ def velocity_axes(played: PlayedMotion) -> Axes:
 def force_axes(played: PlayedMotion) -> Axes:
     """Axes of contact forces."""
     unit, name = played.force_unit
-    axes = _axes(played, (0.0, played.scales.force / unit), f"contact force ({name})")
+    axes = _axes(played, (played.scales.pull / unit, played.scales.force / unit), f"contact force ({name})")
     return replace(axes, y_unit=unit)
 
 

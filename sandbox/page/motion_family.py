@@ -18,7 +18,7 @@ from softcradle.sandbox.page.shared_page import PageReport, write_text
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.contact_kinds import KIND_BY_NAME
-from softcradle.scenes.contact_table import Law
+from softcradle.scenes.contact_table import AnyLaw, Law
 
 ALPHAS = (1 / 30, 1 / 20, 1 / 14, 1 / 10, 1 / 7, 1 / 5, 1 / 4, 1 / 3, 1 / 2, 1.0)
 SPEEDS = (0.25, 0.35, 0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0)  # factors on all start velocities
@@ -86,17 +86,18 @@ def _with_own(values: tuple[float, ...], own: float) -> list[float]:
     return sorted([*others, own])
 
 
-def _laws(lane: Lane) -> tuple[Law, ...]:
+def _laws(lane: Lane) -> tuple[AnyLaw, ...]:
     return lane.contact if isinstance(lane.contact, tuple) else (lane.contact,)
 
 
-def _has_alpha(law: Law) -> bool:
-    return "alpha" in KIND_BY_NAME[law.law].numbers
+def _has_alpha(law: AnyLaw) -> bool:
+    return isinstance(law, Law) and "alpha" in KIND_BY_NAME[law.law].numbers
 
 
 def _own_alpha(scene: Scene) -> float:
     """The alpha that most contacts with an alpha have."""
-    found = [law.contact().exponent for lane in scene.lanes for law in _laws(lane) if _has_alpha(law)]
+    laws = [law for lane in scene.lanes for law in _laws(lane) if isinstance(law, Law) and _has_alpha(law)]
+    found = [law.contact().exponent for law in laws]
     if not found:
         raise UserError('--live alpha needs a contact with an alpha (law = "power_law"); take --live speed')
     values, counts = np.unique(found, return_counts=True)

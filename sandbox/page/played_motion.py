@@ -74,8 +74,8 @@ class PlayedMotion:
     @cached_property
     def strongest_time(self) -> float:
         """Time of the greatest force of the member shown first [s]: the moment of a still picture."""
-        strongest = max(self.motions[self.first], key=lambda motion: float(motion.force.max()))
-        return float(strongest.time[int(np.argmax(strongest.force.max(axis=1)))])
+        strongest = max(self.motions[self.first], key=lambda motion: float(np.abs(motion.force).max()))
+        return float(strongest.time[int(np.argmax(np.abs(strongest.force).max(axis=1)))])
 
 
 def _shown_end(scene: Scene, member: Member) -> float:

@@ -8,7 +8,7 @@ from html import escape
 from typing import Any
 
 from softcradle.physics import Chain
-from softcradle.sandbox.draw.lane_drawing import body_height, is_gear, mass_labels
+from softcradle.sandbox.draw.lane_drawing import body_height, is_gear, mass_labels, solid_force
 from softcradle.sandbox.draw.number_format import factor
 from softcradle.sandbox.draw.palette import OKABE_ITO, bead_colours
 from softcradle.sandbox.draw.rigid_clusters import rigid_shares
@@ -145,6 +145,8 @@ def _lane_data(member: Member, number: int) -> dict[str, Any]:
         "mass": [mass if math.isfinite(mass) else None for mass in chain.mass],
         "massLabels": mass_labels(chain),
         "gears": [is_gear(contact) for contact in chain.contact],
+        "pulls": chain.pulls,
+        "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "preloads": [contact.preload for contact in chain.contact],
         "interface": interface,
         "rigid": shares,
@@ -154,6 +156,10 @@ def _lane_data(member: Member, number: int) -> dict[str, Any]:
             for spans in trajectory.contact_intervals
         ],
     }
+
+
+def _finite(force: float) -> float | None:
+    return force if math.isfinite(force) else None
 
 
 def _hex(colour: tuple[int, int, int]) -> str:

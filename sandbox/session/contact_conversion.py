@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, hertz, power_law
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.scales import contact_scales
+from softcradle.sandbox.languages import _ as gettext
 
 KINDS = ("power", "gear", "hard")
 SOFT_EXPONENT = 0.1  # of a power law converted from another kind: alpha = 1/10, the paper's first
@@ -17,11 +19,21 @@ DEEPEST = 0.2  # of a bead's length: depth of a converted contact; clusters pres
 HALVINGS = 60  # of the bracket of a depth: its last digit
 
 
-def kind_of(contact: Contact) -> str:
-    """'gear' for a contact with preload, 'power' for an exponent below 1, else 'hard'."""
+def kind_of(contact: Joint) -> str:
+    """'gear' for a contact with preload, 'power' for an exponent below 1, else 'hard'; 'coupler', and 'own' for other laws."""
+    if not isinstance(contact, Contact):
+        return "coupler" if isinstance(contact, Coupler) else "own"
     if contact.preload > 0.0:
         return "gear"
     return "power" if contact.exponent < 1.0 else "hard"
+
+
+def plain_contact(chain: Chain, index: int) -> Contact:
+    """Contact `index`. ValueError where it is a coupler or a law of one's own, which no edit turns into another kind."""
+    contact = chain.contact[index]
+    if not isinstance(contact, Contact):
+        raise ValueError(gettext("a coupler keeps its law: it is changed in the scene file"))
+    return contact
 
 
 def converted_contact(chain: Chain, index: int, kind: str, speed: float, length: float = math.inf) -> Contact:
@@ -32,7 +44,7 @@ def converted_contact(chain: Chain, index: int, kind: str, speed: float, length:
     """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of contact {kind!r}; there are {', '.join(KINDS)}")
-    contact = chain.power_laws[index]
+    contact = plain_contact(chain, index)
     present = kind_of(contact)
     if present == kind:
         return contact
@@ -62,5 +74,5 @@ def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]
     low, high = 0.0, float(contact_scales(chain, np.array([0.0, speed]))[0][index])  # an upper bound of the depth
     for _ in range(HALVINGS):
         depth = 0.5 * (low + high)
-        low, high = (depth, high) if float(chain.power_laws[index].energy(depth)) < energy else (low, depth)
+        low, high = (depth, high) if float(chain.contact[index].energy(depth)) < energy else (low, depth)
     return energy, high

@@ -9,13 +9,13 @@ from functools import singledispatch
 from typing import NamedTuple
 
 import numpy as np
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
 from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of
+from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.placement import displace, place_bead, set_velocity, state_from_bead_0
 
@@ -79,9 +79,9 @@ def _(item: inputs.SetContact, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetKind, setup: LaneSetup, state: State) -> Changed:
     def converted(index: int) -> ContactChange:
-        present = setup.chain.power_laws[index]
+        present = plain_contact(setup.chain, index)
         origin = setup.origin_of(index) or present
-        chain = replace(setup.chain, contact=_put(setup.chain.power_laws, index, origin))
+        chain = replace(setup.chain, contact=_put(setup.chain.contact, index, origin))
         law = converted_contact(chain, index, item.kind, setup.speed, setup.length)
         return ContactChange(present if kind_of(present) == item.kind else law, origin=origin)
 
@@ -91,7 +91,7 @@ def _(item: inputs.SetKind, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
     def locked(index: int) -> ContactChange:
-        contact, soft, origin = setup.chain.power_laws[index], setup.locked[index], setup.origin_of(index)
+        contact, soft, origin = plain_contact(setup.chain, index), setup.locked[index], setup.origin_of(index)
         if item.locked:
             hard = contact if soft else hard_contact(setup.chain, index, setup.speed)
             return ContactChange(hard, locked=soft or contact, origin=origin)
@@ -153,10 +153,10 @@ def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
     if not math.isinf(item.mass):
         _finite(N_("mass"), item.mass)
     near = min(max(item.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
-    law = chain.power_laws[near] if item.law is None else item.law
+    law = chain.contact[near] if item.law is None else item.law
     _check_law(law)
     masses = [*chain.mass[: item.bead], item.mass, *chain.mass[item.bead :]]
-    contacts, gaps = list(chain.power_laws), list(chain.gap)
+    contacts, gaps = list(chain.contact), list(chain.gap)
     at = min(item.bead, n)
     contacts.insert(at, law)
     gaps.insert(at, 0.0)
@@ -203,7 +203,7 @@ def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
     drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != item.bead]
     moved = [None if i == item.bead else i - (i > item.bead) for i in range(n + 1)]
     forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
-    contacts, gaps = [chain.power_laws[i] for i in rest], [chain.gap[i] for i in rest]
+    contacts, gaps = [chain.contact[i] for i in rest], [chain.gap[i] for i in rest]
     shorter = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
     position, velocity = state.position(chain), state.velocity(chain)
     overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
@@ -225,7 +225,7 @@ def _with_contacts(
 ) -> Changed:
     """The lane with contact `index` (None: each) replaced by what `change` makes of it."""
     _check_index(N_("contact"), index, setup.chain.contacts)
-    contacts, locked = list(setup.chain.power_laws), list(setup.locked)
+    contacts, locked = list(setup.chain.contact), list(setup.locked)
     origin = [setup.origin_of(i) for i in range(len(contacts))]
     for i in range(len(contacts)) if index is None else (index,):
         contacts[i], locked[i], origin[i] = change(i)
@@ -233,7 +233,7 @@ def _with_contacts(
     return setup.with_chain(replace(setup.chain, contact=tuple(contacts)), tuple(locked), kept), state
 
 
-def _put(contacts: tuple[Contact, ...], index: int, law: Contact) -> tuple[Contact, ...]:
+def _put(contacts: tuple[Joint, ...], index: int, law: Contact) -> tuple[Joint, ...]:
     return *contacts[:index], law, *contacts[index + 1 :]
 
 
@@ -258,8 +258,10 @@ def _check_index(name: str, index: int | None, count: int) -> None:
         )
 
 
-def _check_law(law: Contact) -> None:
+def _check_law(law: Joint) -> None:
     """Refuse a law whose numbers are beyond any use, a slip of the keyboard; a Contact has checked its exponent itself."""
+    if not isinstance(law, Contact):
+        return
     for name, number in ((N_("preload"), law.preload), (N_("stiffness"), law.stiffness)):
         _finite(name, number)
 

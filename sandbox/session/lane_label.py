@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
 from softcradle.sandbox.session.contact_conversion import kind_of
 
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
@@ -16,12 +17,12 @@ LARGEST_DENOMINATOR = 60  # of an exponent that is written as a fraction
 def lane_label(label: str, before: Chain, now: Chain) -> str:
     """The label of a lane that was `label` with the chain `before`."""
     if set(now.contact) != set(before.contact):
-        return contacts_text(now.power_laws)
+        return contacts_text(now.contact)
     same = before.contacts == now.contacts and replace(before, gap=now.gap) == now
     return label if same or not label or label.endswith(EDITED) else label + EDITED
 
 
-def contacts_text(contacts: tuple[Contact, ...]) -> str:
+def contacts_text(contacts: tuple[Joint, ...]) -> str:
     """What contacts are, in some words: alpha = 1/50, draft gear, steps of contacts that differ."""
     laws = list(dict.fromkeys(contacts))
     if len(laws) == 1:
@@ -32,7 +33,9 @@ def contacts_text(contacts: tuple[Contact, ...]) -> str:
     return "mixed contacts"
 
 
-def _law_text(law: Contact) -> str:
+def _law_text(law: Joint) -> str:
+    if not isinstance(law, Contact):
+        return "coupler" if isinstance(law, Coupler) else law.name
     if law.preload > 0.0:
         return "draft gear" if law.exponent == 1.0 else "preloaded contact"
     name = {1.0: "Hooke, ", 1.5: "Hertz, "}.get(law.exponent, "")

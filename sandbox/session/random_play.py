@@ -16,7 +16,7 @@ from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
-from softcradle.physics.contact import Contact, draft_gear, power_law
+from softcradle.physics.contact import Contact, draft_gear, hertz, power_law
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_conversion import KINDS
 from softcradle.sandbox.session.session import Session
@@ -112,7 +112,8 @@ class RandomPlayer:
         contact = min(bead, chain.contacts - 1)
         one_or_all = rng.choice((contact, contact, None))
         mass = rng.choice((10.0 ** rng.uniform(-2.0, 2.0), 1.0, 1.0, math.inf))
-        law = replace(chain.power_laws[contact], stiffness=10.0 ** rng.uniform(-1.0, 2.0))
+        law = chain.contact[contact]
+        law = replace(law if isinstance(law, Contact) else hertz(1.0), stiffness=10.0 ** rng.uniform(-1.0, 2.0))
         crowded = len(chain.mass) >= MOST_BEADS
         return rng.choice(
             (

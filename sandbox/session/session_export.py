@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics.contact import is_closed
+from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
 from softcradle.sandbox.session.contact_events import ContactEvents
@@ -16,7 +17,7 @@ from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
 from softcradle.scenes import Lane, Scene
-from softcradle.scenes.contact_table import law_of
+from softcradle.scenes.contact_table import table_of
 
 DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 
@@ -45,7 +46,7 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
     same = before.contacts == chain.contacts and replace(before, gap=chain.gap) == chain
     if same and (before.gap, old.velocity) == (gap, velocity):
         return old
-    laws = [law_of(contact) for contact in chain.power_laws]
+    laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, OwnLaw)]
     alike = all(law == laws[0] for law in laws)
     return Lane.model_validate(
         {

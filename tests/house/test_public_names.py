@@ -17,6 +17,7 @@ PUBLIC = [
     "Chain",
     "Contact",
     "METHODS",
+    "Coupler",
     "OwnLaw",
     "SoftChain",
     "SoftContact",

@@ -12,6 +12,7 @@ from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.figures import (
     collapse_figure,
     collision_figure,
+    coupler_figure,
     coupling_figure,
     disorder_figure,
     driven_figure,
@@ -135,6 +136,13 @@ FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "envelopes", "App. C, draft gears", "largest in-train forces over the speed of the blow",
         train_figure.envelopes, train_figure.draw_envelopes,
+    ),
+    FigureEntry(
+        "stop", "App. C, draft gears", "solid stop and stiffness of wagons", coupler_figure.stops, coupler_figure.draw_stops
+    ),
+    FigureEntry(
+        "starting", "App. C, draft gears", "a train moves off, slack after slack",
+        coupler_figure.starting, coupler_figure.draw_starting,
     ),
     FigureEntry(
         "pulse", "Sec. V", "the solitary pulse of the usual cradle", wave_figure.pulse, wave_figure.draw_pulse

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,9 +20,7 @@ SAMPLES = 1401
 STEP = 2e-4  # [s] of the scan: a thousandth of a blow
 KILO = 1e3
 SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # [m/s] of the blow; shunting is done at up to 2 or 3
-FULL_TRAVEL = (
-    0.166  # [m] of a coupling of two gears; beyond it they are solid, which the law of the scenes does not know
-)
+SOLID = "train-solid"  # the scene whose couplings, with a stop at full travel, the envelopes take
 
 
 def history() -> Table:
@@ -53,10 +52,10 @@ def envelopes() -> Table:
     """A row for each scene (0, 1), speed [m/s] and coupling: its largest force [kN] and travel [mm]."""
     from softcradle import scenes
 
-    rows = []
+    rows, coupler = [], scenes.load(SOLID).lanes[0].chain().couplers[0][1]
     for number, name in enumerate(SCENES.values()):
         lane = scenes.load(name).lanes[0]
-        chain, start = lane.chain(), np.array(lane.velocity)
+        chain, start = replace(lane.chain(), contact=(coupler,) * lane.chain().contacts), np.array(lane.velocity)
         starts = [(speed * start / start.max()).tolist() for speed in SPEEDS]
         found = ensemble([chain] * len(SPEEDS), starts, DURATION, "conserving", STEP, SAMPLES)
         for speed, motion in zip(SPEEDS, found, strict=True):
@@ -70,13 +69,16 @@ def draw_envelopes(table: Table) -> Figure:
     from matplotlib import colormaps
     from matplotlib.ticker import MaxNLocator
 
+    from softcradle import scenes
+
     figure, panels = new_figure(PAGE_WIDTH, 2.9, columns=2, sharey=True)
     shades = colormaps["viridis"](np.linspace(0.0, 0.85, len(SPEEDS)))
+    travel = scenes.load(SOLID).lanes[0].chain().couplers[0][1].travel * KILO
     for number, (axes, title) in enumerate(zip(panels, SCENES, strict=True)):
         for speed, shade in zip(SPEEDS, shades, strict=True):
             rows = rows_where(table, train=number, speed=speed)
             axes.plot(rows["coupling"], rows["force"] / KILO, color=shade, linewidth=0.8, label=f"{speed:g}")
-            solid = rows["travel"] > FULL_TRAVEL * KILO
+            solid = rows["travel"] > travel
             for kind, fill in ((~solid, shade), (solid, "white")):
                 axes.plot(rows["coupling"][kind], rows["force"][kind] / KILO, "o", color=shade, mfc=fill, ms=3)
         axes.set(title=title, xlabel="coupling, from the left", xlim=(0.5, rows["coupling"].max() + 0.5))

@@ -75,9 +75,12 @@ class LiveScales:
             self.scales = replace(self.scales, velocity=(low, high))
 
     def _forces(self, motions: Sequence[Motion]) -> None:
-        most = max(float(motion.force.max()) for motion in motions)
+        most = max(float(np.abs(motion.force).max()) for motion in motions)
         if most > self.scales.force:
             self.scales = replace(self.scales, force=_rounded(most))
+        least = min(float(motion.force.min()) for motion in motions)
+        if least < self.scales.pull:
+            self.scales = replace(self.scales, pull=_rounded(least))
 
     def _overlaps(self, motions: Sequence[Motion]) -> None:
         pairs = [(motion.overlap[0], np.array(d)) for motion, d in zip(motions, self.scales.deepest, strict=True)]

@@ -89,7 +89,7 @@ def _velocities(setting: PlotSetting) -> PlotContent:
 
 
 def _forces(setting: PlotSetting) -> PlotContent:
-    axis = linear_axis("", 0.0, setting.scales.force)
+    axis = linear_axis("", setting.scales.pull, setting.scales.force)
     return PlotContent(_("contact force (N)"), axis, setting.contact_names("f"), setting.colours[1:], _force)
 
 

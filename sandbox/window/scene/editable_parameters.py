@@ -102,14 +102,17 @@ def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
 
 
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
-    law, length = lane.chain.power_laws[pick.index], session.scene.view.length
-    force = max(2.0 * law.preload, 2.0 * _impact_force(lane, pick.index))
+    law, length = lane.chain.contact[pick.index], session.scene.view.length
     gap = max(0.0, -float(lane.state.overlap[pick.index]))
+    set_gap = partial(SetGap, pick.lane, pick.index)
+    of_gap = Parameter("gap", N_("gap to the next bead"), "m", 0.0, MOST_GAP * length, False, gap, set_gap)
+    if not isinstance(law, Contact):
+        return [of_gap]
+    force = max(2.0 * law.preload, 2.0 * _impact_force(lane, pick.index))
 
     def set_field(field: str) -> Callable[[float], Input]:
         return lambda value: SetContact(pick.lane, pick.index, replace(law, **{field: value}))
 
-    set_gap = partial(SetGap, pick.lane, pick.index)
     found = []
     if law.stiffness > 0.0:
         low, high = _stiffness_range(session, pick, law.stiffness)
@@ -120,7 +123,7 @@ def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]
         *found,
         Parameter("preload", N_("preload"), "N", 0.0, force, False, law.preload, set_field("preload")),
         Parameter("loss", N_("loss (0: elastic)"), "", 0.0, MOST_LOSS, False, law.loss, set_field("loss")),
-        Parameter("gap", N_("gap to the next bead"), "m", 0.0, MOST_GAP * length, False, gap, set_gap),
+        of_gap,
     ]
 
 
@@ -133,8 +136,9 @@ def _stiffness_names(law: Contact) -> tuple[tuple[str, str], str]:
 
 def _stiffness_range(session: Session, pick: Pick, present: float) -> tuple[float, float]:
     """Ends of the slider of the stiffness: around the scene's own, and wide enough for the present one."""
-    laws = session.scene.lanes[pick.lane].chain().power_laws
-    low, high = _decades_around(laws[min(pick.index, len(laws) - 1)].stiffness or present)
+    laws = session.scene.lanes[pick.lane].chain().contact
+    law = laws[min(pick.index, len(laws) - 1)]
+    low, high = _decades_around((law.stiffness if isinstance(law, Contact) else 0.0) or present)
     return min(low, present), max(high, present)
 
 
@@ -145,7 +149,7 @@ def _decades_around(value: float) -> tuple[float, float]:
 def _impact_force(lane: LiveLane, contact: int) -> float:
     """Force [N] of a contact that is struck at the scene's speed."""
     depth = contact_scales(lane.chain, [0.0] * lane.chain.contacts + [lane.setup.speed])[0][contact]
-    return float(lane.chain.power_laws[contact].force(float(depth)))
+    return float(lane.chain.contact[contact].force(float(depth)))
 
 
 def number(text: str) -> float:

@@ -9,6 +9,7 @@ from functools import partial
 import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton
+from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
@@ -91,7 +92,7 @@ class Inspector:
     def _make_kinds(self, pick: Pick, y: float) -> None:
         """Three buttons: power law, draft gear, hard."""
         unit, wide = self.host.unit, self.rect.width / 3
-        present = kind_of(self.session.lanes[pick.lane].chain.power_laws[pick.index])
+        present = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index])
         for k, (kind, name) in enumerate(KIND_NAMES.items()):
             place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
             convert = partial(self.editor.apply, SetKind(pick.lane, pick.index, kind))
@@ -136,8 +137,9 @@ class Inspector:
 
     def _copy_to_all(self) -> None:
         if self.pick is not None:
-            law = self.session.lanes[self.pick.lane].chain.power_laws[self.pick.index]
-            self.editor.apply(SetContact(self.pick.lane, None, law))
+            law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
+            if isinstance(law, Contact):
+                self.editor.apply(SetContact(self.pick.lane, None, law))
 
     def sweep(self, key: str = "") -> None:
         """Show nine values of a parameter side by side: the one with that key, else the one changed last, else the first."""

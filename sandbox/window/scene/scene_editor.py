@@ -157,12 +157,12 @@ class SceneEditor:
             text = _("select a contact: click between two beads, on its force bar or on its magnified inset")
             self.host.messages.show(text)
             return
-        law = self.session.lanes[pick.lane].chain.power_laws[pick.index]
+        law = self.session.lanes[pick.lane].chain.contact[pick.index]
         self.apply(SetKind(pick.lane, pick.index, "power" if kind_of(law) == "gear" else "gear"))
 
     def convert_all(self) -> None:
         """Convert all contacts into power laws or draft gears."""
-        gears = all(kind_of(law) == "gear" for lane in self.session.lanes for law in lane.chain.power_laws)
+        gears = all(kind_of(law) == "gear" for lane in self.session.lanes for law in lane.chain.contact)
         kind = "power" if gears else "gear"
         if self._apply_to_lanes(lambda lane: SetKind(lane, None, kind)):
             self.host.messages.show(_(ALL_NOW[kind]))

@@ -189,18 +189,18 @@ def test_limits_of_small_alpha(tables):
 
 
 def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
-    table = tables["envelopes"]
+    table, coupling = tables["envelopes"], load(train_figure.SOLID).lanes[0].chain().contact[0]
     for number, (struck, last) in enumerate(((1, 10), (5, 14))):
         blows = rows_where(table, train=number, coupling=struck)
         assert (np.diff(blows["force"]) > 0.0).all()
-        assert (blows["travel"] <= 1e3 * train_figure.FULL_TRAVEL).sum() in (4, 5)  # up to 2 or 2.5 m/s
+        assert (blows["travel"] <= 1e3 * coupling.travel).sum() == 5  # up to 2.5 m/s
         for speed in train_figure.SPEEDS:
             behind = rows_where(table, train=number, speed=speed)["force"][struck - 1 : last]
             assert (np.diff(behind) <= 1e-9).all()
-    gear = load("train-cut").lanes[0].chain().contact[0]
-    np.testing.assert_allclose(
-        table["force"], 1e-3 * np.maximum(gear.preload, gear.force(1e-3 * table["travel"])), rtol=2e-3
-    )
+    forces = np.maximum(
+        coupling.preload, coupling.force(1e-3 * table["travel"])
+    )  # below the preload a gear only touches
+    np.testing.assert_allclose(np.maximum(table["force"], 1e-3 * coupling.preload), 1e-3 * forces, rtol=5e-3)
 
 
 def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):

@@ -1,0 +1,231 @@
+"""Couplers: the solid stop and the run-out of slack against closed forms, every method against the reference, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, replace
+
+import numpy as np
+import pymunk
+import pytest
+from softcradle.physics.trajectory_file import chain_from_table
+
+from softcradle import (
+    METHODS,
+    Chain,
+    Contact,
+    Coupler,
+    SoftContact,
+    State,
+    TimedForce,
+    Trajectory,
+    advance,
+    draft_gear,
+    ensemble,
+    hooke,
+    simulate,
+    stable_step,
+)
+
+CARRY = [method.name for method in METHODS if method.couplers]
+GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
+TRAIN = Coupler(GEAR, pull=GEAR, slack=0.02, travel=0.166, stop=1e8)
+
+
+def settings(method, step):
+    """The step of a fixed-step method, which the reference has not."""
+    return {"method": method} if method == "scipy" else {"method": method, "step": step}
+
+
+def bounce_in_the_stop(spring, stop, travel, mass, speed):
+    """Peak force and contact time of a spring that has a second one beside it from `travel` on: two arcs of sines."""
+    soft, hard = math.sqrt(spring / mass), math.sqrt((spring + stop) / mass)
+    first = math.asin(soft * travel / speed) / soft
+    left = speed * math.cos(soft * first)
+    offset = spring * travel / (spring + stop)  # the way that the force at the stop is worth there
+    reach = math.hypot(offset, left / hard)
+    return (spring + stop) * reach, 2.0 * (first + math.atan2(left / hard, offset) / hard)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["pushed", "pulled"])
+@pytest.mark.parametrize("method", CARRY)
+def test_two_wagons_bounce_in_the_solid_stop(method, side):
+    spring, stop, travel, mass, speed = 5e6, 2e8, 0.1, 80e3, 2.0
+    pulled = {"pull": hooke(spring), "slack": 1.0} if side < 0.0 else {}
+    chain = Chain([mass, mass], Coupler(hooke(spring), **pulled, travel=travel, stop=stop), gap=1.0 if pulled else 0.0)
+    peak, time = bounce_in_the_stop(spring, stop, travel, mass / 2.0, speed)
+    assert peak > 5.0 * speed * math.sqrt(spring * mass / 2.0)  # what the gear alone would carry
+    found = simulate(chain, [side * speed, 0.0], 1.2 * time, samples=4001, **settings(method, 2e-6))
+    assert (side * found.force).max() == pytest.approx(peak, rel=1e-4)
+    assert found.final_velocity == pytest.approx([0.0, side * speed], abs=1e-4)
+    ((closed, opened),) = found.contact_intervals[0]
+    assert (closed, opened) == (pytest.approx(0.0, abs=1e-5), pytest.approx(time, abs=1e-5))
+    assert np.abs(found.ledger / found.ledger[0] - 1.0).max() < (1e-4 if method == "euler" else 1e-8)
+
+
+@pytest.mark.parametrize("speed", [0.4, 0.99, 1.01, 1.5, 3.0])
+def test_the_stop_is_met_beyond_the_speed_at_which_the_gear_is_full(speed):
+    """The gear takes up ``k T**2 / 2``; up to there the stop does nothing, and beyond it the force leaves the gear's line."""
+    spring, travel, mass = 5e6, 0.1, 40e3
+    critical = travel * math.sqrt(spring / mass)
+    with_stop = Coupler(hooke(spring), travel=travel, stop=2e8)
+    start = [speed * critical, 0.0]
+    found, free = (
+        simulate(Chain([2.0 * mass] * 2, law), start, method="conserving", step=1e-5, samples=2001).force.max()
+        for law in (with_stop, hooke(spring))
+    )
+    assert free == pytest.approx(spring * travel * speed, rel=1e-5)
+    assert found == (
+        pytest.approx(free, rel=1e-9)
+        if speed < 1.0
+        else pytest.approx(bounce_in_the_stop(spring, 2e8, travel, mass, speed * critical)[0], rel=1e-4)
+    )
+
+
+@pytest.mark.parametrize("method", CARRY)
+def test_wagons_of_a_pulled_train_start_one_after_another(method):
+    """Hard links pass the whole momentum on: wagon k starts at T (k + 1) / 2 with T = sqrt(2 s m / F), all at one speed."""
+    force, mass, slack, wagons = 1e5, 8e4, 0.02, 5
+    whole = math.sqrt(2.0 * slack * mass / force)
+    errors = []
+    for stiffness in (1e10, 1e12):
+        link = Coupler(hooke(stiffness), pull=hooke(stiffness), slack=2.0 * slack)  # each wagon begins in its middle
+        traction = TimedForce(wagons, 0.0, force)
+        chain = Chain([mass] * (wagons + 1), link, slack, forces=traction)
+        contact = math.pi / math.sqrt(stiffness * 2.0 / mass)
+        end = 0.95 * whole * (wagons + 1) / 2.0
+        found = simulate(chain, [0.0] * (wagons + 1), end, samples=2, **settings(method, contact / 50.0))
+        starts = [spans[0][0] for spans in reversed(found.contact_intervals) if spans]
+        wanted = [whole * (k + 1) / 2.0 for k in range(1, wagons)]
+        assert len(starts) == len(wanted)
+        errors.append(np.abs(np.array(starts) - wanted).max())
+    assert errors[0] < 10.0 * math.pi / math.sqrt(1e10 * 2.0 / mass)  # each link takes its contact time
+    assert errors[1] < 0.15 * errors[0]  # a hundred times as hard, a tenth of that
+
+
+@pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
+def test_a_coupler_that_only_pushes_is_its_contact(method):
+    """To the last digits of the same kernels, and of the reference."""
+    for law in (draft_gear(2e6, 0.1), GEAR, hooke(4e6)):
+        options = {"duration": 0.4, "samples": 41, **settings(method, 1e-4)}
+        plain, joint = (
+            simulate(Chain([8e4] * 3, contact, 0.01), [2, 0, 0], **options) for contact in (law, Coupler(law))
+        )
+        np.testing.assert_allclose(joint.velocity, plain.velocity, atol=1e-11)
+        np.testing.assert_allclose(joint.overlap, plain.overlap, atol=1e-11)
+        np.testing.assert_allclose(joint.absorbed_by_contacts, plain.absorbed_by_contacts, atol=1e-4)
+
+
+@pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
+def test_pulling_is_pushing_seen_from_the_other_side(method):
+    """Two beads that a coupler pulls together move as two that it pushes apart, with the other sign."""
+    pushing, pulling = (
+        simulate(Chain([8e4, 8e4], TRAIN, gap), [speed, 0.0], 0.6, samples=31, **settings(method, 1e-4))
+        for gap, speed in ((0.01, 3.0), (0.01, -3.0))
+    )
+    np.testing.assert_allclose(pulling.overlap + 0.02, -pushing.overlap, atol=1e-9)
+    np.testing.assert_allclose(pulling.force, -pushing.force, atol=2e-2)
+    for pushed, pulled in zip(pushing.contact_intervals[0], pulling.contact_intervals[0], strict=True):
+        assert pulled == pytest.approx(pushed, abs=1e-9)
+
+
+def random_train(seed):
+    """A train of 2 to 5 wagons with couplers of any kind, on a bed or not, pulled, braked or thrown together."""
+    rng = np.random.default_rng(seed)
+
+    def gear():
+        loss = rng.choice([0.0, 0.0, 0.5, 0.8])
+        return Contact(rng.choice([0.0, 1e5, 2.5e5]), 10.0 ** rng.uniform(6.0, 7.5), rng.choice([1.0, 1.0, 1.7]), loss)
+
+    def coupler():
+        pull = gear() if rng.random() < 0.8 else None
+        slack = rng.choice([0.0, 0.01, 0.05]) if pull else 0.0
+        travel = rng.choice([math.inf, 0.03, 0.1])
+        return Coupler(gear(), pull, slack, travel, 0.0 if travel == math.inf else 10.0 ** rng.uniform(7.5, 8.5))
+
+    n = int(rng.integers(1, 4))
+    couplers = [coupler() for _ in range(n)]
+    gaps = [rng.uniform(-0.01, 1.0) * max(item.slack, 0.005) for item in couplers]
+    chain = Chain(rng.uniform(2e4, 9e4, n + 1), couplers, gaps, friction=rng.choice([0.0, 0.0, 0.003]))
+    if rng.random() < 0.5:
+        chain = replace(chain, forces=(TimedForce(n, 0.02, rng.uniform(1e5, 4e5)),))
+    if rng.random() < 0.3:
+        chain = replace(chain, brakes=(TimedForce(0, 0.05, 5e4),))
+    return chain, rng.uniform(-2.0, 2.0, n + 1)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_random_trains_move_as_the_reference_says(seed):
+    chain, start = random_train(seed)
+    with np.errstate(all="raise"):
+        truth = simulate(chain, start, 0.2, "scipy", tolerance=1e-6, samples=5)
+    found = [simulate(chain, start, 0.2, "conserving", step=step, samples=5) for step in (2e-5, 5e-6)]
+    errors = [np.abs(run.velocity - truth.velocity).max() for run in found]
+    assert errors[1] < 1e-4, errors
+    for run in (*found, truth):
+        scale = np.abs(run.kinetic_energy).max() + run.contact_energy.max()
+        assert np.abs(run.ledger - run.ledger[0]).max() < (1e-7 if run is truth else 1e-9) * scale
+        assert (np.diff(run.absorbed_by_contacts) >= -1e-9 * scale).all()
+    if not chain.dissipative:
+        slips = found[1].momentum - found[1].impulse
+        assert np.ptp(slips) < 1e-9 * sum(chain.mass)
+
+
+def test_frames_and_ensembles_move_couplers_as_simulate_does():
+    chain, start = Chain([8e4] * 4, TRAIN, 0.01), [2.0, 0.0, 0.0, -1.0]
+    whole = simulate(chain, start, 0.5, "conserving", step=1e-3)
+    state = State.at_start(chain, start)
+    for _ in range(50):
+        advance(chain, state, 0.01, "conserving", step=1e-3)
+    np.testing.assert_allclose(state.velocity(chain), whole.final_velocity, atol=1e-9)
+    assert state.switches == sum(2 - math.isinf(opened) for spans in whole.contact_intervals for _, opened in spans)
+    (found,) = ensemble([chain], [start], 0.5, "conserving", step=1e-3)
+    np.testing.assert_array_equal(found.final_velocity, whole.final_velocity)
+
+
+def test_a_file_gives_the_couplers_back(tmp_path):
+    chain = Chain([8e4] * 4, [TRAIN, GEAR, Coupler(GEAR)], 0.01)
+    found = simulate(chain, [2.0, 0.0, 0.0, 0.0], 0.5, "conserving", step=1e-3)
+    found.save(tmp_path / "train.npz")
+    assert Trajectory.load(tmp_path / "train.npz").chain == chain
+    assert chain_from_table(json.loads(json.dumps(asdict(chain)))) == chain
+
+
+@pytest.mark.parametrize("method", ["auto", *(method.name for method in METHODS if not method.couplers)])
+def test_methods_that_take_no_couplers_say_so(method):
+    with pytest.raises(ValueError, match=r"takes contacts that only push.*not couplers: take 'conserving' or 'scipy'"):
+        simulate(Chain([1.0, 1.0], TRAIN), [1.0, 0.0], 1.0, method)
+
+
+def test_a_train_that_pulls_has_no_end_of_its_own():
+    with pytest.raises(ValueError, match="whose couplers pull never comes apart: give a duration"):
+        simulate(Chain([1.0, 1.0], TRAIN), [1.0, 0.0], method="conserving")
+    with pytest.raises(ValueError, match="contact 0-1 is a coupler: this takes"):
+        assert Chain([1.0, 1.0], TRAIN).parameters
+    with pytest.raises(ValueError, match="a coupler pulls"):
+        SoftContact(pymunk.Body(1.0, math.inf), pymunk.Body(1.0, math.inf), (0, 0), (0, 0), 1.0, TRAIN)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "sentence"),
+    [
+        ({"push": 3.0}, "coupler push must be a Contact, not 3.0"),
+        ({"push": GEAR, "pull": "x"}, "coupler pull must be a Contact, not 'x'"),
+        ({"push": GEAR, "slack": -1.0}, "coupler slack must be a finite number >= 0, not -1.0"),
+        ({"push": GEAR, "slack": 0.1}, "slack 0.1 m needs a pull"),
+        ({"push": GEAR, "travel": 0.1}, "needs both travel and stop"),
+        ({"push": GEAR, "stop": 1e8}, "needs both travel and stop"),
+        ({"push": GEAR, "travel": 0.0, "stop": 1e8}, "coupler travel must be a finite number > 0"),
+    ],
+)
+def test_couplers_out_of_range_are_refused(numbers, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        Coupler(**numbers)
+
+
+def test_the_stable_step_knows_the_stop():
+    soft, hard = (
+        stable_step(Chain([8e4] * 2, Coupler(hooke(1e6), travel=0.1, stop=stop)), [3, 0], 0.5) for stop in (1e6, 1e10)
+    )
+    assert hard < 0.2 * soft
