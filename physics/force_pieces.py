@@ -112,7 +112,7 @@ def _braked(chain: Chain, brakes: list[Line], part: float) -> Chain:
     """The chain with the brakes as they are at a part of the way."""
     if not brakes:
         return chain.untimed
-    steady = [TimedForce(item.beads, 0.0, (1.0 - part) * first + part * last) for item, first, last in brakes]
+    steady = [item.held((1.0 - part) * first + part * last) for item, first, last in brakes]
     return replace(chain.untimed, brakes=tuple(steady))
 
 

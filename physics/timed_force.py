@@ -58,6 +58,13 @@ class TimedForce:
         object.__setattr__(self, "time", tuple(times.tolist()))
         object.__setattr__(self, "force", tuple(np.broadcast_to(forces, times.shape).tolist()))
 
+    def held(self, force: float) -> TimedForce:
+        """A steady `force` [N] from t = 0 on on the same beads, which have been checked: pieces of a slope are many."""
+        found = object.__new__(TimedForce)
+        for name, value in (("beads", self.beads), ("time", (0.0,)), ("force", (float(force),))):
+            object.__setattr__(found, name, value)
+        return found
+
     @property
     def steady(self) -> bool:
         """Whether it is the same from t = 0 on."""
