@@ -16,7 +16,18 @@ from tests.helpers.paths import LAYERS, ROOT, module_name, source_files
 # A room is a folder, or a file that lies in none; each imports from itself and from those before it alone.
 PHYSICS = (
     *("version", "source_digest", "atomic_files", "checked_input", "extras", "notebook_views", "status"),
-    *("contact", "integrated_energy", "own_law", "timed_force", "chain", "scales", "state", "methods", "problem"),
+    *(
+        "contact",
+        "coupler",
+        "integrated_energy",
+        "own_law",
+        "timed_force",
+        "chain",
+        "scales",
+        "state",
+        "methods",
+        "problem",
+    ),
     *(
         "numerics",
         "compile_log",

@@ -16,8 +16,8 @@ from tests.helpers.paths import ROOT
 PUBLIC = [
     "Chain",
     "Contact",
-    "METHODS",
     "Coupler",
+    "METHODS",
     "OwnLaw",
     "SoftChain",
     "SoftContact",

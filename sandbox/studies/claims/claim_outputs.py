@@ -27,6 +27,7 @@ def print_studies(output: Console, studies: Sequence[Study]) -> None:
     print_table(output, grid)
     for kind, colour in COLOURS.items():
         output.print(f"{kind}: {sum(study.verdict is kind for study in studies)}", style=colour)
+    output.print(f"processor time: {sum(study.seconds for study in studies):.0f} s for {len(studies)} claims")
 
 
 def print_study(output: Console, study: Study) -> None:
@@ -55,7 +56,7 @@ def as_json(study: Study) -> dict[str, Any]:
         "verdict": str(study.verdict), "verdict text": study.verdict_text, "limit": study.limit,
         "measured": study.measured_text, "own case": _case_json(study.own_case), "reference": _finite(study.reference),
         "counter-example": None if counter is None else _case_json(counter),
-        "cases": [_case_json(case) for case in study.cases],
+        "cases": [_case_json(case) for case in study.cases], "seconds": study.seconds,
     }  # fmt: skip
 
 

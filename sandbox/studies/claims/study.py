@@ -72,6 +72,7 @@ class Study:
         own: parameters of the paper's own case.
         cases: in ascending order of the variable.
         reference: value of the paper's own case by the independent reference; nan where it was not asked.
+        seconds: processor time [s] that its measurement took.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Study:
     own: Mapping[str, float]
     cases: Sequence[Case]
     reference: float = math.nan
+    seconds: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cases", tuple(sorted(self.cases, key=lambda case: case.variable)))

@@ -180,7 +180,7 @@ def test_a_failure_to_converge_is_returned():
         np.zeros((SOLVER_ROWS, n)),
     )
     rows = diagonal, coupling, none, np.ones(n), start, np.zeros(n), np.ones(n), np.zeros(n), work, work
-    assert solve_contacts(1.0, law, None, None, *rows) < 0
+    assert solve_contacts(1.0, law, None, None, None, *rows) < 0
 
 
 def test_a_soft_cluster_keeps_its_depth():

@@ -163,6 +163,7 @@ def test_command_prints_a_table_json_one_claim_and_its_picture(some, monkeypatch
     assert main(["claims"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "fails beyond: 1" in shown
+    assert f"processor time: {sum(study.seconds for study in some):.0f} s for 2 claims" in shown
     assert main(["claims", "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)["claims"]
     assert [one["name"] for one in printed] == ["contact-duration", "kicked-out"]
@@ -178,3 +179,12 @@ def test_command_lists_and_refuses_in_a_sentence(capsys):
     assert "contact-duration" in capsys.readouterr().out
     assert main(["claims", "nonsense"]) == 2
     assert "there is no claim 'nonsense'; there are rigid-like" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_all_claims_take_less_than_five_minutes_of_two_cores():
+    """By processor time, which other processes on the machine do not change much."""
+    studies = measure_claims()
+    assert len(studies) == len(CLAIMS)
+    assert sum(study.seconds for study in studies) < 2 * 300.0
+    assert max(study.seconds for study in studies) < 150.0  # none for which one core would wait
