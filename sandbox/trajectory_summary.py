@@ -33,6 +33,7 @@ class ContactSummary:
         closed, opened: times at which it closed first and opened last [s]; None: never.
         times: how often it closed.
         largest_overlap, largest_force: [m], [N]; of the samples.
+        largest_pull: [N]; 0 but for couplers.
     """
 
     closed: float | None
@@ -40,6 +41,7 @@ class ContactSummary:
     times: int
     largest_overlap: float
     largest_force: float
+    largest_pull: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,8 @@ def _known(error: float) -> float | None:
 
 def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
     overlaps = np.maximum(trajectory.overlap, 0.0).max(axis=0).tolist()
-    forces = trajectory.force.max(axis=0).tolist()
+    forces = np.maximum(trajectory.force, 0.0).max(axis=0).tolist()
+    pulls = np.maximum(-trajectory.force, 0.0).max(axis=0).tolist()
     return tuple(
         ContactSummary(
             closed=intervals[0][0] if intervals else None,
@@ -139,8 +142,9 @@ def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
             times=len(intervals),
             largest_overlap=overlap,
             largest_force=force,
+            largest_pull=pull,
         )
-        for intervals, overlap, force in zip(trajectory.contact_intervals, overlaps, forces, strict=True)
+        for intervals, overlap, force, pull in zip(trajectory.contact_intervals, overlaps, forces, pulls, strict=True)
     )
 
 

@@ -48,9 +48,10 @@ def _beads(summary: Summary) -> Table:
 
 
 def _contacts(summary: Summary) -> Table:
-    size, prefix = _prefix(max((contact.largest_force for contact in summary.contacts), default=0.0))
+    pulls = any(contact.largest_pull for contact in summary.contacts)
+    size, prefix = _prefix(max((max(item.largest_force, item.largest_pull) for item in summary.contacts), default=0.0))
     titles = "contact", "closed\n[s]", "opened\n[s]", "times", "largest\noverlap [m]", f"largest\nforce [{prefix}N]"
-    grid = table(*titles, numbers=True)
+    grid = table(*titles, *[f"largest\npull [{prefix}N]"] * pulls, numbers=True)
     for i, contact in enumerate(summary.contacts):
         grid.add_row(
             f"{i}-{i + 1}",
@@ -59,6 +60,7 @@ def _contacts(summary: Summary) -> Table:
             str(contact.times),
             f"{contact.largest_overlap:.4g}",
             f"{contact.largest_force / size:.6g}",
+            *[f"{contact.largest_pull / size:.6g}"] * pulls,
         )
     return grid
 

@@ -6,6 +6,7 @@ import tomllib
 
 import pytest
 from softcradle.physics import Chain, Contact, Coupler
+from softcradle.sandbox.cli.main import main
 from softcradle.scenes import Scene, SceneError
 from softcradle.scenes.contact_table import read_law, table_of
 
@@ -70,3 +71,10 @@ def test_what_is_wrong_with_a_coupler_is_said(tmp_path, old, new, sentence):
 def test_a_gear_is_no_coupler():
     with pytest.raises(Exception, match="unknown law 'coupler'"):
         read_law(tomllib.loads('law = "coupler"'))
+
+
+def test_the_table_of_results_has_the_largest_pull(capsys):
+    assert main(["run", "train-starting"]) == 0
+    assert "pull [kN]" in capsys.readouterr().out
+    assert main(["run", "one-on-four"]) == 0
+    assert "pull" not in capsys.readouterr().out
