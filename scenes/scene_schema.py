@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 from softcradle.physics import notebook_views
-from softcradle.physics.methods import AUTO, refusal
+from softcradle.physics.methods import AUTO, refusal_of
 from softcradle.physics.scales import require_computable
 from softcradle.physics.state import checked_velocity
 from softcradle.scenes.contact_table import ContactTable
@@ -219,10 +219,12 @@ class Scene(Table):
             raise problem("two walls may keep beads between them for ever: the scene needs a duration")
         if self.duration is None and any(lane.chain().lasts for lane in self.lanes):
             raise problem("a drive may keep beads together for ever: the scene needs a duration")
+        if self.duration is None and any(lane.chain().pulls for lane in self.lanes):
+            raise problem("couplers that pull keep beads together for ever: the scene needs a duration")
         adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
-        chosen = next((known for known in physics.METHODS if known.name == self.method), None)
-        if chosen and not chosen.dissipative and any(lane.chain().dissipative for lane in self.lanes):
-            raise problem(refusal(chosen))
+        reasons = [refusal_of(self.method, lane.chain()) for lane in self.lanes if self.method is not None]
+        if any(reasons):
+            raise problem(next(filter(None, reasons)))
         if self.step is not None and self.method in adaptive:
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self

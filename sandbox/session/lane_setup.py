@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.methods import find_method, refusal
+from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.scales import speed_scale
 from softcradle.physics.state import State
 from softcradle.sandbox.session.method_choice import choose_method, steps_in, suitable_step
@@ -66,7 +66,7 @@ class LaneSetup:
         origin: tuple[Contact | None, ...] | None = None,
     ) -> LaneSetup:
         """The same lane with another chain; a chosen step is chosen again. ValueError where the method refuses the chain."""
-        _check_dissipative(chain, self.method)
+        _check_carried(chain, self.method)
         locked, origin = self.locked if locked is None else locked, self.origin if origin is None else origin
         return replace(self, chain=chain, locked=locked, origin=origin).with_choice()
 
@@ -84,7 +84,7 @@ class LaneSetup:
     def with_method(self, name: str) -> LaneSetup:
         """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
         method = self.method if name == "auto" else find_method(name).name
-        _check_dissipative(self.chain, "conserving" if name == "auto" else method)
+        _check_carried(self.chain, "conserving" if name == "auto" else method)
         return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
 
     def with_step(self, step: float | None) -> LaneSetup:
@@ -102,10 +102,10 @@ class LaneSetup:
         return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
 
 
-def _check_dissipative(chain: Chain, method: str) -> None:
-    """Refuse a chain with friction or loss where the method takes neither."""
-    if chain.dissipative and not find_method(method).dissipative:
-        raise ValueError(refusal(find_method(method)))
+def _check_carried(chain: Chain, method: str) -> None:
+    """Refuse a chain with friction, loss or couplers where the method takes none."""
+    if reason := refusal_of(method, chain):
+        raise ValueError(reason)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.motion import Array
@@ -61,6 +62,8 @@ class VelocityCheck:
         player = self.player
         base = self._present_base()
         if self._busy or player.held.lane >= 0.0 or not base or player.frame != player.history.last:
+            return None
+        if refusal_of(METHOD, player.lanes[self.lane].chain):
             return None
         if base != self._base:
             self._base, self._found = base, []

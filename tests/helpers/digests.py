@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import METHODS, Chain, State, advance
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.scales import contact_scales
 
@@ -60,9 +61,9 @@ def motions() -> Iterator[tuple[str, Chain, Array, str]]:
     for name in scenes.names():
         lane = scenes.load(name).lanes[0]
         chain = lane.chain()
-        slow = {"scipy", "dop853"} if min(law.exponent for law in chain.contact) < 1.0 else {"scipy"}
+        slow = {"scipy", "dop853"} if chain.law_rows[:, 2].min() < 1.0 else {"scipy"}
         for method in METHODS:
-            if method.name not in slow and (method.dissipative or not chain.dissipative):
+            if method.name not in slow and not refusal_of(method.name, chain):
                 yield f"{name}/{method.name}", chain, np.asarray(lane.velocity, dtype=float), method.name
 
 
