@@ -12,7 +12,7 @@ METHOD = "conserving"  # where the scene gives none: a picture needs no more dig
 MOST_AT_ONCE = (
     1_000_000  # steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
 )
-MOST_BEHIND = 30_000_000  # likewise of one on a thread
+MOST_BEHIND = 6_000_000  # likewise of one on a thread, some seconds: scales are not worth more
 
 
 def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
