@@ -43,15 +43,16 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
     from softcradle.sandbox.studies.plot_style import require_matplotlib
+    from softcradle.sandbox.sweeps.run_sweep import journal_path
 
     require_matplotlib()
     folder = make_folder(args.output)
     written = WrittenFiles(folder.iterdir())
     for wanted in rigidity_maps(columns, rows):
         if not args.names or wanted.name in args.names:
-            kept = folder / f"map-{wanted.name}.partial"
+            kept = folder / f"map-{wanted.name}"
             written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
-            kept.unlink()
+            journal_path(kept).unlink()
     return 0
 
 
@@ -66,11 +67,11 @@ def _points(text: str) -> tuple[int, int]:
 def _computed(wanted: RigidityMap, kept: Path) -> Table:
     """The table of a map; its points are kept in a file on the way, from which a command that was stopped goes on."""
     from softcradle.sandbox.console import progress_bar
-    from softcradle.sandbox.studies.maps.map_progress import compute_map
+    from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
 
     with progress_bar() as progress:
         task = progress.add_task(f"{wanted.title}: points", total=len(wanted.values) * len(wanted.sizes))
-        return compute_map(wanted, kept, lambda done: progress.advance(task, done))
+        return compute_map(wanted, kept, lambda _, done, __: progress.update(task, completed=done))
 
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:

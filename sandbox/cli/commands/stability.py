@@ -82,19 +82,15 @@ def _scans(wanted: Sequence[str]) -> list[Scan]:
 
 
 def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
-    from softcradle.sandbox.studies.stability.failure_scans import finenesses, scan_runs, scanned_methods
+    from softcradle.sandbox.studies.stability.failure_scans import swept_runs
 
-    found = []
     with progress_bar() as progress:
-        total = sum(len(scan.values) * len(finenesses(method)) for scan in scans for method in scanned_methods())
-        task = progress.add_task("runs", total=total)
-        for scan in scans:
-            for method in scanned_methods():
-                progress.update(task, description=f"{scan.name}, {method.name}")
-                for run in scan_runs(scan, method):
-                    found.append(run)
-                    progress.advance(task)
-    return found
+        task = progress.add_task("runs", total=None)
+
+        def tell(_: str, done: int, count: int) -> None:
+            progress.update(task, completed=done, total=count)
+
+        return swept_runs(scans, tell)
 
 
 def _print(runs: Sequence[ScanRun]) -> None:

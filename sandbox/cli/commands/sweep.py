@@ -13,7 +13,7 @@ from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
     import xarray as xr
-    from softcradle.sandbox.sweeps.run_sweep import Progress
+    from softcradle.sandbox.sweeps.sweep_places import Progress
 
 MOST_WORKERS = 1024
 REASONS_SHOWN = 3  # of points that have no numbers

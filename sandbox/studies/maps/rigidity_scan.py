@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
-from softcradle.physics import Chain, Trajectory, draft_gear, ensemble, one_on, power_law
+from softcradle.physics import Chain, Trajectory, draft_gear, one_on, power_law
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.measures import rigidity
+from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.data_table import Array, Table
+from softcradle.sandbox.sweeps import grid
+from softcradle.sandbox.sweeps.sweep_places import Progress
+from softcradle.sandbox.sweeps.swept_columns import swept_columns
 
 ALPHAS = (1.0 / 100.0, 1.0)  # range of exponents
 SPEEDS = (0.5, 20.0)  # range of speeds of the striker, over the critical speed
@@ -18,20 +24,17 @@ FEWEST_TARGETS = 2  # one target alone is always rigid
 GEAR = draft_gear(1.0, 1.0)  # stiffness and precompression are the units, so that the speed alone is left to vary
 TOLERANCE = 1e-5  # a map is read to a percent; finer runs resolve every closing of chains that chatter, to no effect
 
-Point = tuple[float, int]  # abscissa and number of targets
-
 
 @dataclass(frozen=True)
 class RigidityMap:
     """The points of a map.
 
     Attributes:
-        name: of its files.
+        name: of its files, and in CHAINS of what it moves.
         title: above its panels.
         abscissa: name of what varies along the abscissa.
         values: (X,) abscissae.
         sizes: (Y,) numbers n of targets.
-        make: gives the chain and the velocity of the striker at (abscissa, n).
     """
 
     name: str
@@ -39,7 +42,6 @@ class RigidityMap:
     abscissa: str
     values: Array
     sizes: Sequence[int]
-    make: Callable[[float, int], tuple[Chain, float]]
 
 
 def rigidity_maps(columns: int, rows: int) -> tuple[RigidityMap, RigidityMap]:
@@ -47,8 +49,8 @@ def rigidity_maps(columns: int, rows: int) -> tuple[RigidityMap, RigidityMap]:
     sizes = range(FEWEST_TARGETS, FEWEST_TARGETS + rows)
     alphas, speeds = np.geomspace(*ALPHAS, columns), np.geomspace(*SPEEDS, columns)
     return (
-        RigidityMap("power-law", "power-law beads", "alpha", alphas, sizes, _power_law_chain),
-        RigidityMap("draft-gear", "draft gears", "speed / critical speed", speeds, sizes, _draft_gear_chain),
+        RigidityMap("power-law", "power-law beads", "alpha", alphas, sizes),
+        RigidityMap("draft-gear", "draft gears", "speed / critical speed", speeds, sizes),
     )
 
 
@@ -61,24 +63,40 @@ def _draft_gear_chain(speed: float, n: int) -> tuple[Chain, float]:
     return chain, speed * critical_speed(GEAR, chain.mass, strikers=1)
 
 
-def point_rows(scanned: RigidityMap, points: Sequence[Point]) -> Table:
+CHAINS = {
+    "power-law": _power_law_chain,
+    "draft-gear": _draft_gear_chain,
+}  # and the striker's velocity, by (abscissa, n)
+
+
+def compute_map(
+    scanned: RigidityMap, kept: Path | None = None, progress: Progress | None = None, workers: int | None = None
+) -> Table:
     """A row a point: abscissa, n, rigidity when the striker leaves and at the end (nan where unknown), status, warned.
 
-    The status is that of the run (softcradle.physics.status.Status): from 2 on it gave up, and its end is unknown.
+    The status is that of the run (softcradle.physics.status.Status): from 2 on it gave up, and its end is unknown. With `kept`,
+    points that a run before has computed are not computed again, see `swept_columns`.
     """
-    chains, speeds = zip(*(scanned.make(*point) for point in points), strict=True)
-    starts = [[speed, *[0.0] * chain.contacts] for chain, speed in zip(chains, speeds, strict=True)]
-    ends = ensemble(chains, starts, tolerance=TOLERANCE)
-    detachment = [_detachment(found) for found in ends]
-    detached = ensemble(chains, starts, duration=detachment, tolerance=TOLERANCE)
-    status = [max(one.status, other.status) for one, other in zip(detached, ends, strict=True)]
+    points = grid({"n": list(scanned.sizes), "abscissa": scanned.values.tolist()})
+    found = swept_columns(partial(point_numbers, scanned.name, TOLERANCE), points, kept, progress, workers)
+    at = points.columns(0, points.count)
+    columns = {scanned.abscissa: at["abscissa"], "n": at["n"]}
+    columns |= {name.replace("_", " "): found[name] for name in ("rigidity_at_detachment", "rigidity_at_the_end")}
+    return columns | {name: found[f"run_{name}"].astype(int) for name in ("status", "warned")}
+
+
+def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[str, float]:
+    """One point of the map of that name."""
+    chain, speed = CHAINS[name](abscissa, n)
+    start = [speed, *[0.0] * n]
+    end = solve(chain, start, samples=2, tolerance=tolerance)
+    leaving = _detachment(end)
+    detached = solve(chain, start, leaving, samples=2, tolerance=tolerance)
     return {
-        scanned.abscissa: np.array([value for value, _ in points]),
-        "n": np.array([float(n) for _, n in points]),
-        "rigidity at detachment": _rigidities(detached, detachment),
-        "rigidity at the end": _rigidities(ends, detachment),
-        "status": np.array(status, dtype=np.float64),
-        "warned": np.array([float(bool(a.warnings or b.warnings)) for a, b in zip(detached, ends, strict=True)]),
+        "rigidity_at_detachment": _rigidity(detached, leaving),
+        "rigidity_at_the_end": _rigidity(end, leaving),
+        "run_status": float(max(detached.status, end.status)),
+        "run_warned": float(bool(detached.warnings or end.warnings)),
     }
 
 
@@ -88,15 +106,8 @@ def _detachment(found: Trajectory) -> float:
     return spans[0][1] if spans and math.isfinite(spans[0][1]) else 0.0
 
 
-def _rigidities(trajectories: Sequence[Trajectory], detachment: Sequence[float]) -> Array:
-    """Rigidity at the end of each run; nan where it gave up, or where the striker's leaving is unknown."""
-    known = [not found.status.gave_up and left > 0.0 for found, left in zip(trajectories, detachment, strict=True)]
-    found = [
-        float(rigidity(one.final_velocity[1:])) if ok else math.nan for one, ok in zip(trajectories, known, strict=True)
-    ]
-    return np.array(found)
-
-
-def points_of(scanned: RigidityMap) -> list[Point]:
-    """All points of a map, row by row."""
-    return [(value, n) for n in scanned.sizes for value in scanned.values.tolist()]
+def _rigidity(found: Trajectory, leaving: float) -> float:
+    """Rigidity at the end of a run; nan where it gave up, or where the striker's leaving is unknown."""
+    if found.status.gave_up or leaving == 0.0:
+        return math.nan
+    return float(rigidity(found.final_velocity[1:]))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import asdict, astuple, dataclass, fields
 from enum import StrEnum
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import METHODS, Chain, Contact, Trajectory, one_on, power_law, stable_step
 from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
-from softcradle.physics.methods import Method
+from softcradle.physics.methods import Method, find_method
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.csv_files import write_rows
+from softcradle.sandbox.sweeps import listed
+from softcradle.sandbox.sweeps.sweep_places import Progress
+from softcradle.sandbox.sweeps.swept_columns import swept_columns
 
 Array = NDArray[np.float64]
 
@@ -150,6 +153,35 @@ def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanR
         limit=stable_step(chain, velocity, TRUSTED_ERROR),
         allowed=max(TRUSTED_ERROR, ADAPTIVE_ERROR_FACTOR * fineness) if method.adaptive else TRUSTED_ERROR,
     )
+
+
+def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers: int | None = None) -> list[ScanRun]:
+    """Every run of the scans by every method, as `scan_runs` has them; processes compute them where that pays."""
+    order = [method.name for method in scanned_methods()]
+    found = []
+    for scan in scans:
+        rows = [
+            (value, method.name, fineness)
+            for value in scan.values
+            for method in scanned_methods()
+            for fineness in finenesses(method)
+        ]
+        points = listed(dict(zip(("value", "method", "fineness"), zip(*rows, strict=True), strict=True)))
+        columns = swept_columns(partial(scan_numbers, scan.name), points, None, progress, workers)
+        for k, (value, method, fineness) in enumerate(rows):
+            numbers = {name: column[k].item() for name, column in columns.items()}
+            switches, warned = int(numbers.pop("switches")), bool(numbers.pop("has_warned"))
+            found.append(ScanRun(scan.name, value, method, fineness, switches=switches, warned=warned, **numbers))
+    names = [scan.name for scan in scans]
+    return sorted(found, key=lambda run: (names.index(run.scan), order.index(run.method)))
+
+
+def scan_numbers(name: str, value: float, method: str, fineness: float) -> dict[str, float]:
+    """What one run of the scan of that name tells, in numbers."""
+    scan = next(scan for scan in SCANS if scan.name == name)
+    run = asdict(scan_run(scan, value, find_method(method), fineness))
+    run["has_warned"] = run.pop("warned")
+    return {key: float(number) for key, number in run.items() if key not in ("scan", "value", "method", "fineness")}
 
 
 @lru_cache(maxsize=64)

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import ensemble, one_on, power_law, simulate
+from softcradle.physics import one_on, power_law, simulate
+from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.maps import map_progress
+from softcradle.sandbox.studies.maps import rigidity_scan
 from softcradle.sandbox.studies.maps.map_figure import draw_map
-from softcradle.sandbox.studies.maps.map_progress import compute_map
-from softcradle.sandbox.studies.maps.rigidity_scan import Point, RigidityMap, point_rows, rigidity_maps
+from softcradle.sandbox.studies.maps.rigidity_scan import compute_map, rigidity_maps
 from softcradle.sandbox.studies.plot_style import styled
-
-real_ensemble = ensemble  # as it is, for the one that gives up
+from softcradle.sandbox.sweeps.run_sweep import journal_path
 
 
 @pytest.fixture(scope="module")
@@ -75,21 +73,16 @@ def test_command_writes_picture_and_numbers(tmp_path, capsys):
     assert str(tmp_path) in capsys.readouterr().out
 
 
-def giving_up(chains, *arguments, **options):
-    """An ensemble in which the longest chains give up before anything has opened."""
-    found = real_ensemble(chains, *arguments, **options)
-    return [
-        replace(one, status=Status.OUT_OF_STEPS, contact_intervals=((),) * one.chain.contacts)
-        if one.chain.contacts == 3
-        else one
-        for one in found
-    ]
+def giving_up(chain, *arguments, **options):
+    """A run that gives up before anything has opened where the chain is the longest."""
+    found = solve(chain, *arguments, **options)
+    return replace(found, status=Status.OUT_OF_STEPS, contact_intervals=((),) * 3) if chain.contacts == 3 else found
 
 
 def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
-    monkeypatch.setattr("softcradle.sandbox.studies.maps.rigidity_scan.ensemble", giving_up)
+    monkeypatch.setattr(rigidity_scan, "solve", giving_up)
     scanned, _ = rigidity_maps(4, 3)
-    table = compute_map(scanned)
+    table = compute_map(scanned, workers=1)
     failed = table["n"] == 3
     for column in ("rigidity at detachment", "rigidity at the end"):
         np.testing.assert_array_equal(np.isnan(table[column]), failed)
@@ -101,33 +94,35 @@ def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
     assert "hatched: 4 took too many steps" in axes.get_xlabel()
 
 
+def counting(monkeypatch, asked, most=1000):
+    """Let `asked` have every point that is computed, and Ctrl-C come after so many."""
+
+    def counted(chain, *arguments, **options):
+        if len(asked) >= 2 * most:
+            raise KeyboardInterrupt
+        asked.append(chain)
+        return solve(chain, *arguments, **options)
+
+    monkeypatch.setattr(rigidity_scan, "solve", counted)
+
+
 def test_a_map_that_was_stopped_goes_on(tmp_path, monkeypatch):
     scanned, _ = rigidity_maps(6, 3)
-    asked: list[Point] = []
-
-    def counted(scanned: RigidityMap, points: Sequence[Point]):
-        if len(asked) >= 10:
-            raise KeyboardInterrupt
-        asked.extend(points)
-        return point_rows(scanned, points)
-
-    monkeypatch.setattr(map_progress, "PART", 5)
-    monkeypatch.setattr(map_progress, "point_rows", counted)
+    asked: list[object] = []
+    counting(monkeypatch, asked, 10)
     kept = tmp_path / "kept"
     with pytest.raises(KeyboardInterrupt):
-        compute_map(scanned, kept)
-    first = list(asked)
-    kept.write_text(kept.read_text() + "0.5,2.0,0.1")  # a line that was cut off
-    asked.clear()
-    monkeypatch.setattr(
-        map_progress, "point_rows", lambda *arguments: asked.extend(arguments[1]) or point_rows(*arguments)
-    )
+        compute_map(scanned, kept, workers=1)
+    with journal_path(kept).open("ab") as file:
+        file.write(b'{"begin": 17, "en')  # a line that was cut off
+    again: list[object] = []
+    counting(monkeypatch, again)
     done: list[int] = []
-    table = compute_map(scanned, kept, done.append)
-    assert len(first) == 10
-    assert not set(first) & set(asked)
-    assert sum(done) == 18 == len(first) + len(asked)
-    fresh = compute_map(scanned)
+    table = compute_map(scanned, kept, lambda _, count, __: done.append(count), workers=1)
+    assert 0 < len(again) < 2 * 18
+    assert done[0] == 18 - len(again) // 2
+    assert done[-1] == 18
+    fresh = compute_map(scanned, workers=1)
     for name, column in fresh.items():
         np.testing.assert_array_equal(table[name], column)
 
@@ -135,14 +130,21 @@ def test_a_map_that_was_stopped_goes_on(tmp_path, monkeypatch):
 def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
     power, _ = rigidity_maps(3, 2)
     kept = tmp_path / "kept"
-    compute_map(power, kept)
-    monkeypatch.setattr(map_progress, "TOLERANCE", 1e-3)
-    asked: list[Point] = []
-    monkeypatch.setattr(
-        map_progress, "point_rows", lambda *arguments: asked.extend(arguments[1]) or point_rows(*arguments)
-    )
-    compute_map(power, kept)
-    assert len(asked) == 6
+    compute_map(power, kept, workers=1)
+    monkeypatch.setattr(rigidity_scan, "TOLERANCE", 1e-3)
+    asked: list[object] = []
+    counting(monkeypatch, asked)
+    compute_map(power, kept, workers=1)
+    assert len(asked) == 2 * 6
+
+
+def test_an_error_at_a_point_is_told_with_the_point(monkeypatch):
+    def broken(chain, *arguments, **options):
+        raise ValueError("no such chain")
+
+    monkeypatch.setattr(rigidity_scan, "solve", broken)
+    with pytest.raises(ValueError, match=r"n 2, abscissa 0\.01: no such chain"):
+        compute_map(rigidity_maps(2, 2)[0], workers=1)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from softcradle.sandbox.studies.stability.failure_scans import (
     scan_run,
     scan_runs,
     scanned_methods,
+    swept_runs,
     write_csv,
 )
 from softcradle.sandbox.studies.stability.failure_summary import summarise_failures
@@ -257,3 +259,12 @@ def test_refusals_are_sentences(arguments, sentence, capsys):
 def test_finenesses_are_steps_or_tolerances():
     assert finenesses(find_method("verlet")) is failure_scans.STEPS
     assert finenesses(find_method("radau")) is failure_scans.TOLERANCES
+
+
+def test_runs_of_a_sweep_are_those_of_the_scan(monkeypatch):
+    methods = [find_method(name) for name in ("verlet", "radau")]
+    monkeypatch.setattr(failure_scans, "scanned_methods", lambda: methods)
+    monkeypatch.setattr(failure_scans, "STEPS", (0.1, 0.2))
+    monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))
+    scan = replace(BY_NAME["n"], values=(1.0, 2.0))
+    assert swept_runs([scan], workers=1) == [run for method in methods for run in scan_runs(scan, method)]

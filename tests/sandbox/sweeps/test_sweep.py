@@ -11,7 +11,17 @@ import numpy as np
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
-from softcradle.sandbox.sweeps import Measure, chunk_schedule, grid, journal, listed, run_sweep, sobol, sweep
+from softcradle.sandbox.sweeps import (
+    Measure,
+    chunk_schedule,
+    grid,
+    journal,
+    listed,
+    run_sweep,
+    sobol,
+    sweep,
+    sweep_places,
+)
 from softcradle.sandbox.sweeps.chunk_pools import Lost
 from softcradle.sandbox.sweeps.chunk_work import PointStatus
 from softcradle.sandbox.sweeps.journal import Journal
@@ -59,7 +69,7 @@ def test_a_point_that_fails_is_marked_with_its_reason(alone):
 @pytest.mark.parametrize("kind", ["threads", "executor", "one by one"])
 @pytest.mark.parametrize("output", [None, "x.zarr", "x.nc"])
 def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path, monkeypatch):
-    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    monkeypatch.setattr(sweep_places, "TRIED_HERE", 0.0)
     path = tmp_path / output if output else None
     options = {"output": path, "units": {"product": "m"}}
     if kind == "threads":
@@ -76,7 +86,7 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path, monke
 
 @pytest.mark.slow
 def test_it_is_equal_by_processes(alone, tmp_path, monkeypatch):
-    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    monkeypatch.setattr(sweep_places, "TRIED_HERE", 0.0)
     found = sweep(
         numbers,
         GRID,
@@ -91,7 +101,7 @@ def test_it_is_equal_by_processes(alone, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(monkeypatch, caplog):
-    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    monkeypatch.setattr(sweep_places, "TRIED_HERE", 0.0)
     few = grid({"a": [0.25, 0.5], "n": [2, 3]})
     found = sweep(deadly, few, executor="processes", workers=1, chunk_seconds=1e-3)
     assert found["status"].to_numpy().tolist() == [[0, 0], [0, PointStatus.LOST]]
