@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import METHODS, Chain, State, advance
+from softcradle.physics import METHODS, Chain, Coupler, State, advance
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.scales import contact_scales
@@ -94,11 +94,15 @@ def velocities(chain: Chain, row: Array) -> Array:
 
 def shaken(chain: Chain) -> Chain:
     """The chain with forces that differ in the last digit."""
-    laws = [
-        replace(law, preload=law.preload * (1.0 + SHAKE), stiffness=law.stiffness * (1.0 - SHAKE))
-        for law in chain.contact
-    ]
+    laws = [shaken_law(law) for law in chain.contact]
     return replace(chain, contact=tuple(laws))
+
+
+def shaken_law(law: Any) -> Any:
+    """The law likewise; of a coupler both that push and that pull."""
+    if isinstance(law, Coupler):
+        return replace(law, push=shaken_law(law.push), pull=shaken_law(law.pull))
+    return replace(law, preload=law.preload * (1.0 + SHAKE), stiffness=law.stiffness * (1.0 - SHAKE))
 
 
 def record() -> dict[str, Any]:

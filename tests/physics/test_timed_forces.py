@@ -189,3 +189,17 @@ def test_a_scene_may_have_them():
 def test_a_scene_says_what_is_wrong_with_them(change, sentence):
     with pytest.raises(SceneError, match=sentence):
         scenes.parse(SCENE.replace(*change))
+
+
+@pytest.mark.parametrize("before", [4.7e-15, 1e-12, 1e-9, 1e-6])
+def test_a_frame_that_begins_just_before_a_knot_gives_the_impulse_of_its_force(before):
+    """A step of the time between the two would be all round-off: it gave the pulled train some 1000 N s."""
+    lane = scenes.load("train-starting").lanes[0]
+    chain = lane.chain()
+    state = State.at_start(chain, lane.velocity)
+    advance(chain, state, 2.0 - before, "conserving", step=8e-4)
+    first = float((state.velocity(chain) * chain.mass).sum())
+    advance(chain, state, 1.0 / 120.0, "conserving", step=8e-4)
+    gained = float((state.velocity(chain) * chain.mass).sum()) - first
+    friction = 0.002 * 9.80665 * sum(chain.mass)
+    assert gained == pytest.approx((300e3 - friction) / 120.0, rel=1e-4)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}  # title of a panel: its scene
 DURATION = 2.8  # [s]
 SAMPLES = 1401
+PEAK_SAMPLES = 2801  # of the scan: the solid stop is short
 STEP = 2e-4  # [s] of the scan: a thousandth of a blow
 KILO = 1e3
 SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # [m/s] of the blow; shunting is done at up to 2 or 3
@@ -57,7 +58,7 @@ def envelopes() -> Table:
         lane = scenes.load(name).lanes[0]
         chain, start = replace(lane.chain(), contact=(coupler,) * lane.chain().contacts), np.array(lane.velocity)
         starts = [(speed * start / start.max()).tolist() for speed in SPEEDS]
-        found = ensemble([chain] * len(SPEEDS), starts, DURATION, "conserving", STEP, SAMPLES)
+        found = ensemble([chain] * len(SPEEDS), starts, DURATION, "conserving", STEP, PEAK_SAMPLES)
         for speed, motion in zip(SPEEDS, found, strict=True):
             forces, travels = motion.force.max(axis=0) / KILO, motion.overlap.max(axis=0) * KILO
             rows += [(number, speed, i + 1, *both) for i, both in enumerate(zip(forces, travels, strict=True))]

@@ -28,7 +28,7 @@ SECTIONS = (
     ),
     Section(N_("Draft gears"), ("beads-against-gear", "draft-gear-two-on-two")),
     Section(N_("Cradles"), ("hertz-cradle", "hooke-cradle")),
-    Section(N_("Trains"), ("train-shunting", "train-cut", "train-braking")),
+    Section(N_("Trains"), ("train-shunting", "train-solid", "train-cut", "train-starting", "train-braking")),
 )
 REST = N_("More")  # title above scenes that no section names
 

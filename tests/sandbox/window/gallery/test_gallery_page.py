@@ -107,7 +107,7 @@ def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
     gallery.key(pygame.K_f, pygame.KMOD_CTRL)
     gallery.type("wagon")
     gallery.frames(2)
-    assert set(page.names) == {"train-braking", "train-cut", "train-shunting"}
+    assert set(page.names) == {"train-braking", "train-cut", "train-shunting", "train-solid", "train-starting"}
     gallery.key(pygame.K_ESCAPE)
     gallery.frames(2)
     assert len(page.names) == count
