@@ -179,12 +179,3 @@ def test_command_lists_and_refuses_in_a_sentence(capsys):
     assert "contact-duration" in capsys.readouterr().out
     assert main(["claims", "nonsense"]) == 2
     assert "there is no claim 'nonsense'; there are rigid-like" in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_all_claims_take_less_than_five_minutes_of_two_cores():
-    """By processor time, which other processes on the machine do not change much."""
-    studies = measure_claims()
-    assert len(studies) == len(CLAIMS)
-    assert sum(study.seconds for study in studies) < 2 * 300.0
-    assert max(study.seconds for study in studies) < 150.0  # none for which one core would wait
