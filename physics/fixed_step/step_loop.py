@@ -116,18 +116,21 @@ def march(
             if counter[STEP] >= most_steps:
                 return OUT_OF_STEPS, time
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
-            if rests or (free and not bed):
+            ahead = until - time
+            if rests or free:
                 flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
-                whole = math.floor(min(flight, until - time) / h) - 1.0
+                whole = 0.0 if bed and not rests else math.floor(min(flight, ahead) / h) - 1.0
                 if whole >= 1.0:
                     fly(whole, h, motion)
                     counter[STEP] += int(whole)
                     time = start + counter[STEP] * h
                     continue
+                # A contact may close and open within one step, where no flag tells of it.
+                ahead = min(ahead, flight + h)
             last = end - time < h * (1.0 - GRID_TOLERANCE)
             length = end - time if last else h
             if not last:
-                most = np.int64(min(max(1.0, (until - time) / h), MOST_AT_ONCE, most_steps - counter[STEP]))
+                most = np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP]))
             rests = bed and at_rest(motion)
         taken = ZERO
         if not sampling or length > h * GRID_TOLERANCE:
