@@ -65,7 +65,7 @@ class OwnLaw:
     --------
     >>> import math
     >>> from softcradle import OwnLaw, one_on, simulate
-    >>> toda = OwnLaw(lambda overlap: math.expm1(overlap))  # exponential springs, which only push
+    >>> toda = OwnLaw(lambda overlap: math.expm1(overlap))  # exponential springs
     >>> simulate(one_on(2, toda), [1, 0, 0], method="conserving").final_velocity.round(2)
     array([-0.1 ,  0.12,  0.99])
     """

@@ -177,9 +177,12 @@ class Trajectory:
     def load(path: trajectory_file.Path) -> Trajectory:
         """Read what :meth:`save` wrote.
 
-        Raises:
-            OSError: the file cannot be read.
-            ValueError: it is no trajectory of softcradle, or one of a later version.
+        Raises
+        ------
+        OSError
+            The file cannot be read.
+        ValueError
+            It is no trajectory of softcradle, or one of a later version.
         """
         return Trajectory(**trajectory_file.load_motion(path))
 
@@ -206,8 +209,10 @@ class Trajectory:
     def to_page(self, path: trajectory_file.Path, slow: float | None = None) -> None:
         """Write an HTML page that plays the samples, `slow` seconds for one of motion, else six in all. Extra [film].
 
-        Raises:
-            UserError: it cannot be written, or the motion is too long for a page.
+        Raises
+        ------
+        UserError
+            It cannot be written, or the motion is too long for a page.
         """
         notebook_views.write_page(self, path, slow)
 

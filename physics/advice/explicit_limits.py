@@ -29,10 +29,10 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     Explicit steps h have no strict limit of stability for an exponent a < 1: h² L a K d**(a-1) exceeds 4 as d -> 0, and
     the contact chatters at the overlap d where it does. The shortest of four steps is returned::
 
-        stiffness    h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
-        chatter      the same at the overlap whose energy gives the velocity `error`, for a < 1
-        onset        the impulse of a step after the touch, h L K (v h)**a, is `error`
-        preload      the impulse of a step, h L F, is `error`
+        stiffness  h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
+        chatter    the same where the overlap's energy gives the velocity `error`, for a < 1
+        onset      the impulse of a step after the touch, h L K (v h)**a, is `error`
+        preload    the impulse of a step, h L F, is `error`
 
     The estimate is right within a factor of a few, for errors of velocities, not of deep overlaps. The errors of successive
     collisions add up.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from softcradle.physics.analysis.critical_speed import common_law
+from softcradle.physics.chain import Chain
 from softcradle.physics.trajectory import Trajectory
 
 
@@ -18,6 +20,14 @@ def spread_variable(n: int, alpha: float) -> float:
     1.433
     """
     return (n + 1) * math.exp(-1.0 / (2.0 * n * alpha))
+
+
+def chain_spread_variable(chain: Chain, struck: int) -> float | None:
+    """The `spread_variable` of one bead on others, all alike, without preload or loss; None for every other chain."""
+    law, n = common_law(chain), chain.contacts
+    if law is None or law.preload or law.loss or n < 2 or struck not in (0, n - 1) or len(set(chain.mass)) > 1:
+        return None
+    return spread_variable(n, law.exponent)
 
 
 def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:

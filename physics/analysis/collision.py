@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.analysis.cluster_scaling import penetration_depth
+from softcradle.physics.analysis.cluster_scaling import chain_spread_variable, penetration_depth
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.critical_speed import speed_ratio
 from softcradle.physics.analysis.measures import (
@@ -114,6 +114,7 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
         momentum=own.momentum,
         speed_ratio=ratio,
         speed_margin=None if ratio is None else 1.0 - ratio,
+        spread_variable=chain_spread_variable(trajectory.chain, struck),
         penetration_depth=penetration_depth(trajectory, struck) or None,
         contacts=contacts,
     )
@@ -137,6 +138,8 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
             transmitted=_finite(passed[k] / incident[k]) if incident[k] > 0.0 else None,
             turns=heard[k].turns,
             ringing_period=heard[k].period,
+            ringing_amplitude=heard[k].amplitude,
+            ringing_decay=heard[k].decay,
         )
         for k in range(trajectory.chain.contacts)
     ]

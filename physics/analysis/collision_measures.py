@@ -42,6 +42,12 @@ class ContactMeasures:
     ringing_period: float | None = _measure(
         "ringing period", "s", "mean time between every other turning point, from four of them on"
     )
+    ringing_amplitude: float | None = _measure(
+        "ringing amplitude", "N", "largest distance of a turning point from the mean of its neighbours, halved"
+    )
+    ringing_decay: float | None = _measure(
+        "ringing decay", "1/s", "rate at which the logarithm of that distance falls; negative where it grows"
+    )
 
 
 @dataclass(frozen=True)
@@ -113,6 +119,11 @@ class CollisionMeasures:
     )
     speed_margin: float | None = _measure(
         "margin", "", "1 less that: how far below the critical speed, negative above it"
+    )
+    spread_variable: float | None = _measure(
+        "spread variable",
+        "",
+        "of one bead on n alike, (n+1) exp(-1/(2 n alpha)): where it is equal, so is the rigidity at the end",
     )
     penetration_depth: float | None = _measure(
         "penetration depth",

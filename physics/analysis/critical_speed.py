@@ -31,11 +31,16 @@ def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
     return frequency * gear.preload / gear.stiffness * math.sqrt(1.0 / carried**2 - 1.0)
 
 
+def common_law(chain: Chain) -> Contact | None:
+    """The contact law of a chain whose contacts are all alike; None where they differ, or are couplers or laws of one's own."""
+    law = chain.contact[0]
+    return law if isinstance(law, Contact) and all(contact == law for contact in chain.contact) else None
+
+
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
     """V/v_c of draft gears, all alike, whose contact `struck` closes at `speed` [m/s]; None where there is no critical speed."""
-    gear = chain.power_laws[struck]
-    alike = all(contact == gear for contact in chain.power_laws)
-    if not alike or chain.walls or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:
+    gear = common_law(chain)
+    if gear is None or chain.walls or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:
         return None
     critical = critical_speed(gear, chain.mass, struck + 1)
     return speed / critical if math.isfinite(critical) else None

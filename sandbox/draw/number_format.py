@@ -108,6 +108,6 @@ def number_text(value: float | None) -> str:
         return "-"
     if abs(value) < ROUND_OFF:
         return "0"
-    if not 1e-3 <= abs(value) < 1e5:
+    if not 1e-3 <= abs(value) < LARGEST_PLAIN:
         return scientific(value, 2)
-    return fixed(value, 4) if abs(value) < 1000 else localized(f"{value:.4g}".replace("-", MINUS))
+    return fixed(value, 4 if abs(value) < 1000.0 else 0)

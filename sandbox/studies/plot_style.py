@@ -124,11 +124,11 @@ def label_above(
     axes.annotate(text, (x, y), xytext=(0, lift), textcoords="offset points", color=colour, ha="center", **options)
 
 
-def model_legend(axes: Axes) -> None:
-    """A legend that tells the mode-coupling model from the full equations."""
+def model_legend(axes: Axes, columns: int = 2, **options: Any) -> None:
+    """A legend that tells the mode-coupling model from the full equations, beside the curves that have a label."""
     axes.plot([], [], color=GREY, label="mode coupling", **MODEL_LINE)
     axes.plot([], [], color=GREY, linewidth=0.8, label="full")
-    axes.legend(loc="upper right", ncols=2, handlelength=2.2)
+    axes.legend(**{"loc": "upper right", "ncols": columns, "handlelength": 2.2} | options)
 
 
 def bead_colour(bead: int, strikers: int = 1) -> str:

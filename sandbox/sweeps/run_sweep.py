@@ -67,7 +67,7 @@ def sweep(
         "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" takes
         processes where the work is worth them.
     scheduler : str or Client, optional
-        A Dask scheduler instead: its address, such as "tcp://127.0.0.1:8786", or a Client. Extra [dask].
+        A Dask scheduler instead: its address, such as `tcp://127.0.0.1:8786`, or a Client. Extra [dask].
     workers : int, optional
         How many threads or processes; None: one for each core.
     units : mapping, optional

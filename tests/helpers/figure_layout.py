@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
@@ -73,11 +74,30 @@ def texts_on_curves(figure: Figure) -> list[tuple[str, str]]:
             if not axes.bbox.contains(*box.get_points().mean(axis=0)):
                 continue
             inner = Bbox.from_extents(box.x0, box.y0 + 0.2 * box.height, box.x1, box.y1 - 0.2 * box.height)
-            for line in axes.get_lines():
-                points = line.get_transform().transform(np.column_stack(line.get_data(orig=False)).astype(float))
-                if line.get_linestyle() != "None" and line.get_visible() and _passes(points, inner, axes.bbox):
-                    found.append((text.get_text(), str(line.get_label())))
+            lines = [line for line in axes.get_lines() if _crosses(line, inner, axes)]
+            found += [(text.get_text(), str(line.get_label())) for line in lines]
     return found
+
+
+def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
+    """Keys of legends, by their texts, that a curve passes through, with the curve's label: it looks as if it were the key."""
+    figure.draw_without_rendering()
+    found = []
+    for axes in figure.findobj(Axes):
+        legend = axes.get_legend()
+        for key, text in zip(legend.legend_handles, legend.get_texts(), strict=True) if legend else ():
+            box = text.get_window_extent()
+            middle, x = 0.5 * (box.y0 + box.y1), key.get_window_extent()
+            around = Bbox.from_extents(x.x0, middle - 0.25 * box.height, x.x1, middle + 0.25 * box.height)
+            found += [
+                (text.get_text(), str(line.get_label())) for line in axes.get_lines() if _crosses(line, around, axes)
+            ]
+    return found
+
+
+def _crosses(line: Line2D, box: Bbox, axes: Axes) -> bool:
+    points = line.get_transform().transform(np.column_stack(line.get_data(orig=False)).astype(float))
+    return line.get_linestyle() != "None" and line.get_visible() and _passes(points, box, axes.bbox)
 
 
 def _passes(points: np.ndarray, box: Bbox, frame: Bbox) -> bool:

@@ -12,6 +12,7 @@ from functools import cached_property
 from importlib.util import find_spec
 
 import pytest
+from numpydoc.validate import validate
 from softcradle.sandbox.cli.main import COMMANDS
 
 from softcradle import scenes
@@ -120,6 +121,28 @@ def test_docstrings_become_lists_of_single_names(name, found):
             assert ": " not in attribute.__doc__.partition("\n")[0]
 
 
+def members_texts(name, found):
+    """The docstrings of those members of a class that the page of the API names."""
+    members = re.search(rf":: {re.escape(name)}\n   :members: (.*)", TEXTS["api.md"])
+    return [getattr(found, member).__doc__ for member in members[1].split(", ")] if members else []
+
+
+WIDEST = 90  # characters of a line of code that fit the column of a page; in the API, inside a definition, 85
+
+
+def test_lines_of_code_fit_their_boxes():
+    """On a desk: on a telephone they scroll."""
+    lines = [
+        (name, line) for name, text in TEXTS.items() for _, body in FENCED.findall(text) for line in body.split("\n")
+    ]
+    wide = [(name, line) for name, line in lines if len(line) > WIDEST]
+    for name, found in documented():
+        blocks = re.findall(r"^\s*(>>> .*|\.\.\. .*)$", found.__doc__, re.MULTILINE)
+        blocks += re.findall(r"::\n\n((?: +\S.*\n)+)", found.__doc__)
+        wide += [(name, line) for block in blocks for line in block.split("\n") if len(line.strip()) > WIDEST - 5]
+    assert wide == []
+
+
 SECTION = r"^\s+(Parameters|Attributes|Raises)\n\s+-+$"
 LEFT_OUT = (
     "GL01",
@@ -140,8 +163,8 @@ LEFT_OUT = (
 )
 def test_docstrings_are_in_the_style_of_numpy(name, found):
     """As numpydoc reads and validates them: sections known, in order and complete; sentences."""
-    validate = pytest.importorskip("numpydoc.validate").validate
-    assert not re.search(r"^\s+(Args|Arguments|Attributes|Returns|Raises|:param .*):", found.__doc__, re.MULTILINE)
+    for text in (found.__doc__, *members_texts(name, found)):
+        assert not re.search(r"^\s+(Args|Arguments|Attributes|Returns|Raises|:param .*):", text, re.MULTILINE)
     if re.search(SECTION, found.__doc__, re.MULTILINE):
         wrong = dict(validate(f"{found.__module__}.{found.__name__}")["errors"])
         if "Parameters\n" not in found.__doc__:  # fields that are read, or none

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZES = (3, 4, 6, 10, 18, 32)
-PRODUCTS = tuple(np.geomspace(0.15, 1.0, 24).tolist())  # of n and alpha
+PRODUCTS = tuple(np.geomspace(0.15, 1.0, 93).tolist())  # of n and alpha: steps of 2 %, since small spreads jag
 THRESHOLD = 0.5  # spread at which a cluster is no longer rigid-like
 TOLERANCE = 1e-5  # far below what is shown; chains that chatter give up at finer ones
 
@@ -90,6 +90,6 @@ def draw_spreads(table: Table) -> Figure:
     right.set_xticks([3, 10, 30], ["3", "10", "30"])
     for axes in (left, right):
         axes.xaxis.set_minor_formatter(NullFormatter())
-    for axes, text in ((left, "(a)"), (middle, "(b)"), (right, rf"(c)  $1/(2\ln((n+1)/{variable:.2f}))$")):
+    for axes, text in ((left, "(a)"), (middle, "(b)"), (right, rf"(c)  line: $1/(2\,\ln((n+1)/{variable:.2f}))$")):
         panel_title(axes, text)
     return figure

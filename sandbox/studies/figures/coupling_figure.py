@@ -27,6 +27,7 @@ from softcradle.sandbox.studies.plot_style import (
     label_above,
     model_legend,
     new_figure,
+    panel_title,
     zero_line,
 )
 
@@ -122,6 +123,8 @@ def draw_discrepancies(table: Table) -> Figure:
     end.axhspan(1e-9, 1e-3, **ACCURACY_BAND)
     end.set(xlabel="time to separation", ylabel="|relative discrepancy|", xscale="log", yscale="log")
     end.set(xlim=(1e-6, table["t"][-1]), ylim=(3e-7, 1.0))
+    panel_title(axes, "(a)  while the striker pushes")
+    panel_title(end, "(b)  at the end")
     return figure
 
 
@@ -136,6 +139,7 @@ def draw_rise(table: Table) -> Figure:
         axes.loglog(table["t"], table[f"f{i}{i + 1} model"], color=FORCE_COLOURS[i], **MODEL_LINE)
     _draw_power(axes, table, "f01 full", ALPHA, r"$t^{\,\alpha}$")
     _draw_power(axes, table, "f12 full", ALPHA * (2 + ALPHA), r"$t^{\,\alpha(2+\alpha)}$")
+    model_legend(axes, 1, loc="lower right")
     axes.set(xlabel="$t$", ylabel="force", xlim=(FIRST_TIME, 1.0))
     return figure
 

@@ -16,6 +16,7 @@ from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,
     GREEN,
+    GREY,
     MODEL_LINE,
     ORANGE,
     PAGE_WIDTH,
@@ -105,6 +106,7 @@ def draw_scan(table: Table) -> Figure:
             )
     left.set(xlabel=r"$1/\alpha$", ylabel="period")
     right.set(xlabel=r"$1/\alpha$", ylabel=r"$\max\,\psi$")
+    left.plot([], [], color=GREY, linewidth=0.8, label="mode coupling")
     left.legend(loc="lower left")
     panel_title(left, "(a)")
     panel_title(right, "(b)")

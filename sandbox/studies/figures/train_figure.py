@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics import ensemble, simulate
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.plot_style import BLUE, PAGE_WIDTH, new_figure
+from softcradle.sandbox.studies.plot_style import BLUE, GREY, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,6 +86,7 @@ def draw_envelopes(table: Table) -> Figure:
         axes.set_ylim(0.0, 1.05 * table["force"].max() / KILO)
         axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
     panels[0].set_ylabel("largest force [MN]")
+    panels[0].plot([], [], "o", color=GREY, mfc="white", ms=3, label="gear solid")
     panels[0].legend(title="speed of the blow [m/s]", loc="upper right", ncols=2, handlelength=1.2)
     return figure
 

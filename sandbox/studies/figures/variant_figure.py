@@ -23,6 +23,7 @@ from softcradle.sandbox.studies.plot_style import (
     ORANGE,
     PAGE_WIDTH,
     bead_colour,
+    model_legend,
     new_figure,
     panel_title,
     zero_line,
@@ -73,7 +74,8 @@ def draw_interface(table: Table) -> Figure:
     """Forces and velocities with the Hooke interface."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2)
     _draw_forces(left, table, N, 0)
-    left.legend(loc="upper right")
+    left.set_ylim(0.0, 1.3)
+    model_legend(left, 3, columnspacing=1.0)
     _draw_velocities(right, table, N + 1, 1)
     panel_title(left, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$")
     panel_title(right, "(b)")
@@ -84,8 +86,8 @@ def draw_clusters(table: Table) -> Figure:
     """Forces and velocities of three on five."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.8, 1, 2)
     _draw_forces(left, table, STRIKERS + TARGETS - 1, STRIKERS - 1)
-    left.set_ylim(0.0, 1.3)
-    left.legend(loc="upper right", ncols=4, columnspacing=1.0)
+    left.set_ylim(0.0, 1.45)
+    model_legend(left, 3, columnspacing=1.0)
     _draw_velocities(right, table, STRIKERS + TARGETS, STRIKERS)
     panel_title(left, r"(a)  3 on 5, $\alpha=1/14$")
     panel_title(right, "(b)")

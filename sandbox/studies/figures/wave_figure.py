@@ -8,7 +8,7 @@ prestressed show the same.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from softcradle.physics import Chain, Contact, State, advance, hertz, hooke, one_on, power_law
@@ -118,12 +118,13 @@ def draw_roads(table: Table) -> Figure:
         lower.set(xlabel="$t$", xlim=(0.0, STRUCK_CLUSTERS[name].until))
         panel_title(upper, STRUCK_CLUSTERS[name].title)
     for axes in grid[0, :2]:
-        axes.set_ylim(-0.02, 0.66)
-    inner_label(grid[0, 0], "striker's $\\alpha=1/30$ in all", 0.04, 0.96, fontsize=7.5)
+        axes.set_ylim(-0.02, 0.7)
+    inner_label(grid[0, 0], "striker's $\\alpha=1/30$ in all", 0.06, 0.94, fontsize=7.5)
     grid[0, 0].set_ylabel("velocity / striker's")
     grid[1, 0].set_ylabel("force less prestress")
-    grid[0, 1].legend(loc="lower right", ncols=2, columnspacing=1.0)
-    grid[1, 0].legend(loc="upper right", handlelength=0.0, handletextpad=0.0, labelcolor="linecolor")
+    coloured: dict[str, Any] = {"handlelength": 0.0, "handletextpad": 0.0, "labelcolor": "linecolor"}
+    grid[0, 1].legend(loc="lower right", ncols=2, columnspacing=1.0, **coloured)
+    grid[1, 0].legend(loc="upper right", **coloured)
     return figure
 
 

@@ -13,6 +13,7 @@ from softcradle.physics import Chain, Trajectory, draft_gear, one_on, power_law
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.simulation import solve
+from softcradle.physics.status import Status
 from softcradle.sandbox.studies.data_table import Array, Table
 from softcradle.sandbox.sweeps import grid
 from softcradle.sandbox.sweeps.sweep_places import Progress
@@ -95,9 +96,14 @@ def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[
     return {
         "rigidity_at_detachment": _rigidity(detached, leaving),
         "rigidity_at_the_end": _rigidity(end, leaving),
-        "run_status": float(max(detached.status, end.status)),
+        "run_status": float(max((end.status, detached.status), key=_severity)),
         "run_warned": float(bool(detached.warnings or end.warnings)),
     }
+
+
+def _severity(status: Status) -> tuple[bool, int]:
+    """Order of statuses in which those of runs that gave up, the reasons of hatched cells, come last."""
+    return status.gave_up, status
 
 
 def _detachment(found: Trajectory) -> float:

@@ -6,8 +6,19 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics import (
+    Chain,
+    Coupler,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+)
 from softcradle.physics.analysis.closed_forms import rigid_collision, rigid_stroke
+from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.physics.analysis.collision import collide, measured, struck_contact
 from softcradle.physics.analysis.collision_measures import CollisionMeasures
 from softcradle.physics.analysis.critical_speed import critical_speed
@@ -198,6 +209,33 @@ def test_speed_over_critical_and_margin_of_draft_gears():
     assert (soft.speed_ratio, soft.speed_margin) == (None, None)
 
 
+def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
+    """Where it is equal the spread is, whatever n and alpha; other chains have none."""
+    found = []
+    for n, inverse in ((4, 10.0), (8, 16.0 * math.log(9.0 / spread_variable(4, 0.1)))):
+        chain = one_on(n, power_law(1.0, 1.0 / inverse))
+        found.append(measured(collide(chain, [1.0] + [0.0] * n)))
+    assert [one.spread_variable for one in found] == pytest.approx([spread_variable(4, 0.1)] * 2)
+    assert found[1].rigidity == pytest.approx(found[0].rigidity, rel=0.1)
+    others = [
+        (one_on(3, power_law(1.0, 0.1), [1.0, 1.0, 2.0, 1.0]), [1, 0, 0, 0]),
+        (cluster_on_cluster(2, 2, power_law(1.0, 0.1)), [1, 1, 0, 0]),
+        (one_on(3, GEAR), [0.1, 0, 0, 0]),
+        (one_on(3, (power_law(1.0, 0.1), power_law(1.0, 0.1), hertz(1.0))), [1, 0, 0, 0]),
+        (one_on(1, power_law(1.0, 0.1)), [1, 0]),
+    ]
+    assert [measured(collide(chain, start)).spread_variable for chain, start in others] == [None] * 5
+
+
+@pytest.mark.parametrize("law", [Coupler(hooke(1e3), hooke(1e3), slack=0.1), lambda overlap: 100.0 * overlap])
+def test_couplers_and_laws_of_ones_own_are_measured(law):
+    """They have no critical speed and no scaling variable, and all else."""
+    found = measured(collide(one_on(2, law), [1, 0, 0], 0.5, method="conserving", step=1e-4, samples=101))
+    assert (found.speed_ratio, found.speed_margin, found.spread_variable) == (None, None, None)
+    assert found.contacts[0].transmitted > 0.5
+    assert sum(found.final_velocity) == pytest.approx(1.0)
+
+
 def test_momentum_is_transmitted_or_reflected():
     found = measured(collide(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]))
     struck = found.contacts[0]
@@ -217,6 +255,11 @@ def test_inner_contacts_of_small_exponents_ring_about_their_branch():
     found = ringing(struck.time, struck.force[:, 1])
     assert found.period == pytest.approx(2.0 * math.pi * response_times(struck)[1], rel=0.03)
     assert 0.0 < found.amplitude < 1e-4
+    assert abs(found.decay) * found.period < 1.0  # it rings for many periods
+    alone = measured(struck).contacts[1]
+    assert (alone.ringing_period, alone.ringing_amplitude, alone.ringing_decay) == pytest.approx(
+        (found.period, found.amplitude, found.decay)
+    )
 
 
 def test_the_evanescent_mode_reaches_no_deeper_than_n_alpha():

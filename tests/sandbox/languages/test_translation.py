@@ -58,7 +58,7 @@ def test_numbers_have_the_decimal_mark_of_the_language():
     assert scientific(1.25e-7) == "1,2·10⁻⁷"
     assert prefixed(1.25e6) == "1,25 M"
     assert factor(0.5) == f"{TIMES}0,5"
-    assert number_text(12345.678) == "1,235e+04"
+    assert number_text(12345.678) == "1,23·10⁴"
     assert [text for _value, text in ticks(0.0, 1.0, 2)] == ["0,0", "0,5", "1,0"]
     assert localized("0.1") == "0,1"
     assert _("slow motion 1/{times:.4g}", times=2.5) == "Zeitlupe 1/2,5"

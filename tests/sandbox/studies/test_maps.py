@@ -94,6 +94,73 @@ def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
     assert "hatched: 4 took too many steps" in axes.get_xlabel()
 
 
+def cell_colours(figure, axes, scanned):
+    """(Y, X, 3) colour that most of the pixels of each cell have; lines, numbers and hatches cover fewer of them."""
+    figure.set_dpi(150)
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3]
+    step = np.log(scanned.values[1] / scanned.values[0])
+    colours = np.empty((len(scanned.sizes), len(scanned.values), 3), dtype=int)
+    for row, n in enumerate(scanned.sizes):
+        for column, value in enumerate(scanned.values):
+            corners = np.array([[value * np.exp(shift * step), n + shift] for shift in (-0.45, 0.45)])
+            (left, low), (right, high) = axes.transData.transform(corners).astype(int)
+            left, right = max(left, int(axes.bbox.x0) + 2), min(right, int(axes.bbox.x1) - 2)
+            found, counts = np.unique(pixels[low:high, left:right].reshape(-1, 3), axis=0, return_counts=True)
+            colours[row, column] = found[counts.argmax()]
+    return colours
+
+
+@pytest.mark.parametrize("name", ["power", "gear"])
+def test_white_cells_mean_spreads_below_a_thousandth_alone(tables, name):
+    """In the picture: cells of other spreads are coloured, and those that are unknown are grey below their hatches."""
+    scanned, table = tables[name]
+    unknown = np.arange(len(table["n"])) % 5 == 2
+    table = table | {"status": np.where(unknown, int(Status.FAILED), table["status"])}
+    for column in ("rigidity at detachment", "rigidity at the end"):
+        table[column] = np.where(unknown, np.nan, table[column])
+    with styled():
+        figure = draw_map(scanned, table)
+        for axes, column in zip(figure.axes, ("rigidity at detachment", "rigidity at the end"), strict=False):
+            colours = cell_colours(figure, axes, scanned)
+            spreads = table[column].reshape(colours.shape[:2])
+            assert (spreads < 1e-3).any()
+            np.testing.assert_array_equal((colours == 255).all(axis=2), spreads < 1e-3)
+            grey = (np.ptp(colours, axis=2) == 0) & (colours[..., 0] < 250)
+            np.testing.assert_array_equal(grey, np.isnan(spreads))
+
+
+def test_white_cells_are_white_at_a_hundredth_of_the_tolerance():
+    scanned, _ = rigidity_maps(12, 20)
+    sides = []
+    for tolerance in (rigidity_scan.TOLERANCE, 0.01 * rigidity_scan.TOLERANCE):
+        points = [
+            rigidity_scan.point_numbers("power-law", tolerance, alpha, n)
+            for n in (2, 5, 12)
+            for alpha in scanned.values
+        ]
+        sides.append([point[key] < 1e-3 for point in points for key in point if key.startswith("rigidity")])
+    assert sides[0] == sides[1]
+    assert 0 < sum(sides[0]) < len(sides[0])
+
+
+def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatch):
+    """The run to the end gives up at n = 2, that to the detachment at n = 3; what is undetermined is no reason."""
+
+    def giving_up(chain, *arguments, **options):
+        to_the_end = len(arguments) == 1
+        lost = Status.FAILED if to_the_end is (chain.contacts == 2) else Status.UNDETERMINED
+        return replace(solve(chain, *arguments, **options), status=lost)
+
+    monkeypatch.setattr(rigidity_scan, "solve", giving_up)
+    scanned, _ = rigidity_maps(3, 2)
+    table = compute_map(scanned, workers=1)
+    assert (table["status"] == Status.FAILED).all()
+    with styled():
+        figure = draw_map(scanned, table)
+    assert all("hatched: 3 could not go on" in axes.get_xlabel() for axes in figure.axes[:2])
+
+
 def counting(monkeypatch, asked, most=1000):
     """Let `asked` have every point that is computed, and Ctrl-C come after so many."""
 

@@ -95,6 +95,12 @@ def test_scenes_lanes_and_the_same_scene_twice(compared):
     assert a["peak_force"] == pytest.approx(b["peak_force"], rel=1e-6)
 
 
+def test_couplers_are_compared(compared):
+    gears, solid = (side["measures"] for side in compared("train-shunting", "train-solid")["sides"])
+    assert solid["peak_force"] > 1.5 * gears["peak_force"]
+    assert (solid["speed_ratio"], solid["spread_variable"]) == (None, None)
+
+
 def test_another_method_is_named_and_measured(compared):
     by_step, default = compared(*PAIR, "--method", "conserving"), compared(*PAIR)
     assert {side["method"] for side in by_step["sides"]} == {"conserving"}
@@ -130,6 +136,6 @@ def test_refusals(refused, tmp_path, monkeypatch, arguments, sentence):
 
 
 def test_numbers_have_up_to_five_digits():
-    assert [number_text(v) for v in (None, 0.0, 1e-15, 0.5, -0.25, 2e-5, 123456.0)] == [
-        "-", "0", "0", "0.5000", f"{MINUS}0.2500", "2.00·10⁻⁵", "1.23·10⁵",
+    assert [number_text(v) for v in (None, 0.0, 1e-15, 0.5, -0.25, 2e-5, 1234.4, 8e4, 123456.0)] == [
+        "-", "0", "0", "0.5000", f"{MINUS}0.2500", "2.00·10⁻⁵", "1234", "8.00·10⁴", "1.23·10⁵",
     ]  # fmt: skip

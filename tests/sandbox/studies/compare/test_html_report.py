@@ -90,7 +90,7 @@ def test_page_in_a_browser(page, tmp_path):
             assert visible == "visible"
             assert place == pytest.approx(expected, abs=0.1)
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        assert tables == [1 + 13 + 5, 4, 4, 4]  # four velocities, and how well they are known
+        assert tables == [1 + 14 + 5, 4, 4, 4]  # four velocities, and how well they are known
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)
         backgrounds = []

@@ -1,0 +1,110 @@
+"""The files of figures: whole, readable at the size at which they are printed, and written by the command."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.studies.data_table import write_table
+from softcradle.sandbox.studies.figures import coupling_figure
+from softcradle.sandbox.studies.figures.figure_list import FIGURES, drawn, figures_named, write_figure
+from softcradle.sandbox.studies.picture_files import SUFFIXES
+from softcradle.sandbox.studies.plot_style import styled
+
+from tests.helpers.figure_layout import keys_on_curves, small_texts, texts_beyond, texts_on_curves, texts_on_texts
+
+NAMES = [figure.name for figure in FIGURES]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_are_whole(tables, name, tmp_path):
+    (figure,) = figures_named([name])
+    paths = write_figure(replace(figure, table=lambda: tables[name]), tmp_path)
+    assert [path.suffix for path in paths] == list(SUFFIXES)
+    with Image.open(paths[0]) as image:
+        assert min(image.size) > 700
+        dark = np.asarray(image.convert("L")) < 128
+        assert 0.002 < dark.mean() < 0.3
+        assert not dark[[0, -1]].any()  # nothing is cut off at the edges
+        assert not dark[:, [0, -1]].any()
+    assert paths[1].read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("one_column", [False, True], ids=["page", "column"])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_printed_figure_can_be_read(tables, name, one_column):
+    """At its own size: no text below 6 points or beyond the edge, none on another one or on a curve, no key on a curve."""
+    (figure,) = figures_named([name])
+    with styled(one_column):
+        picture = drawn(figure, tables[name])
+        assert small_texts(picture) == []
+        assert texts_beyond(picture) == []
+        assert texts_on_texts(picture) == []
+        assert texts_on_curves(picture) == []
+        assert keys_on_curves(picture) == []
+    assert not [axes for axes in picture.axes if axes.xaxis_inverted() or axes.yaxis_inverted()]
+    width, height = picture.get_size_inches() * 25.4
+    assert width <= (86.0 if one_column else 178.0) + 1e-9
+    assert height <= 240.0  # of the page
+
+
+def test_a_figure_says_which_of_its_lines_are_of_the_model(tables):
+    """In words of a legend, wherever a table has columns of both."""
+    both = [figure for figure in FIGURES if any(column.endswith(" model") for column in tables[figure.name])]
+    assert len(both) >= 6
+    for figure in both:
+        with styled():
+            legends = [axes.get_legend() for axes in drawn(figure, tables[figure.name]).axes]
+        assert "mode coupling" in {text.get_text() for legend in legends if legend for text in legend.get_texts()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_panels_below_each_other_show_the_same(tables, name):
+    """Every curve, and an axis label at every panel."""
+    (figure,) = figures_named([name])
+    shown = []
+    for one_column in (False, True):
+        with styled(one_column):
+            panels = drawn(figure, tables[name]).axes
+        shown.append(sorted(len(axes.lines) for axes in panels))
+    assert shown[0] == shown[1]
+    assert all(axes.get_ylabel() for axes in panels)
+
+
+def test_the_command_draws_them_as_wide_as_a_column(tmp_path):
+    assert main(["figures", "exchange", "--column", "-o", str(tmp_path)]) == 0
+    with Image.open(tmp_path / "figure-exchange.png") as image:
+        assert image.width == pytest.approx(86.0 / 25.4 * 300.0, abs=1)
+        assert image.height > image.width
+
+
+def test_csv_reads_back_equal(tmp_path):
+    table = coupling_figure.modes()
+    write_table(table, tmp_path / "modes.csv")
+    with open(tmp_path / "modes.csv", newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert header == list(table)
+    np.testing.assert_array_equal(np.array(rows, dtype=np.float64), np.column_stack(list(table.values())))
+
+
+def test_command_writes_the_wanted_figures_and_lists_all(tmp_path, capsys):
+    assert main(["figures", "2a", "exchange", "-o", str(tmp_path / "new" / "folder")]) == 0
+    written = sorted(path.name for path in (tmp_path / "new" / "folder").iterdir())
+    assert written == [f"figure-{name}{suffix}" for name in ("2a", "exchange") for suffix in sorted(SUFFIXES)]
+    assert main(["figures", "--list"]) == 0
+    listed = capsys.readouterr().out
+    assert all(figure.caption in listed for figure in FIGURES)
+
+
+def test_command_refuses_in_a_sentence(tmp_path, capsys):
+    assert main(["figures", "3z"]) == 2
+    assert "there is no figure '3z'; there are 1b, 1c" in capsys.readouterr().err
+    (tmp_path / "file").write_text("")
+    assert main(["figures", "2a", "-o", str(tmp_path / "file")]) == 2
+    assert "cannot write to" in capsys.readouterr().err
