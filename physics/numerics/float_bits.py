@@ -20,6 +20,16 @@ def _has_vectors():
     return bool(features.get("avx2") and features.get("fma"))
 
 
+def _plain_bits(number):
+    """The 64 bits of a float as an integer."""
+    return struct.unpack("<q", struct.pack("<d", number))[0]
+
+
+def _plain_float(bits):
+    """The float that has these 64 bits."""
+    return struct.unpack("<d", struct.pack("<q", bits))[0]
+
+
 VECTORS = COMPILED and _has_vectors()
 
 if COMPILED:
@@ -45,12 +55,10 @@ if COMPILED:
 
         return types.float64(types.int64), generate
 
+    bits_of.py_func, float_of.py_func = (
+        _plain_bits,
+        _plain_float,
+    )  # what plain Python calls in their place, as of a kernel
+
 else:
-
-    def bits_of(number):
-        """The 64 bits of a float as an integer."""
-        return struct.unpack("<q", struct.pack("<d", number))[0]
-
-    def float_of(bits):
-        """The float that has these 64 bits."""
-        return struct.unpack("<d", struct.pack("<q", bits))[0]
+    bits_of, float_of = _plain_bits, _plain_float
