@@ -101,7 +101,7 @@ class LaneDrawing:
         self.number_size = (0.31 if height < 1.0 else 0.36) * height * self.bead
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
-        self.bar_room = self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit  # pixels of the highest bar
+        self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
         self.heading: tuple[pygame.Rect, ...] = ()  # where the key and the ruler are, once drawn
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach(lane.velocity)
@@ -264,9 +264,9 @@ class LaneDrawing:
         if force < 0.0:
             hollow = left + rim, top + rim, wide - 2 * rim, self.bar_base - top - 2 * rim
             fill_rectangle(surface, tones.lane_background, hollow)
-        solid = self._bar_top(solid_force(self.chain.contact[contact], force)) - top
-        if solid > 0.0:
-            fill_rectangle(surface, tones.foreground, (left, top, wide, solid))
+        solid = solid_force(self.chain.contact[contact], force)
+        if abs(force) > solid:
+            fill_rectangle(surface, tones.foreground, (left, top, wide, self._bar_top(solid) - top))
 
     def _force_labels(self, surface: pygame.Surface, contacts: list[float], forces: list[float], decimals: int) -> None:
         """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""

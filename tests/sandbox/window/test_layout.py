@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 
 import pygame
 import pytest
-from pygame_gui.elements import UIButton, UIDropDownMenu
+from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 from softcradle.sandbox.window.opening import page_of
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editable_parameters import parameters
 from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.slider import Slider
 
 from tests.helpers.drawn_text import colliding, drawn_texts
+from tests.helpers.window_layout import faults, widget_name, widgets
 from tests.helpers.windows import Driver
 
 pytestmark = [pytest.mark.usefixtures("own_folder"), pytest.mark.slow]
@@ -55,32 +54,6 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
 }
 
 
-def widgets(driver: Driver) -> list:
-    """The widgets of the page, or of the dialog where there is one."""
-    dialog = driver.app.dialog
-    if dialog is not None and dialog.open:
-        return dialog.widgets()
-    shown = [one for one in driver.app.manager.get_root_container().elements if one.visible]
-    own = [one.button_container for one in shown if isinstance(one, Slider)]
-    return [one for one in shown if one not in own]
-
-
-def faults(driver: Driver) -> list[str]:
-    """What is wrong with the page that is shown."""
-    window = pygame.Rect((0, 0), driver.app.size)
-    found = []
-    shown = widgets(driver)
-    for one in shown:
-        if not window.contains(one.rect):
-            found.append(f"{_name(one)} leaves the window: {one.rect}")
-        if isinstance(one, UIButton) and one.text and one.tool_tip_text is None and _clipped(one):
-            found.append(f"the text of {_name(one)} is clipped")
-    for one, other in itertools.combinations(shown, 2):
-        if one.rect.colliderect(other.rect):
-            found.append(f"{_name(one)} {one.rect} overlaps {_name(other)} {other.rect}")
-    return found
-
-
 def faults_of_texts(driver: Driver) -> list[str]:
     """What is wrong with the texts that are drawn: they leave the window or the panel, or lie below a control."""
     app, window = driver.app, pygame.Rect((0, 0), driver.app.size)
@@ -105,7 +78,7 @@ def faults_of_texts(driver: Driver) -> list[str]:
             found.append(f"{words!r} lies across the edge of the panel: {rect}")
         under = [one for one in widgets(driver) if one.rect.colliderect(shown)]
         if under and not scrolled:
-            found.append(f"{words!r} {rect} lies below {_name(under[0])} {under[0].rect}")
+            found.append(f"{words!r} {rect} lies below {widget_name(under[0])} {under[0].rect}")
     return found
 
 
@@ -124,14 +97,6 @@ def _words(dialog) -> set[str]:
     """The texts of a dialog."""
     lines = dialog._lines() if hasattr(dialog, "_lines") else []
     return {getattr(dialog, "title", ""), *lines}
-
-
-def _clipped(button: UIButton) -> bool:
-    return button.font.get_rect(button.text).width > button.rect.width
-
-
-def _name(one) -> str:
-    return f"{type(one).__name__} {getattr(one, 'text', '')!r}"
 
 
 def faults_of_scene(driver: Driver) -> list[str]:

@@ -1,0 +1,271 @@
+"""The window as a state machine: Hypothesis draws what a person does, in any order, and shrinks what goes wrong.
+
+python -m tests.helpers.window_machine [--examples 300] [--steps 60] [--seed 0]
+
+What goes wrong is printed as the shortest list of steps that was found, and the exit code is 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import pygame
+from hypothesis import HealthCheck, seed, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+from softcradle.sandbox.session.inputs import Input
+from softcradle.sandbox.session.random_play import check_invariants, read_all
+from softcradle.sandbox.session.snapshots import NOTHING_HELD
+from softcradle.sandbox.window import app
+from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
+from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.widget_cleanup import collect_garbage
+
+from softcradle import scenes
+from tests.helpers.session_checks import check_order, check_replay, check_round_trip
+from tests.helpers.session_inputs import INPUTS, fitted
+from tests.helpers.window_layout import faults
+from tests.helpers.window_places import PLACES, Place, point_of
+from tests.helpers.windows import Driver
+
+LEFT_OUT = {"quit", "fullscreen", "sound"}  # end the machine, or need a screen or a loudspeaker
+KEYS = tuple(key for binding in bindings() if binding.action not in LEFT_OUT for key in binding.keys)
+UNDO_KEYS = (Key(pygame.K_z, CTRL), Key(pygame.K_z, CTRL | SHIFT))
+STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle", "", *scenes.names())
+SIZES = ((1280, 720), (800, 600), (1000, 600), (1600, 900))
+TEXTS = ("1", "0.1", "1e-3", "250", "-2", "0", "nan", "1e99", "x", "")
+LEAVING = (pygame.WINDOWFOCUSLOST, pygame.WINDOWMINIMIZED, pygame.WINDOWRESTORED, pygame.WINDOWFOCUSGAINED)
+REBUILDS = 20  # of which one collects garbage, which takes half of their time
+
+
+class WindowMachine(RuleBasedStateMachine):
+    """One window and a person before it. The clock moves by a sixtieth of a second a frame, and nothing runs behind."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.folder = tempfile.TemporaryDirectory()
+        self.before, self.config = os.getcwd(), os.environ["SOFTCRADLE_CONFIG"]
+        os.environ["SOFTCRADLE_CONFIG"] = self.folder.name  # keys change settings
+        os.chdir(self.folder.name)  # buttons write files
+        self.driver: Driver | None = None
+        self.down = False  # whether the left button is
+
+    @initialize(start=st.sampled_from(STARTS))
+    def begin(self, start: str) -> None:
+        """The window opens with a scene, or with the gallery."""
+        self.driver = Driver(start or None)
+        self.driver.app.warmup.submit = self._do_at_once
+        pygame.scrap.put_text("")
+        self.driver.frames(2)
+
+    def _do_at_once(self, take: Any, job: Any) -> None:
+        """Do a job of the thread behind the window: which frame its result comes in would depend on the machine."""
+        try:
+            result = job()
+        except Exception as error:
+            result = error
+        self.driver.app.warmup._results.put((take, result))
+
+    # ---- what a person does
+
+    @rule(key=st.sampled_from(KEYS))
+    def press_key(self, key: Key) -> None:
+        """Press and release a key, whatever the mouse does."""
+        self.driver.key(key.code, key.modifiers)
+
+    @rule(key=st.sampled_from(KEYS), times=st.integers(2, 4))
+    def hold_key(self, key: Key, times: int) -> None:
+        """Hold a key down: the system repeats it."""
+        for _ in range(times):
+            self._post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+            self.driver.frames()
+        self._post(pygame.KEYUP, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+
+    @rule(keys=st.lists(st.sampled_from(KEYS), min_size=2, max_size=4), place=PLACES)
+    def press_at_once(self, keys: list[Key], place: Place) -> None:
+        """Several keys, and a click among them, between two frames."""
+        point = point_of(place, self.driver)
+        for k, key in enumerate(keys):
+            self._post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+            if k == 0:
+                self._post(pygame.MOUSEBUTTONDOWN, pos=point, button=1)
+        self._post(pygame.MOUSEBUTTONUP, pos=point, button=1)
+        self.down = False
+        self.driver.frames()
+
+    @precondition(lambda self: not self.down)
+    @rule(place=PLACES)
+    def press(self, place: Place) -> None:
+        """Press the left button."""
+        self.driver.press(point_of(place, self.driver))
+        self.down = True
+
+    @rule(place=PLACES)
+    def move(self, place: Place) -> None:
+        """Move the pointer: a drag where the button is down."""
+        self.driver.move(point_of(place, self.driver), (int(self.down), 0, 0))
+
+    @precondition(lambda self: self.down)
+    @rule(place=PLACES)
+    def release(self, place: Place) -> None:
+        """Release the button."""
+        self.driver.release(point_of(place, self.driver))
+        self.down = False
+
+    @precondition(lambda self: not self.down)
+    @rule(place=PLACES)
+    def click(self, place: Place) -> None:
+        """Press and release at one place."""
+        self.driver.click(point_of(place, self.driver))
+
+    @rule(place=PLACES, turn=st.sampled_from((-1, 1)))
+    def wheel(self, place: Place, turn: int) -> None:
+        """Turn the wheel."""
+        self.driver.move(point_of(place, self.driver), (int(self.down), 0, 0))
+        self._post(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False)
+
+    @rule(count=st.integers(1, 20))
+    def wait(self, count: int) -> None:
+        """Let frames pass."""
+        self.driver.frames(count)
+
+    @rule()
+    def play(self) -> None:
+        """Play or pause."""
+        self.driver.key(pygame.K_SPACE)
+
+    @rule(keys=st.lists(st.sampled_from(UNDO_KEYS), min_size=1, max_size=4))
+    def undo(self, keys: list[Key]) -> None:
+        """Some steps back and forth."""
+        for key in keys:
+            self.driver.key(key.code, key.modifiers)
+
+    @rule(item=INPUTS, gesture=st.booleans())
+    def change(self, item: Input, gesture: bool) -> None:
+        """An input that comes from no widget."""
+        if isinstance(self.driver.app.page, ScenePage):
+            self.driver.page.editor.apply(fitted(item, self.driver.session), gesture)
+
+    @rule(name=st.sampled_from(STARTS))
+    def open_scene(self, name: str) -> None:
+        """Open another scene, or go back to the gallery."""
+        self.driver.app.open(name) if name else self.driver.app.ask_before_loss(self.driver.app.show_gallery)
+
+    @rule(number=st.integers(0, 20), text=st.sampled_from(TEXTS), enter=st.booleans())
+    def type_number(self, number: int, text: str, enter: bool) -> None:
+        """Type into a box of the panel, and press Enter or not."""
+        page = self.driver.app.page
+        if self.down or not isinstance(page, ScenePage) or not page.inspector.controls:
+            return
+        controls = list(page.inspector.controls.values())
+        entry = controls[number % len(controls)].entry
+        self.driver.click(entry.rect.center)
+        entry.set_text("")
+        self.driver.type(text)
+        if enter:
+            self.driver.key(pygame.K_RETURN)
+
+    @rule(size=st.sampled_from(SIZES))
+    def resize(self, size: tuple[int, int]) -> None:
+        """Give the window another size."""
+        pygame.display.set_mode(size, pygame.RESIZABLE)
+        self._post(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1])
+
+    @rule(kinds=st.lists(st.sampled_from(LEAVING), min_size=1, max_size=3))
+    def leave(self, kinds: list[int]) -> None:
+        """Go to another window and come back; nobody tells when the button was released."""
+        for kind in kinds:
+            self._post(kind)
+        self._post(pygame.WINDOWRESTORED)
+        self.down = False
+
+    def _post(self, kind: int, **values: Any) -> None:
+        pygame.event.post(pygame.Event(kind, **values))
+        self.driver.frames(2)
+
+    # ---- what holds after each of these
+
+    @invariant()
+    def layout_is_whole(self) -> None:
+        """Every widget lies in the window and on no other."""
+        if self.driver is not None:
+            assert self.driver.app.running
+            found = faults(self.driver)
+            assert not found, found
+
+    @invariant()
+    def session_is_consistent(self) -> None:
+        """Numbers are finite, frames in order, and what is drawn is of the present lanes."""
+        if self.driver is None or not isinstance(self.driver.app.page, ScenePage):
+            return
+        page, session = self.driver.page, self.driver.session
+        check_invariants(session)
+        check_order(session)
+        read_all(session)
+        self.driver.frames()  # follows a session that something else than the window has changed
+        assert [len(view.edges) for view in page.view.lanes] == [len(lane.chain.mass) for lane in session.lanes]
+        pick = page.editor.selection
+        assert pick is None or pick.index <= session.lanes[pick.lane].chain.contacts
+        stack = session.undo_stack
+        assert page.toolbar.buttons["undo"].is_enabled == bool(stack.done)
+        assert page.toolbar.buttons["redo"].is_enabled == bool(stack.undone)
+        assert session.held == NOTHING_HELD or self.down or not page.pointer.dragging
+
+    @invariant()
+    def edits_go_back_and_forth(self) -> None:
+        """Undo and redo lead back."""
+        if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
+            check_round_trip(self.driver.session)
+
+    def teardown(self) -> None:
+        """What was recorded runs again, digit by digit; then the window closes."""
+        try:
+            if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
+                check_replay(self.driver.session, Path(self.folder.name) / "replay.npz")
+        finally:
+            if self.driver is not None:
+                self.driver.close()
+            os.chdir(self.before)
+            os.environ["SOFTCRADLE_CONFIG"] = self.config
+            self.folder.cleanup()
+
+
+def main() -> int:
+    """Run the examples of the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--examples", type=int, default=300)
+    parser.add_argument("--steps", type=int, default=60, help="most of one example")
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+    calls = itertools.count(1)
+    app.collect_garbage = lambda: collect_garbage() if next(calls) % REBUILDS == 0 else None
+    wanted = settings(
+        max_examples=args.examples,
+        stateful_step_count=args.steps,
+        deadline=None,
+        database=None,
+        print_blob=False,
+        suppress_health_check=list(HealthCheck),
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ |= {"SOFTCRADLE_CACHE": folder, "SOFTCRADLE_CONFIG": folder, "LANGUAGE": "en"}
+        run_state_machine_as_test(seed(args.seed)(WindowMachine), settings=wanted)
+    print(f"{args.examples} examples of up to {args.steps} steps: nothing found")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

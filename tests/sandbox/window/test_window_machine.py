@@ -1,0 +1,64 @@
+"""The window as a state machine, a short run; a longer one is `python -m tests.helpers.window_machine`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pygame
+import pytest
+from hypothesis import settings
+from hypothesis.stateful import run_state_machine_as_test
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
+from softcradle.sandbox.session.inputs import SetMass, SetVelocity
+from softcradle.sandbox.session.undo import UndoStack
+from softcradle.sandbox.window.keys import CTRL
+
+from tests.helpers.session_checks import check_replay, check_round_trip
+from tests.helpers.sessions import opened
+from tests.helpers.window_machine import WindowMachine
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")  # keys change settings
+
+
+def test_no_order_of_inputs_breaks_the_window() -> None:
+    run_state_machine_as_test(WindowMachine, settings=settings(max_examples=8, stateful_step_count=25))
+
+
+def test_forces_are_drawn_upwards_in_a_low_lane(driver: Driver) -> None:
+    """Two lanes, two rows of plots and a larger scale leave no room for bars: they have no height, not less than none."""
+    driver.key(pygame.K_d, CTRL)
+    driver.key(pygame.K_1)
+    driver.key(pygame.K_EQUALS, CTRL)
+    driver.page.session.step_frames(150)
+    driver.frames(2)
+    for view in driver.page.view.lanes:
+        drawing: LaneDrawing = view.drawing
+        assert drawing.bar_room >= 0.0
+        assert drawing.rect.top < drawing._bar_top(drawing.scales.force) <= drawing.bar_base
+
+
+def test_the_checks_of_the_machine_find_what_they_look_for(tmp_path) -> None:
+    session = opened()
+    session.apply(SetVelocity(0, 1, 0.3))
+    session.step_frames(5)
+    session.apply(SetMass(0, 0, 2.0))
+    session.step_frames(600)  # into the collision
+    check_round_trip(session)
+    check_replay(session, tmp_path / "replay.npz")
+    inputs = session.recording.inputs
+    inputs[-1] = (inputs[-1][0], SetMass(0, 0, np.nextafter(2.0, 3.0)))
+    with pytest.raises(AssertionError, match="DIVERGED"):
+        check_replay(session, tmp_path / "replay.npz")
+
+
+def test_a_redo_that_forgets_its_frame_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = opened()
+    session.step_frames(5)
+    session.apply(SetVelocity(0, 1, 0.3))
+    check_round_trip(session)
+    redo = UndoStack.redo
+    monkeypatch.setattr(UndoStack, "redo", lambda stack, present: replace(redo(stack, present), frame=4))
+    with pytest.raises(AssertionError):
+        check_round_trip(session)
