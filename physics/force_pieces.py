@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 
 MOST_PIECES = 1000  # in the time over which forces change, beside one for each of their points
 FIXED_TOLERANCE = 1e-5  # in place of a tolerance where a method has none
-NEAR_STEP, NEAR_SPAN = 1e-6, 1e-12  # of the least piece, and of all the time: a knot as near to an end is there
 STAIR_PART = (
     0.1  # of the tolerance: what velocities within a slope are off by, relative to the speed that forces can give
 )
@@ -58,8 +57,7 @@ def pieces_of(chain: Chain, start: float, end: float, tolerance: float, least: f
     Within a slope velocities are off by a part of `tolerance`, relative to the speed that forces and brakes can give at the
     most; no piece of a slope is much shorter than `least` [s].
     """
-    near = max(NEAR_STEP * least, NEAR_SPAN * (end - start)) if end < math.inf else NEAR_STEP * least
-    edges = [start, *(knot for knot in chain.knots if start + near < knot < end - near), end]
+    edges = [start, *(knot for knot in chain.knots if start < knot < end), end]
     speed = float((_impulses(chain) * chain.inverse_mass).max())
     shortest = max(least, (chain.knots[-1] - chain.knots[0]) / MOST_PIECES)
     for first, last in pairwise(edges):

@@ -43,6 +43,7 @@ TOUCHES = (
 )
 MOST_CUTS = 4  # of one step at events
 NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
+ROUND_OFF_MOVED = 1e-14  # of an overlap: one that a step moves by less tells nothing of its rate
 ROUND_OFF_LEFT = 1e-12  # of a step: a rest this short after cuts is round-off
 
 
@@ -52,6 +53,16 @@ def velocity_after(h, j, beads, bed):
     if math.isnan(beads[FRICTION, j]):
         return 0.0
     return beads[FREE_VELOCITY, j] + h * beads[FRICTION, j] if bed.size else beads[FREE_VELOCITY, j]
+
+
+@inlined
+def is_held(i, motion, work):
+    """Whether contact i ends the step where its loss holds it, and came to stand there.
+
+    An overlap that a short step moves by its round-off alone is found there too, however fast it goes on.
+    """
+    overlap, hold = motion.overlap[i], work[HOLD, i]
+    return work[END, i] == hold and (motion.rate[i] == 0.0 or abs(hold - overlap) > ROUND_OFF_MOVED * abs(overlap))
 
 
 @inlined
@@ -65,7 +76,7 @@ def first_event(h, joints, dissipation, motion, beads, work):
             end = work[END, i]
             ended = 2.0 * (end - overlap[i]) / h - rate[i]
             kept = full if rate[i] > 0.0 else least
-            held = end == work[HOLD, i]
+            held = is_held(i, motion, work)
             free = ended - h * work[DIAGONAL, i] * (kept - motion.force[i]) if held else ended
             if (free < 0.0) == (rate[i] > 0.0):
                 first = min(first, rate[i] / (rate[i] - free))
@@ -119,7 +130,7 @@ def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
     slide = 0.0
     if dissipation is not None:
         lossy = is_joint(chain.joints, i) or loses(dissipation.loss[i], start, rate)
-        if lossy and end == work[HOLD, i]:
+        if lossy and is_held(i, motion, work):
             return 0.0
         bed = dissipation.bed
         if bed.size:
