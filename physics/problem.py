@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from time import perf_counter
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,11 @@ class Problem:
         """When the run ends [s]; inf without a duration."""
         return np.inf if self.duration is None else self.state.time + self.duration
 
+    @property
+    def ends_alone(self) -> bool:
+        """Whether the samples wanted are the start and the end of the run."""
+        return isinstance(self.samples, int) and self.samples == 2
+
     def sample_times(self, end: float) -> Array:
         """(T,) sample times [s] for a run that ends at `end`."""
         if isinstance(self.samples, int):
@@ -69,7 +75,7 @@ class Record:
         growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
         absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing dissipates.
         given: (T, 2) work [J] and impulse [N s] of forces over time up to each sample; empty where there are none.
-        kept: within the adaptive methods, the steps of the run, while samples are still to be taken from them.
+        kept: what the run kept of its motion, while samples are still to be taken from it.
     """
 
     time: Array
@@ -89,7 +95,14 @@ class Record:
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
     given: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    kept: Any = None
+    kept: KeptRun | None = None
+
+
+class KeptRun(Protocol):
+    """What a run without a duration keeps of its motion, for the times of its samples are known at its end alone."""
+
+    def record(self, found: Record, times: Array, /) -> Record:
+        """The record `found` of the run with its samples at `times` (T,) [s]."""
 
 
 class Runner(Protocol):
@@ -131,36 +144,44 @@ def empty_samples(count: int, contacts: int) -> Rows:
     return np.zeros(wide), np.zeros(wide), np.zeros(narrow), np.zeros(wide), np.zeros(narrow)
 
 
+SAMPLED = (
+    "time",
+    "overlap",
+    "rate",
+    "anchor",
+    "force",
+    "absorbed",
+)  # fields of a Record with one row a sample, as of Samples
+GIVEN = "given"  # one more, of forces over time
 Pass = Callable[[Problem, float, Array, bool], Record]
 
 
 def run_to_end(problem: Problem, once: Pass) -> Record:
-    """Run `once(problem, end, sample times, stop)` to the duration; without one, first to the end it finds itself.
+    """Run `once(problem, end, sample times, stop)` to the duration; without one, to the end it finds itself.
 
-    The first pass then gives the end, the switches and the cost, a second one the samples, if any lie in between.
+    Samples between are then taken from what the run kept. Where it kept nothing, a second run takes them.
     """
     if problem.duration is not None:
         return once(problem, problem.end, problem.sample_times(problem.end), False)
     found = once(problem, np.inf, NO_TIMES, True)
     times = problem.sample_times(found.end.time)
-    if isinstance(problem.samples, int) and problem.samples == 2:
+    if problem.ends_alone:
         return with_ends_as_samples(found, problem.state, times)
-    sampled = once(problem, max(found.end.time, float(times[-1])), times, False)
-    return replace(
-        found,
-        time=sampled.time,
-        overlap=sampled.overlap,
-        rate=sampled.rate,
-        anchor=sampled.anchor,
-        force=sampled.force,
-        absorbed=sampled.absorbed,
-        given=sampled.given,
-    )
+    if found.kept is not None:
+        began = perf_counter()
+        found = found.kept.record(found, times)
+        return replace(found, seconds=found.seconds + perf_counter() - began)
+    return with_samples_of(found, once(problem, max(found.end.time, float(times[-1])), times, False))
+
+
+def with_samples_of(found: Record, sampled: Record) -> Record:
+    """The record `found` with the samples of another."""
+    return replace(found, kept=None, **{name: getattr(sampled, name) for name in (*SAMPLED, GIVEN)})
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
     late = (times > start.time)[:, None]
-    names = ("overlap", "rate", "anchor", "force", "absorbed", "given")
+    names = (*SAMPLED[1:], GIVEN)
     rows = {name: np.where(late, getattr(found.end, name), getattr(start, name)) for name in names}
-    return replace(found, time=times, **rows)
+    return replace(found, time=times, kept=None, **rows)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.sampling import sample_steps
-from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
+from softcradle.physics.adaptive.step_records import Steps, chain_and_regime, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.chain import Chain
 from softcradle.physics.kernel_records import empty_log, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
@@ -37,10 +38,10 @@ class KeptSteps:
         overflows: whether the run had more steps than are kept.
     """
 
-    def __init__(self, problem: Problem, wanted: float, fields: Any, tiers: KernelTiers) -> None:
-        """`wanted` [m/s] bounds the error of a step, `fields` are those of the chain and its Regime."""
-        self.problem, self.wanted, self.fields, self.tiers = problem, wanted, fields, tiers
-        self.ends = problem.duration is None and isinstance(problem.samples, int) and problem.samples == 2
+    def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers) -> None:
+        """`wanted` [m/s] bounds the error of a step."""
+        self.problem, self.wanted, self.tiers = problem, wanted, tiers
+        self.ends = problem.duration is None and problem.ends_alone
         self.known = problem.duration is not None
         self.overflows = False
         self._chunks: list[tuple[Steps, int]] = []
@@ -78,14 +79,17 @@ class KeptSteps:
         kernel: Any = self.tiers.of(sample_steps, work)
         if kernel is not sample_steps:
             self.tiers.spent += work
-        n, motion = self.problem.chain.contacts, self.problem.state.copy()
-        mode, held = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)
-        scratch = tuple(empty_trial(n)), tuple(empty_scratch(n))
         with kernel_arithmetic():
-            kernel(
-                count, self.wanted, *self.fields, motion_record(motion, mode, held), *scratch, tuple(steps),
-                tuple(self._samples), tuple(self._log),
-            )  # fmt: skip
+            kernel(count, self.wanted, *self._memory, tuple(steps), tuple(self._samples), tuple(self._log))
+
+    @cached_property
+    def _memory(self) -> Any:
+        """Fields of the chain, its Regime, a motion and scratch memory, for the kernel to fill from the steps."""
+        chain, motion = self.problem.chain, self.problem.state.copy()
+        n = chain.contacts
+        mode, held = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)
+        records = tuple(empty_trial(n)), tuple(empty_scratch(n))
+        return *chain_and_regime(chain, motion), motion_record(motion, mode, held), *records
 
     def record(self, found: Record, times: Array) -> Record:
         """The record `found` of the run with its samples at `times`, as far as it got."""

@@ -21,18 +21,17 @@ from softcradle.physics.adaptive.step_records import (
     Scratch,
     Steps,
     Trial,
+    chain_and_regime,
     empty_scratch,
     empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import ROWS, finish
+from softcradle.physics.adaptive.undetermined import finish
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
     NO_FLAGS,
-    NOTHING,
-    chain_records,
     empty_log,
     kept_switches,
     larger_log,
@@ -49,7 +48,15 @@ from softcradle.physics.numerics.records import (
     STEP,
     SwitchLog,
 )
-from softcradle.physics.problem import MOST_STEPS, NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples
+from softcradle.physics.problem import (
+    MOST_STEPS,
+    NO_TIMES,
+    Problem,
+    Record,
+    empty_samples,
+    with_ends_as_samples,
+    with_samples_of,
+)
 from softcradle.physics.scales import closing_scale, contact_scales
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -118,16 +125,17 @@ def completed(problem: Problem) -> Record:
 
 def _sampled(record: Record, times: Array) -> Record:
     """The record with its samples; from another run where it ended before the last, or did not keep its steps."""
-    kept: KeptSteps = record.kept
+    kept = record.kept
+    if not isinstance(kept, KeptSteps):
+        return record
     if kept.ends:
-        return replace(with_ends_as_samples(record, kept.problem.state, times), kept=None)
+        return with_ends_as_samples(record, kept.problem.state, times)
     late = not isinstance(kept.problem.samples, int) and times.size > 0 and times[-1] > record.end.time
     if kept.known or not (kept.overflows or late):
         return kept.record(record, times)
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = _pass(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
-    found = again.kept.record(again, times)
-    return replace(record, kept=None, **{name: getattr(found, name) for name in ROWS})
+    return with_samples_of(record, _sampled(again, times))
 
 
 def step_budget(problem: Problem) -> int:
@@ -158,8 +166,8 @@ def advance(problem: Problem) -> Status:
 def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     """One run of the kernel; again with a larger log of switches where the first was too small."""
     state = problem.state.copy()
-    fields, scale = _chain_and_regime(problem.chain, state), _scale(problem)
-    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, fields, KERNELS)
+    scale = _scale(problem)
+    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, KERNELS)
     memory = Memory.of(problem.chain, log_size, kept.steps)
     began = perf_counter()
     code, state.time = _integrate(problem, state, scale, memory, kept)
@@ -180,17 +188,17 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
 
 def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kept: KeptSteps | None = None) -> Any:
     """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
-    data, regime = _chain_and_regime(problem.chain, state)
+    data, regime = chain_and_regime(problem.chain, state)
     most, counter, stop = step_budget(problem), memory.log.counter, problem.duration is None
     motion, code, time, resumed = motion_record(state, memory.mode, memory.held), PAUSED, state.time, False
     rest = tuple(map(tuple, (memory.trial, memory.look, memory.scratch)))
     work, end = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts, problem.end
     while code == PAUSED:
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
-        pause = int(counter[STEP] + counter[REJECTED]) + PAUSE
-        if kernel is not integrate:
-            pause += PLAIN_PAUSE - PAUSE
-            KERNELS.spent += work if kept else 0.0
+        compiled = kernel is integrate
+        pause = int(counter[STEP] + counter[REJECTED]) + (PAUSE if compiled else PLAIN_PAUSE)
+        if kept and not compiled:
+            KERNELS.spent += work
         steps = kept.steps if kept else memory.steps
         with kernel_arithmetic():
             code, time = kernel(
@@ -201,21 +209,6 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         if kept:
             kept.take(memory.log)
     return code, time
-
-
-def _chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """The fields of the effective chain and of its Regime; without dissipation they share their arrays."""
-    (law, inverse_mass, push, external, anchor, *others), dissipation = chain_records(chain, state)
-    if dissipation is None:
-        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS)
-        return (law, inverse_mass, push, external, anchor, *others), regime
-    loss = dissipation.loss if dissipation.loss.any() else NOTHING
-    bed = dissipation.bed if dissipation.bed.any() else NOTHING
-    slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
-    regime = (law, inverse_mass, push, loss, bed, slide, easing)
-    if bed.size and not external.size:
-        external = np.zeros(bed.size)
-    return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
 
 
 def _scale(problem: Problem) -> float:

@@ -14,9 +14,6 @@ from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into
 
-PRECISION_PART = (
-    0.1  # of a step's error bound: precision to which the stages of a sample are solved, for no error adds up
-)
 SHRINK = 0.9  # of the time to a sample where a step to it does not converge; the rest is flown
 LEAST_LENGTH = 1e-12  # of that time: the shortest such step
 
@@ -46,59 +43,51 @@ def absorbed_between(chain, regime, before, moved, end, path):
 
 
 @inlined
-def put(row, at, source):
-    """Copy `source` (k,) into `row` from `at` on; returns where it ends."""
-    for i in range(source.size):
-        row[at + i] = source[i]
-    return at + source.size
+def carry(keeps, row, at, values):
+    """Copy `values` (k,) into `row` from `at` on where it `keeps`, else out of it; returns where they end."""
+    for i in range(values.size):
+        if keeps:
+            row[at + i] = values[i]
+        else:
+            values[i] = row[at + i]
+    return at + values.size
 
 
 @inlined
-def get(row, at, target):
-    """Fill `target` (k,) from `row` at `at`; returns where it ends."""
-    for i in range(target.size):
-        target[i] = row[at + i]
-    return at + target.size
+def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, steps):
+    """Put row k of `steps` there where it `keeps`, else into the motion and the chain, and into stages that are of radau.
+
+    A row holds the motion, where something dissipates the effective chain, and of radau forces and overlaps of the stages.
+    """
+    row, flags = steps.values[k], steps.flags[k]
+    at = carry(keeps, row, carry(keeps, row, 0, motion.force), motion.overlap)
+    at = carry(keeps, row, carry(keeps, row, at, motion.rate), motion.anchor)
+    at, end = carry(keeps, row, at, motion.absorbed), carry(keeps, flags, 0, motion.mode)
+    if regime.bed.size or regime.easing.size:
+        for i in range(motion.mode.size):
+            at = carry(keeps, row, at, chain.law[i])
+        at = carry(keeps, row, carry(keeps, row, at, chain.inverse_mass), chain.external)
+        carry(keeps, flags, carry(keeps, flags, end, regime.slide), regime.easing)
+    if steps.kind[k] == RADAU:
+        for s in range(3):
+            at = carry(keeps, row, carry(keeps, row, at, stage_force[s]), stage_overlap[s])
 
 
 @jit
 def keep_step(time, length, kind, chain, regime, motion, trial, steps, counter):
-    """Keep the step from `time` of `length` [s] into `trial`, or the flight, with the motion at its start.
-
-    A row holds the motion, where something dissipates the effective chain, and of radau forces and overlaps of the stages.
-    """
+    """Keep the step from `time` of `length` [s] into `trial`, or the flight, with the motion at its start."""
     k = counter[KEPT]
     counter[KEPT] = k + 1
     steps.time[k], steps.length[k], steps.kind[k] = time, length, kind
-    row, flags = steps.values[k], steps.flags[k]
-    at = put(row, put(row, put(row, 0, motion.force), motion.overlap), motion.rate)
-    at, end = put(row, put(row, at, motion.anchor), motion.absorbed), put(flags, 0, motion.mode)
-    if regime.bed.size or regime.easing.size:
-        for i in range(motion.mode.size):
-            at = put(row, at, chain.law[i])
-        at = put(row, put(row, at, chain.inverse_mass), chain.external)
-        put(flags, put(flags, end, regime.slide), regime.easing)
-    if kind == RADAU:
-        for s in range(3):
-            at = put(row, put(row, at, trial.force[s]), trial.overlap[s])
+    carry_step(True, k, chain, regime, motion, trial.force, trial.overlap, steps)
 
 
 @inlined
 def restore_step(k, chain, regime, motion, past, steps):
     """Make the motion and the chain those at the start of step k, and `past` its stages."""
-    row, flags = steps.values[k], steps.flags[k]
-    at = get(row, get(row, get(row, 0, motion.force), motion.overlap), motion.rate)
-    at, end = get(row, get(row, at, motion.anchor), motion.absorbed), get(flags, 0, motion.mode)
-    if regime.bed.size or regime.easing.size:
-        for i in range(motion.mode.size):
-            at = get(row, at, chain.law[i])
-        at = get(row, get(row, at, chain.inverse_mass), chain.external)
-        get(flags, get(flags, end, regime.slide), regime.easing)
-    if steps.kind[k] == RADAU:
-        copy_into(past[0], motion.force)
-        copy_into(past[4], motion.overlap)
-        for s in range(1, 4):
-            at = get(row, get(row, at, past[s]), past[4 + s])
+    carry_step(False, k, chain, regime, motion, past[1:4], past[5:8], steps)
+    copy_into(past[0], motion.force)
+    copy_into(past[4], motion.overlap)
 
 
 @jit

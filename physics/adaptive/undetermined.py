@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.fixed_step import runner as fixed_step
-from softcradle.physics.problem import NO_TIMES, Problem, Record, continued_switches, with_ends_as_samples
+from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
 from softcradle.physics.scales import default_step
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode
@@ -29,7 +29,6 @@ ELAPSED_PART = 1.0 / 1500.0  # of the time that the motion took so far, where th
 PARTS = (1.0, 0.83, 0.61, 0.5)  # of the longest step, one for each run; the last one is the result
 SPREAD = 3.0  # times the largest difference between the runs: the error that is stated
 MOST_GROWN = 8.0  # factor by which errors may grow before another run has to confirm the motion
-ROWS = ("time", "overlap", "rate", "anchor", "force", "absorbed")  # fields of a Record with one row a sample
 STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
 
 
@@ -67,7 +66,7 @@ def _run_on(problem: Problem, start: State, step: float, end: float | None, time
             problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE
         )
         found = fixed_step.run(part)
-        records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in ROWS}))
+        records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in SAMPLED}))
         left = left[records[-1].time.size :]  # samples within the step after the last one are taken too
         state, step = found.end, 2.0 * step
     starts = [start.time, *(record.end.time for record in records[:-1])]
@@ -79,7 +78,7 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
     closed, switches = np.zeros(chain.contacts, dtype=bool), []
     for start, record in zip(starts, records, strict=True):
         switches += continued_switches(closed, start, record)
-    rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in ROWS}
+    rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in SAMPLED}
     return replace(
         records[-1],
         **rows,

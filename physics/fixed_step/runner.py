@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.fixed_step.checkpoints import SPACING, Checkpoints, empty_checkpoints
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.splitting import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.splitting_simd import LONG
@@ -20,6 +21,7 @@ from softcradle.physics.fixed_step.step_loop import (
     SPLITTING,
     SPLITTING_SIMD,
     march,
+    sample_between,
 )
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
@@ -44,7 +46,7 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -68,16 +70,20 @@ class Scratch:
     work: Array
     samples: Samples
     log: SwitchLog
+    checkpoints: Checkpoints
 
     @classmethod
-    def of(cls, method: str, contacts: int, times: Array = NO_TIMES, log_size: int = 0) -> Scratch:
-        """Memory for a chain with `contacts`; sample rows at `times`."""
+    def of(
+        cls, method: str, contacts: int, times: Array = NO_TIMES, log_size: int = 0, checkpoints: bool = False
+    ) -> Scratch:
+        """Memory for a chain with `contacts`; sample rows at `times`, and rows of `checkpoints` where samples come later."""
         none = np.empty(0, dtype=np.int8)
         spare = Motion(np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts), np.empty(2), none, none)
         rows = WORK_ROWS if method == "conserving" else 0
         samples = Samples(times, *empty_samples(times.size, contacts))
         beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((rows, contacts))
-        return cls(method, spare, beads, work, samples, empty_log(contacts, log_size))
+        kept = empty_checkpoints(contacts, checkpoints)
+        return cls(method, spare, beads, work, samples, empty_log(contacts, log_size), kept)
 
 
 def run(problem: Problem) -> Record:
@@ -115,7 +121,8 @@ def _pass(
     """
     state = problem.state.copy()
     kernel, most = _kernel_and_steps(problem, end - state.time, plain)
-    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG)
+    later = stop and not problem.ends_alone
+    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG, later)
     began = perf_counter()
     status, state.time = _march_chain(kernel, most, problem, state, end, stop, scratch)
     seconds = perf_counter() - began
@@ -132,7 +139,34 @@ def _pass(
     return Record(
         times[:rows], overlap, rate, anchor, force, *kept_switches(scratch.log), state, int(counter[STEP]),
         int(counter[EVALUATION]), Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds, absorbed,
+        kept=_KeptRun(problem, scratch) if later else None,
     )  # fmt: skip
+
+
+@dataclass
+class _KeptRun:
+    """A run that kept checkpoints."""
+
+    problem: Problem
+    scratch: Scratch
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
+        problem, scratch, chain = self.problem, self.scratch, self.problem.chain
+        scratch.samples = Samples(times, *empty_samples(times.size, chain.contacts))
+        scratch.log = empty_log(chain.contacts, 0)
+        state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
+        again = min(found.steps, times.size * int(scratch.checkpoints.plan[SPACING])) + late / problem.step
+        work = again * chain.contacts
+        kernel = sample_between if chain.own_laws else _kernels(chain).of(sample_between, work)
+        if kernel is not sample_between:
+            _kernels(chain).spent += work
+        none = tuple(empty_checkpoints(chain.contacts, False))
+        most = problem.most_steps or MOST_STEPS
+        _call(kernel, (problem.step, most), problem, state, scratch, (tuple(scratch.checkpoints), none))
+        rows = int(scratch.log.counter[SAMPLE])
+        sampled: dict[str, Any] = {name: getattr(scratch.samples, name)[:rows] for name in SAMPLED}
+        return replace(found, kept=None, **sampled)
 
 
 def _kernels(chain: Chain) -> KernelTiers:
@@ -158,16 +192,24 @@ def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[A
 def _march_chain(
     kernel: Any, most: int, problem: Problem, state: State, end: float, stop: bool, scratch: Scratch
 ) -> tuple[int, float]:
-    """Run a tier of the kernel on `state` for `most` steps. Returns its status and the time reached."""
+    """Run a tier of `march` on `state` for `most` steps. Returns its status and the time reached."""
+    span = problem.step, state.time, end, stop, most
+    found: tuple[int, float] = _call(kernel, span, problem, state, scratch, (tuple(scratch.checkpoints),))
+    return found
+
+
+def _call(
+    kernel: Any, span: tuple[Any, ...], problem: Problem, state: State, scratch: Scratch, checkpoints: tuple[Any, ...]
+) -> Any:
+    """Call a tier of a kernel on `state` with its `span` of time and steps and its `checkpoints`."""
     chain = problem.chain
     data, dissipation = chain_records(chain, state)
     method = _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method]
-    records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log)
-    span = problem.step, state.time, end, stop, most
+    records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log), *checkpoints
     with kernel_arithmetic():
-        status, time = kernel(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
+        found = kernel(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
     require_finite_motion(chain, state)
-    return status, time
+    return found
 
 
 def _kind(method: str, chain: Chain) -> int:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from softcradle.physics.fixed_step.checkpoints import COUNT, DUE, Checkpoints, keep_checkpoint
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.splitting import split_steps
 from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
@@ -22,6 +23,7 @@ from softcradle.physics.numerics.meeting import flight_time, meets_again
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
+    NO,
     ONE,
     OUT_OF_STEPS,
     SAMPLE,
@@ -33,7 +35,7 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.switches import copy_motion, is_closed, log_switch, take_sample
+from softcradle.physics.numerics.switches import copy_motion, is_closed, log_switch, take_row, take_sample
 
 # kinds of step
 SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
@@ -84,7 +86,7 @@ def fly(steps, h, motion):
 @jit
 def march(
     kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
-    sample_fields, log_fields, beads, work,
+    sample_fields, log_fields, checkpoint_fields, beads, work,
 ):  # fmt: skip
     """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
 
@@ -92,7 +94,7 @@ def march(
     samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
     """
     chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
-    motion, spare = Motion(*motion_fields), Motion(*spare_fields)
+    motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)
     counter, wanted = log.counter, samples.time
     bed = dissipation is not None and dissipation.bed.size > 0
     brakes = chain.inverse_mass[:0] if dissipation is None else dissipation.bed
@@ -110,6 +112,8 @@ def march(
         else:
             if time > end - h * GRID_TOLERANCE:
                 return DONE, end
+            if counter[STEP] >= kept.plan[DUE]:
+                keep_checkpoint(time, motion, kept, counter)
             free = closed == 0 and chain.push.size == 0
             if stop and (rests or (free and not meets_again(chain, brakes, motion, still, beads[0]))):
                 return SEPARATED, time
@@ -131,6 +135,7 @@ def march(
             length = end - time if last else h
             if not last:
                 most = np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP]))
+                most = min(most, kept.plan[DUE] - counter[STEP])
             rests = bed and at_rest(motion)
         taken = ZERO
         if not sampling or length > h * GRID_TOLERANCE:
@@ -155,3 +160,27 @@ def march(
         if last:
             return DONE, end
         time = start + counter[STEP] * h
+
+
+@jit
+def sample_between(
+    kind, drifts, kicks, h, most_steps, chain_fields, dissipation, motion_fields, spare_fields, sample_fields, log_fields,
+    checkpoint_fields, no_checkpoints, beads, work,
+):  # fmt: skip
+    """Fill the samples of a run by going on from the last of its checkpoints before each, `most_steps` at the most."""
+    kept, motion, counter = Checkpoints(*checkpoint_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
+    wanted, count = Samples(*sample_fields).time, kept.plan[COUNT]
+    for k in range(count):
+        begun, until = kept.time[k], kept.time[k + 1] if k + 1 < count else math.inf
+        last = counter[SAMPLE]
+        while last < wanted.size and wanted[last] < until:
+            last += 1
+        if last == counter[SAMPLE]:
+            continue
+        take_row(motion, kept, k)
+        counter[STEP] = 0
+        most = np.int64(min(math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE), most_steps))
+        march(
+            kind, drifts, kicks, h, begun, math.inf, NO, most, chain_fields, dissipation, motion_fields, spare_fields,
+            sample_fields, log_fields, no_checkpoints, beads, work,
+        )  # fmt: skip

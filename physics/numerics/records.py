@@ -17,6 +17,7 @@ Flags = NDArray[np.int8]
 ZERO: Any = np.int64(0)
 ONE: Any = np.int64(1)
 NO_CONTACT: Any = np.int64(-1)
+NO: Any = np.bool_(False)
 
 # how a kernel ended; physics.status gives them names for everybody else
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3

@@ -49,12 +49,27 @@ def copy_motion(target, source):
 
 
 @inlined
+def put_row(rows, k, motion):
+    """Copy `motion` into row k of Samples or Checkpoints."""
+    copy_into(rows.overlap[k], motion.overlap)
+    copy_into(rows.rate[k], motion.rate)
+    copy_into(rows.force[k], motion.force)
+    copy_into(rows.anchor[k], motion.anchor)
+    copy_into(rows.absorbed[k], motion.absorbed)
+
+
+@inlined
+def take_row(motion, rows, k):
+    """Copy row k of Samples or Checkpoints into `motion`."""
+    copy_into(motion.overlap, rows.overlap[k])
+    copy_into(motion.rate, rows.rate[k])
+    copy_into(motion.force, rows.force[k])
+    copy_into(motion.anchor, rows.anchor[k])
+    copy_into(motion.absorbed, rows.absorbed[k])
+
+
+@inlined
 def take_sample(samples, log, motion):
     """Copy `motion` into the next sample row."""
-    k = log.counter[SAMPLE]
-    copy_into(samples.overlap[k], motion.overlap)
-    copy_into(samples.rate[k], motion.rate)
-    copy_into(samples.force[k], motion.force)
-    copy_into(samples.anchor[k], motion.anchor)
-    copy_into(samples.absorbed[k], motion.absorbed)
-    log.counter[SAMPLE] = k + 1
+    put_row(samples, log.counter[SAMPLE], motion)
+    log.counter[SAMPLE] += 1

@@ -10,13 +10,16 @@ brakes the bodies after every step of the Space, to rest at most.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
+from softcradle.physics.checkpoint_list import CheckpointList
+from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 from softcradle.physics.pymunk_contacts.stopping import meets_again, rests
 from softcradle.physics.scales import contact_scales, speed_scale
@@ -26,6 +29,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 Array = NDArray[np.float64]
 
 MOST_STEPS = 20_000_000  # some minutes
+FIRST_SPACING = 4  # steps between two checkpoints at first
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
 
 
@@ -153,30 +157,56 @@ def run(problem: Problem) -> Record:
 
 def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
     """One run to `end`, or with `stop` until no contact can close again."""
-    return _Run(problem, times).until(end, stop=stop).record()
+    later = stop and not problem.ends_alone
+    return _Run(problem, times, CheckpointList(FIRST_SPACING) if later else None).until(end, stop=stop).record()
+
+
+@dataclass
+class _KeptRun:
+    """A run that kept states on its way."""
+
+    problem: Problem
+    states: list[State]
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
+        run = _Run(self.problem, times)
+        edges = np.searchsorted(times, [*(state.time for state in self.states[1:]), math.inf])
+        for state, first, last in zip(self.states, [0, *edges], edges, strict=False):
+            if first < last:
+                run.begin(state)
+                run.until(float(times[last - 1]), stop=False)
+        sampled: dict[str, Any] = dict(zip(SAMPLED, (times, *run.rows), strict=True))
+        return replace(found, kept=None, **sampled)
 
 
 class _Run:
     """One run of a Row: steps, samples, contact switches and the end, as the fixed-step kernels book them."""
 
-    def __init__(self, problem: Problem, times: Array) -> None:
-        self.problem, self.h, self.times = problem, problem.step, times
-        self.state = problem.state.copy()
-        self.push = self.state.external(problem.chain)
-        self.row = _row(problem.chain, self.state, self.h)
-        self.row.write(self.state)
+    def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
+        self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
+        self.push = problem.state.external(problem.chain)
+        self.row = _row(problem.chain, problem.state, self.h)
         self.rows = empty_samples(times.size, problem.chain.contacts)
-        self.steps = self.evaluations = self.sampled = 0
-        self.closed = [False] * problem.chain.contacts
+        self.evaluations = self.sampled = 0
         self.switches: list[tuple[int, float]] = []
         self.status = Status.DONE
         self.warnings: Warnings = ()
+        self.begin(problem.state)
+
+    def begin(self, state: State) -> None:
+        """Begin, or go on, with `state`; steps are counted from there."""
+        self.start, self.state, self.steps = state.time, state.copy(), 0
+        self.row.write(self.state)
+        self.closed = [False] * self.problem.chain.contacts
         self.note_switches(0.0)
 
     def until(self, end: float, stop: bool) -> _Run:
         """Go to `end`, or with `stop` until no contact can close again."""
         self.take_samples()
         while self.state.time <= end - self.h * GRID_TOLERANCE:
+            if self.kept:
+                self.kept.offer(self.steps, self.state.copy)
             if self.steps >= MOST_STEPS:
                 sentence = f"pymunk gave up after {MOST_STEPS} steps: take a larger step"
                 self.status = Status.OUT_OF_STEPS
@@ -209,12 +239,13 @@ class _Run:
             self.steps += flown
         else:
             length = h if end - state.time >= h * (1.0 - GRID_TOLERANCE) else end - state.time
-            most = max(1.0, min((goal - state.time) / h, MOST_STEPS - self.steps))
+            due = self.kept.due if self.kept else MOST_STEPS
+            most = max(1.0, min((goal - state.time) / h, min(MOST_STEPS, due) - self.steps))
             taken = self.row.steps(int(most), length, self.push)
             self.steps += taken
             self.evaluations += taken
         self.row.read(state)
-        state.time = min(end, self.problem.state.time + self.steps * h)
+        state.time = min(end, self.start + self.steps * h)
         self.note_switches(self.h)
 
     def note_switches(self, last_step: float) -> None:
@@ -248,7 +279,7 @@ class _Run:
         overlap, rate, anchor, force, absorbed = self.rows
         return Record(
             self.times, overlap, rate, anchor, force, contact, time, self.state, self.steps, self.evaluations, self.status,
-            self.warnings, absorbed=absorbed,
+            self.warnings, absorbed=absorbed, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
         )  # fmt: skip
 
 

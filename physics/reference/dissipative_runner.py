@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.checkpoint_list import CheckpointList
 from softcradle.physics.contact import is_closed
-from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.reference.extended_run import MOST_STEPS, ExtendedRun, ReferenceGaveUpError
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -27,11 +31,14 @@ class _Recorder:
     switches: list[tuple[float, int]] = field(default_factory=list)
     status: Status = Status.DONE
     warnings: Warnings = ()
+    kept: CheckpointList[ExtendedRun] | None = None
 
     def until(self, end: float) -> None:
         """Move on to `end`, or, where that is inf, until the motion is over; a run that gives up stays where it is."""
         try:
             while self.run.time < end and not self.status.gave_up:
+                if self.kept:
+                    self.kept.offer(self.run.steps, partial(deepcopy, self.run))
                 if math.isinf(end) and self.run.is_over():
                     self.status = Status.SEPARATED
                     return
@@ -75,8 +82,9 @@ def advance(problem: Problem) -> Status:
     return recorder.status
 
 
-def _pass(problem: Problem, end: float, times: Array, _stop: bool) -> Record:
+def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
     recorder = _recorder(problem)
+    recorder.kept = CheckpointList(1) if stop and not problem.ends_alone else None
     rows = empty_samples(times.size, problem.chain.contacts)
     for k, time in enumerate(times):
         recorder.until(float(time))
@@ -87,7 +95,27 @@ def _pass(problem: Problem, end: float, times: Array, _stop: bool) -> Record:
         np.array([contact for _, contact in recorder.switches], dtype=np.int64),
         np.array([time for time, _ in recorder.switches]),
         recorder.run.reached(), recorder.run.steps, recorder.run.steps, recorder.status, recorder.warnings, absorbed=rows[4],
+        kept=_KeptRun(recorder.kept.items) if recorder.kept else None,
     )  # fmt: skip
+
+
+@dataclass
+class _KeptRun:
+    """A run that kept itself on its way."""
+
+    runs: list[ExtendedRun]
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
+        rows = empty_samples(times.size, found.end.overlap.size)
+        starts = [float(run.time) for run in self.runs]
+        for k, time in enumerate(times):
+            run = deepcopy(self.runs[max(int(np.searchsorted(starts, time, side="right")) - 1, 0)])
+            recorder = _Recorder(run, np.zeros(found.end.overlap.size, dtype=bool))
+            recorder.until(float(time))
+            _fill(rows, k, run.reached())
+        sampled: dict[str, Any] = dict(zip(SAMPLED, (times, *rows), strict=True))
+        return replace(found, kept=None, **sampled)
 
 
 def _fill(rows: tuple[Array, ...], k: int, state: State) -> None:

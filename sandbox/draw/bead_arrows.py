@@ -17,7 +17,7 @@ def _velocity(motion: Motion, row: int, scales: Scales) -> Array:
 
 
 def _momentum(motion: Motion, row: int, scales: Scales) -> Array:
-    mass = np.where(np.isfinite(motion.chain.mass), motion.chain.mass, 0.0)
+    mass = motion.chain.finite_mass
     shares: Array = mass * motion.velocity[row] / (mass.max() * max(map(abs, scales.velocity)) or 1.0)
     return shares
 

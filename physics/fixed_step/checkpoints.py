@@ -1,0 +1,70 @@
+"""Checkpoints: motions on the way of a run, from which its samples are taken when its end is known.
+
+A run without a duration does not know the times of its samples before it is over. It keeps its motion every few steps; where
+the rows are full, every second one goes and the steps between them double, so that any run fits and few steps are made again.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.numerics.jit import inlined
+from softcradle.physics.numerics.records import STEP
+from softcradle.physics.numerics.switches import copy_into, put_row
+
+Array = NDArray[np.float64]
+
+# entries of the plan
+COUNT = 0  # checkpoints kept
+DUE = 1  # steps after which the next one is kept
+SPACING = 2  # steps between two
+
+MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
+FIRST_SPACING = (
+    4  # steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
+)
+NEVER = 2**62  # steps
+
+
+class Checkpoints(NamedTuple):
+    """Rows of a motion as of Samples, and the plan: how many there are and when the next is due."""
+
+    time: Array  # (R,) [s]
+    overlap: Array  # (R, n)
+    rate: Array  # (R, n)
+    anchor: Array  # (R, 2)
+    force: Array  # (R, n)
+    absorbed: Array  # (R, 2)
+    plan: NDArray[np.int64]  # (3,)
+
+
+def empty_checkpoints(contacts: int, kept: bool) -> Checkpoints:
+    """Rows for a chain with `contacts`; none where no checkpoints are `kept`."""
+    rows = min(MOST_ROWS, max(2, MOST_NUMBERS // (3 * contacts))) if kept else 0
+    wide, narrow = (rows, contacts), (rows, 2)
+    plan = np.array([0, 0 if kept else NEVER, FIRST_SPACING])
+    return Checkpoints(
+        np.empty(rows), np.empty(wide), np.empty(wide), np.empty(narrow), np.empty(wide), np.empty(narrow), plan
+    )
+
+
+@inlined
+def keep_checkpoint(time, motion, kept, counter):
+    """Keep the motion at `time`; where there is no row left, first leave every second one out."""
+    plan, rows = kept.plan, kept.time.size
+    if plan[COUNT] == rows:
+        left = (rows + 1) // 2
+        for k in range(1, left):
+            kept.time[k] = kept.time[2 * k]
+            copy_into(kept.overlap[k], kept.overlap[2 * k])
+            copy_into(kept.rate[k], kept.rate[2 * k])
+            copy_into(kept.anchor[k], kept.anchor[2 * k])
+            copy_into(kept.force[k], kept.force[2 * k])
+            copy_into(kept.absorbed[k], kept.absorbed[2 * k])
+        plan[COUNT], plan[SPACING] = left, 2 * plan[SPACING]
+    k = plan[COUNT]
+    kept.time[k] = time
+    put_row(kept, k, motion)
+    plan[COUNT], plan[DUE] = k + 1, counter[STEP] + plan[SPACING]

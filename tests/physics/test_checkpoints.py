@@ -1,0 +1,113 @@
+"""Samples of a run to its end are taken from its checkpoints: the same motion as with a known duration, and no second run."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law
+from softcradle.physics.checkpoint_list import CheckpointList
+from softcradle.physics.fixed_step import checkpoints
+from softcradle.physics.fixed_step import runner as fixed_step
+from softcradle.physics.own_law import OwnLaw
+from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
+from softcradle.physics.reference import dissipative_runner
+from tests.helpers.relations import simulate_quietly
+
+PLAIN = {
+    "power law": one_on(4, power_law(1.0, 0.1)),
+    "gears with gaps": Chain([1.0] * 4, draft_gear(100.0, 0.05), gap=[0.0, 0.02, 0.0]),
+    "flights": Chain([1.0] * 3, hooke(1e3), gap=[7.0, 0.3]),
+    "own law": Chain([1.0] * 3, OwnLaw(lambda overlap: overlap + overlap**3)),
+    "over at once": Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1),
+}
+DISSIPATIVE = {
+    "loss": one_on(4, power_law(1.0, 0.1, loss=0.2)),
+    "friction": Chain([1.0] * 5, power_law(1.0, 0.1), friction=0.05, gap=[0.0, 0.02, 0.0, 0.1]),
+}
+METHODS = ("euler", "verlet", "yoshida4", "conserving", "pymunk")
+ROUND_OFF = 1e-12, 1e-9  # a Space goes on from positions rounded anew, and bounces make that grow
+NOT_CARRIED = {("own law", "pymunk")}
+CASES = [
+    *((name, method) for name in PLAIN for method in METHODS if (name, method) not in NOT_CARRIED),
+    *((name, method) for name in DISSIPATIVE for method in ("verlet", "conserving", "pymunk")),
+]
+
+
+def struck(name: str) -> tuple[Chain, np.ndarray]:
+    chain = {**PLAIN, **DISSIPATIVE}[name]
+    return chain, (-1.0 if name == "over at once" else 1.0) * np.eye(1, chain.contacts + 1)[0]
+
+
+@pytest.fixture
+def few_rows(monkeypatch):
+    """So few rows that checkpoints are thinned many times."""
+    monkeypatch.setattr(checkpoints, "MOST_ROWS", 6)
+    monkeypatch.setattr("softcradle.physics.checkpoint_list.MOST", 6)
+
+
+@pytest.mark.parametrize(("name", "method"), CASES)
+def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method):
+    chain, velocity = struck(name)
+    found = simulate_quietly(chain, velocity, method=method, samples=37)
+    known = simulate_quietly(chain, velocity, found.time[-1], method=method, samples=37)
+    assert found.time == pytest.approx(known.time, rel=1e-15, abs=0.0)
+    for row in ("overlap", "velocity", "absorbed_by_contacts", "absorbed_by_bed"):
+        scale = 1.0 + np.abs(getattr(known, row)).max()
+        assert getattr(found, row) == pytest.approx(getattr(known, row), abs=ROUND_OFF[method == "pymunk"] * scale)
+
+
+@pytest.mark.parametrize(("name", "method"), CASES)
+def test_thinned_checkpoints_give_the_same_samples(name, method, few_rows):
+    test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_samples_may_be_wanted_after_the_end(method):
+    chain, velocity = struck("power law")
+    times = np.array([0.0, 0.7, 1.9, 30.0, 31.0])
+    found = simulate_quietly(chain, velocity, method=method, samples=times)
+    known = simulate_quietly(chain, velocity, 31.0, method=method, samples=times)
+    assert simulate_quietly(chain, velocity, method=method, samples=2).time[-1] < 30.0
+    assert found.overlap == pytest.approx(known.overlap, abs=1e-12)
+    assert found.velocity == pytest.approx(known.velocity, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", DISSIPATIVE)
+def test_the_reference_takes_its_samples_from_copies_of_its_run(name):
+    chain, velocity = struck(name)
+    found = simulate_quietly(chain, velocity, method="scipy", samples=9, tolerance=1e-8)
+    known = simulate_quietly(chain, velocity, found.time[-1], method="scipy", samples=9, tolerance=1e-8)
+    assert found.overlap == pytest.approx(known.overlap, abs=3e-8)
+    assert found.velocity == pytest.approx(known.velocity, abs=3e-8)
+
+
+@pytest.mark.parametrize(
+    ("module", "method", "name"),
+    [
+        (fixed_step, "conserving", "power law"),
+        (fixed_step, "verlet", "loss"),
+        (pymunk_contacts, "pymunk", "power law"),
+        (dissipative_runner, "scipy", "loss"),
+    ],
+)
+def test_samples_cost_no_second_run(module, method, name, monkeypatch):
+    runs, once = [], module._pass
+
+    def counted(*arguments):
+        runs.append(arguments[1])
+        return once(*arguments)
+
+    monkeypatch.setattr(module, "_pass", counted)
+    chain, velocity = struck(name)
+    found = simulate_quietly(chain, velocity, method=method, samples=50)
+    assert len(found.time) == 50
+    assert runs == [np.inf]
+
+
+def test_checkpoints_are_thinned_evenly(few_rows):
+    kept = CheckpointList(1)
+    for step in range(100):
+        kept.offer(step, lambda step=step: step)
+    assert len(kept.items) <= 6
+    assert kept.items == list(range(0, kept.items[-1] + 1, kept.items[1]))
+    assert kept.items[-1] + 2 * kept.items[1] >= 100
