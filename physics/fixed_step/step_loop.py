@@ -89,6 +89,7 @@ def march(
     sample_fields, log_fields, checkpoint_fields, beads, work,
 ):  # fmt: skip
     """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
+    Steps of free flight that are taken at once do not count among `most_steps`.
 
     Records come as plain tuples of their fields, `dissipation` as a Dissipation or None; `spare` is a second Motion for
     samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
@@ -102,7 +103,7 @@ def march(
     between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
     rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
     settle_joint_forces(chain.joints, motion)
-    closed, rests, time = log_switches(start, start, chain.joints, motion, log), False, start
+    closed, rests, time, flown = log_switches(start, start, chain.joints, motion, log), False, start, ZERO
     while True:
         sampling = counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
         most, length, last = ONE, 0.0, False
@@ -117,7 +118,7 @@ def march(
             free = closed == 0 and chain.push.size == 0
             if stop and (rests or (free and not meets_again(chain, brakes, motion, still, beads[0]))):
                 return SEPARATED, time
-            if counter[STEP] >= most_steps:
+            if counter[STEP] - flown >= most_steps:
                 return OUT_OF_STEPS, time
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
             ahead = until - time
@@ -127,6 +128,7 @@ def march(
                 if whole >= 1.0:
                     fly(whole, h, motion)
                     counter[STEP] += int(whole)
+                    flown += int(whole)
                     time = start + counter[STEP] * h
                     continue
                 # A contact may close and open within one step, where no flag tells of it.
@@ -134,7 +136,7 @@ def march(
             last = end - time < h * (1.0 - GRID_TOLERANCE)
             length = end - time if last else h
             if not last:
-                most = np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP]))
+                most = np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps + flown - counter[STEP]))
                 most = min(most, kept.plan[DUE] - counter[STEP])
             rests = bed and at_rest(motion)
         taken = ZERO
@@ -167,7 +169,7 @@ def sample_between(
     kind, drifts, kicks, h, most_steps, chain_fields, dissipation, motion_fields, spare_fields, sample_fields, log_fields,
     checkpoint_fields, no_checkpoints, beads, work,
 ):  # fmt: skip
-    """Fill the samples of a run by going on from the last of its checkpoints before each, `most_steps` at the most."""
+    """Fill the samples of a run by going on from the last of its checkpoints before each."""
     kept, motion, counter = Checkpoints(*checkpoint_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
     wanted, count = Samples(*sample_fields).time, kept.plan[COUNT]
     for k in range(count):
@@ -179,8 +181,8 @@ def sample_between(
             continue
         take_row(motion, kept, k)
         counter[STEP] = 0
-        most = np.int64(min(math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE), most_steps))
+        end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
         march(
-            kind, drifts, kicks, h, begun, math.inf, NO, most, chain_fields, dissipation, motion_fields, spare_fields,
+            kind, drifts, kicks, h, begun, end, NO, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
             sample_fields, log_fields, no_checkpoints, beads, work,
         )  # fmt: skip

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law
+from softcradle.physics import Chain, draft_gear, hooke, one_on, power_law
 from softcradle.physics.checkpoint_list import CheckpointList
 from softcradle.physics.fixed_step import checkpoints
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
 from softcradle.physics.reference import dissipative_runner
+
 from tests.helpers.relations import simulate_quietly
 
 PLAIN = {
