@@ -42,7 +42,8 @@ class Part(NamedTuple):
 class Coupler:
     """A coupler between two beads that pushes and, after its slack, pulls; its gears go solid at full travel.
 
-    Methods euler, verlet, yoshida4 (without loss), conserving and scipy carry couplers. Results count pulls as negative forces.
+    Methods euler, verlet, yoshida4 (without loss), conserving and scipy carry couplers; the adaptive ones, "auto" and pymunk
+    raise a ValueError. Results count pulls as negative forces.
 
     Parameters
     ----------

@@ -154,14 +154,6 @@ def known_methods() -> list[str]:
     return [AUTO, *(method.name for method in METHODS)]
 
 
-def refusal(method: Method) -> str:
-    """Why `method` does not take a dissipative chain, and what does; empty where it does."""
-    if method.dissipative:
-        return ""
-    reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
-    return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or 'accurate'"
-
-
 def refusal_of(method: str, chain: Chain) -> str:
     """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
     found = None if method == AUTO else find_method(method)
@@ -184,7 +176,13 @@ def refusal_of(method: str, chain: Chain) -> str:
         return ""
     if chain.own_laws and found.family is Family.REFERENCE:
         return "method 'scipy' carries laws of your own without bed friction and contacts with loss only: take 'conserving'"
-    return refusal(found)
+    return "" if found.dissipative else _refusal_of_friction(found, chain)
+
+
+def _refusal_of_friction(method: Method, chain: Chain) -> str:
+    other = "scipy" if chain.couplers else "verlet" if chain.own_laws else "accurate"
+    reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
+    return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or {other!r}"
 
 
 def find_method(name: str) -> Method:

@@ -8,6 +8,7 @@ from unittest.mock import patch
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -92,6 +93,20 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
             found += [
                 (text.get_text(), str(line.get_label())) for line in axes.get_lines() if _crosses(line, around, axes)
             ]
+    return found
+
+
+def unnamed_colours(figure: Figure) -> set[str]:
+    """Colours of curves in panels of several, which no key of a legend and no text of the figure has."""
+    panels = figure.findobj(Axes)
+    legends = [legend for axes in panels if (legend := axes.get_legend())]
+    named = [text for text in figure.findobj(Text) if text.get_text()]
+    keys = [key for legend in legends for key in legend.legend_handles]
+    known = {to_hex(artist.get_color()) for artist in (*named, *keys)}
+    found: set[str] = set()
+    for axes in panels:
+        colours = {to_hex(line.get_color()) for line in axes.get_lines() if len(line.get_xdata()) > 2}
+        found |= colours - known if len(colours) > 1 else set()
     return found
 
 

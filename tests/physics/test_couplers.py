@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -27,6 +28,7 @@ from softcradle import (
     simulate,
     stable_step,
 )
+from tests.helpers.paths import ROOT
 
 CARRY = [method.name for method in METHODS if method.couplers]
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
@@ -196,6 +198,26 @@ def test_a_file_gives_the_couplers_back(tmp_path):
 def test_methods_that_take_no_couplers_say_so(method):
     with pytest.raises(ValueError, match=r"takes contacts that only push.*not couplers: take 'conserving' or 'scipy'"):
         simulate(Chain([1.0, 1.0], TRAIN), [1.0, 0.0], 1.0, method)
+
+
+def test_the_page_of_scenes_says_which_methods_take_couplers():
+    text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    carried, refused = (
+        re.findall(r"`(\w+)`", part)
+        for part in re.search(r"Methods (.*?) carry couplers; (.*?) refuse", text, re.S).groups()
+    )
+    assert set(carried) == set(CARRY)
+    assert set(refused) == {method.name for method in METHODS} - set(CARRY) | {"auto"}
+
+
+def test_what_takes_friction_in_place_of_yoshida4_takes_the_chain():
+    """A method that a refusal names is not refused."""
+    for law in (hooke(1e5), Coupler(hooke(1e5)), lambda overlap: 1e5 * overlap):
+        chain = Chain([1.0, 1.0], law, friction=0.1)
+        with pytest.raises(ValueError, match="carries neither bed friction nor contacts with loss: take") as refused:
+            simulate(chain, [1.0, 0.0], 0.1, "yoshida4")
+        for method in re.findall(r"'(\w+)'", str(refused.value).partition(": take ")[2]):
+            assert simulate(chain, [1.0, 0.0], 0.1, method).absorbed_by_bed[-1] > 0.0
 
 
 def test_a_train_that_pulls_has_no_end_of_its_own():

@@ -22,7 +22,6 @@ from softcradle.sandbox.studies.plot_style import (
     PAGE_WIDTH,
     PURPLE,
     RED,
-    label_above,
     model_legend,
     new_figure,
     panel_title,
@@ -82,14 +81,9 @@ def draw_history(table: Table) -> Figure:
     zero_line(upper)
     zero_line(lower)
     for i, colour in zip(range(SHOWN_BEADS, 0, -1), (PURPLE, GREEN, BLACK, ORANGE), strict=True):
-        velocity = table[f"v{i} - V"]
-        lower.plot(table["t"], velocity, color=colour, linewidth=0.9)
-        if i < 3:
-            peak = int(np.argmax(velocity[:SAMPLES_PER_PERIOD]))
-            place = peak if i == 1 else peak - SAMPLES_PER_PERIOD // 7  # where the other curve is away
-            symbol = "$v_1$" if i == 1 else "$v_{2,3,4}$"
-            label_above(lower, table["t"][place], velocity[peak], symbol, colour, fontsize=8.6)
-    lower.set(xlabel="$t$", ylabel="$v_i-V$", xlim=(0.0, table["t"][-1]), ylim=(-0.09, 0.11))
+        lower.plot(table["t"], table[f"v{i} - V"], color=colour, linewidth=0.9, label=f"$v_{i}$")
+    lower.legend(loc="upper right", ncols=4, columnspacing=1.2, reverse=True)
+    lower.set(xlabel="$t$", ylabel="$v_i-V$", xlim=(0.0, table["t"][-1]), ylim=(-0.09, 0.13))
     return figure
 
 

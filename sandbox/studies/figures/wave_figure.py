@@ -22,6 +22,7 @@ from softcradle.sandbox.studies.plot_style import (
     PAGE_WIDTH,
     PURPLE,
     inner_label,
+    label_above,
     new_figure,
     panel_title,
     zero_line,
@@ -133,6 +134,7 @@ def draw_pulse(table: Table) -> Figure:
     figure, axes = new_figure(height=3.2)
     for i in range(0, PULSE_TARGETS + 1, 2):
         axes.plot(table["t"], table[f"v{i}"] * 3.0 + i, color=BLUE if i == 0 else BLACK, linewidth=0.8)
+    label_above(axes, 0.5 * PULSE_UNTIL, 3.0 * table["v0"][-1], "striker", BLUE, 2.5, fontsize=8.6)
     axes.set(xlabel="$t$", ylabel=r"bead $i$, lifted by $3\,v_i$", xlim=(0.0, PULSE_UNTIL))
     inner_label(axes, r"$\alpha=3/2,\ n=30$", 0.03, 0.985)
     return figure

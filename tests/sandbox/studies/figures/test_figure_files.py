@@ -15,7 +15,15 @@ from softcradle.sandbox.studies.figures.figure_list import FIGURES, drawn, figur
 from softcradle.sandbox.studies.picture_files import SUFFIXES
 from softcradle.sandbox.studies.plot_style import styled
 
-from tests.helpers.figure_layout import keys_on_curves, small_texts, texts_beyond, texts_on_curves, texts_on_texts
+from tests.helpers.figure_layout import (
+    keys_on_curves,
+    small_texts,
+    texts_beyond,
+    texts_of,
+    texts_on_curves,
+    texts_on_texts,
+    unnamed_colours,
+)
 
 NAMES = [figure.name for figure in FIGURES]
 
@@ -61,6 +69,31 @@ def test_a_figure_says_which_of_its_lines_are_of_the_model(tables):
         with styled():
             legends = [axes.get_legend() for axes in drawn(figure, tables[figure.name]).axes]
         assert "mode coupling" in {text.get_text() for legend in legends if legend for text in legend.get_texts()}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_curve_is_named(tables, name):
+    """Where a panel has curves of several colours, each is that of a key or of a text in the figure."""
+    (figure,) = figures_named([name])
+    with styled():
+        assert unnamed_colours(drawn(figure, tables[name])) == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("scalings", r"\frac{n}{2(n+1)}"),  # the prefactor of the amplitude
+        ("roads", r"striker's $\alpha=1/30$ in all"),
+        ("B", "each lifted"),  # what the inset does to its curves
+        ("envelopes", "gear solid"),
+        ("stop", "gear full at 2.54 m/s"),
+        ("collapse", r"e^{-1/(2n\alpha)}"),
+    ],
+)
+def test_a_figure_says_what_a_reader_would_ask(tables, name, words):
+    (figure,) = figures_named([name])
+    with styled():
+        assert any(words in text.get_text() for text, _ in texts_of(drawn(figure, tables[name])))
 
 
 @pytest.mark.slow
