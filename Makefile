@@ -75,6 +75,7 @@ screenshots: .venv/.installed
 	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render draft-gear-two-on-two --size 960x480 -o docs/two-on-two.kymograph.png
 
 charts: .venv/.installed # minutes; other people's integrators are on the chart where they are installed: pip install -e '.[peers]'
+	@mkdir -p out
 	$(BIN)/softcradle stability -o out/stability.png
 	$(BIN)/softcradle chart one-on-5 -o out/chart.png
 	cp out/stability.png out/chart.png docs/

@@ -51,6 +51,14 @@ def test_out_is_ignored_by_git():
     assert "out/" in (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
 
 
+def test_recipes_that_write_to_out_make_it_first():
+    """A command refuses a folder that is not there."""
+    recipes = re.findall(r"^\w[\w-]*:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    writing = [recipe for recipe in recipes if "softcradle" in recipe and re.search(r"-o out/\w", recipe)]
+    assert len(writing) >= 2
+    assert [recipe for recipe in writing if not recipe.startswith("\t@mkdir -p out\n")] == []
+
+
 @pytest.fixture
 def quick(monkeypatch):
     """Short scans, and a window that closes at once."""

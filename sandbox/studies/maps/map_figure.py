@@ -44,7 +44,7 @@ def draw_map(scanned: RigidityMap, table: Table) -> Figure:
         axes.set_xlabel(AXIS_LABELS[scanned.abscissa] + (f"    (hatched: {reasons})" if reasons else ""))
     row[0].set_ylabel("targets $n$")
     bar = figure.colorbar(mesh, ax=row, extend="min", pad=0.01, aspect=30)
-    bar.set_label("velocity spread of the targets / their mean")
+    bar.set_label(f"velocity spread of the targets / their mean\n(white: below {100.0 * SMALLEST_SHOWN:g} %)")
     return figure
 
 
@@ -66,7 +66,6 @@ def _draw_panel(axes: Axes, scanned: RigidityMap, values: Array) -> Any:
     _draw_contours(axes, scanned, shown)
     if scanned.abscissa == "alpha":
         _draw_guide(axes, 1.0 / np.array(scanned.sizes), scanned.sizes, r"$\alpha = 1/n$", "left")
-        inner_label(axes, f"below {100.0 * SMALLEST_SHOWN:g} %", 0.02, 0.06, fontsize=8.0)
     else:
         _draw_guide(axes, np.ones(len(scanned.sizes)), scanned.sizes, "critical speed", "right", rotation=90)
         inner_label(axes, "exactly\nrigid", 0.03, 0.55, fontsize=8.0)
@@ -98,13 +97,30 @@ def _edges(logarithms: Array) -> Array:
 
 
 def _draw_contours(axes: Axes, scanned: RigidityMap, values: Array) -> None:
+    from matplotlib.patheffects import withStroke
+
     if min(values.shape) < 2:
         return
     lines = axes.contour(
         scanned.values, list(scanned.sizes), np.log10(values), levels=np.log10(CONTOURS[scanned.abscissa]), colors="black",
         linewidths=0.7, linestyles="solid",
     )  # fmt: skip
-    axes.clabel(lines, fmt=lambda level: f"{100.0 * 10.0**level:.0f} %", fontsize=7.0, inline_spacing=2)
+    rows = [
+        scanned.sizes[len(scanned.sizes) // part] for part in (4, 2)
+    ]  # of the labels, so that no two lines are near
+    levels = zip(reversed(lines.allsegs), rows, strict=False)
+    places = [place for segments, row in levels for place in _nearest(segments, row)]
+    labels = axes.clabel(
+        lines, fmt=lambda level: f"{100.0 * 10.0**level:.0f} %", fontsize=7.0, inline_spacing=2, manual=places
+    )
+    for label in labels:
+        label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
+
+
+def _nearest(segments: Sequence[Array], row: float) -> list[Array]:
+    """The point of the longest of the `segments` (K, 2) of a contour that is nearest to a row; none without a segment."""
+    longest = max(segments, key=len, default=np.empty((0, 2)))
+    return [longest[int(np.argmin(np.abs(longest[:, 1] - row)))]] if len(longest) else []
 
 
 def _draw_guide(

@@ -17,6 +17,8 @@ from softcradle.sandbox.studies.maps.rigidity_scan import compute_map, rigidity_
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.sweeps.run_sweep import journal_path
 
+from tests.helpers.figure_layout import small_texts, texts_beyond, texts_of, texts_on_curves, texts_on_texts
+
 
 @pytest.fixture(scope="module")
 def tables():
@@ -128,6 +130,18 @@ def test_white_cells_mean_spreads_below_a_thousandth_alone(tables, name):
             np.testing.assert_array_equal((colours == 255).all(axis=2), spreads < 1e-3)
             grey = (np.ptp(colours, axis=2) == 0) & (colours[..., 0] < 250)
             np.testing.assert_array_equal(grey, np.isnan(spreads))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [0, 1], ids=["power", "gear"])
+def test_a_map_can_be_read(number):
+    """It says what white is, and no text lies on another one, on a guide or beyond the edge."""
+    scanned = rigidity_maps(40, 20)[number]
+    with styled():
+        figure = draw_map(scanned, compute_map(scanned))
+        assert [text.get_text() for text, _ in texts_of(figure) if "white: below 0.1 %" in text.get_text()]
+        for wrong in (small_texts, texts_on_texts, texts_on_curves, texts_beyond):
+            assert wrong(figure) == []
 
 
 def test_white_cells_are_white_at_a_hundredth_of_the_tolerance():
