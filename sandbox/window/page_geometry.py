@@ -17,8 +17,10 @@ ENERGY_BARS = 36.0  # design pixels, their height
 GUTTER = 12.0  # design pixels between two plots
 MARGIN = 14.0  # design pixels around beads and plots
 LEAST_LANE = 120.0  # design pixels of the beads, below which insets and energy bars go
+LOW_LANE = 150.0  # design pixels of each of two lanes, below which bars of forces have no room and plots give way
 PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
 LEAST_PLOT_ROW = 66.0  # design pixels, the height of a row of plots
+PLOT_ROW = 80.0  # design pixels of a row of plots, to which it gives way
 MOST_PLOTS_SHARE = 0.7  # of the height, for more rows
 
 
@@ -56,6 +58,10 @@ def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int
     main = main.inflate(-2 * round(MARGIN * unit), -round(MARGIN * unit))
     rows = [count for count in plots if count]
     share = PLOTS_SHARE.get(len(rows), MOST_PLOTS_SHARE)
+    if lanes > 1 and rows:
+        needed = len(rows) * PLOT_ROW * unit  # what is beyond, low lanes need more for their bars
+        spare = main.height - lanes * LOW_LANE * unit
+        share = min(share, max(needed, spare) / main.height)
     above = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
     gap = round(8 * unit)
     below = Rect(main.left, above.bottom + gap, main.width, main.bottom - above.bottom - gap)
