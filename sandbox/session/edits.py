@@ -103,9 +103,15 @@ def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
 @edited.register
 def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
     _check_index(N_("contact"), item.contact, setup.chain.contacts)
-    if not 0.0 <= item.gap <= LARGEST:
+    if not item.gap <= LARGEST:
+        raise ValueError(gettext("a gap must be a number up to {most:g}, not {given!r}", most=LARGEST, given=item.gap))
+    if not -item.gap < min(setup.length, LARGEST):
         raise ValueError(
-            gettext("a gap must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=item.gap)
+            gettext(
+                "an overlap must be below the length of a bead, {length:g} m, not {given!r}",
+                length=setup.length,
+                given=-item.gap,
+            )
         )
     displacement = np.zeros(setup.chain.contacts + 1)
     displacement[item.contact + 1 :] = item.gap + float(state.overlap[item.contact])

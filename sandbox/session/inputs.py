@@ -83,7 +83,7 @@ class Lock:
 
 @dataclass(frozen=True)
 class SetGap:
-    """Set the distance between two neighbours to `gap` >= 0 [m]; everything to the right moves along."""
+    """Set the distance between two neighbours to `gap` [m], an overlap if negative; everything to the right moves along."""
 
     lane: int
     contact: int

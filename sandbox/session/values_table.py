@@ -55,6 +55,12 @@ def contact_table(session: Session, lane: int) -> ValuesTable:
     return ValuesTable(CONTACT_COLUMNS, [(float(k), *row) for k, row in enumerate(zip(*columns, strict=True))])
 
 
+def value_of(session: Session, lane: int, kind: str, index: int, column: str) -> float:
+    """The number in one column of a bead or contact."""
+    table = (bead_table if kind == "bead" else contact_table)(session, lane)
+    return table.rows[index][table.columns.index(column)]
+
+
 def values_csv(session: Session) -> str:
     """All lanes as CSV with every digit: the time, then beads, then contacts of each lane."""
     text = io.StringIO()

@@ -259,6 +259,7 @@ class App:
             self.manager.ui_group.update_visibility()  # widgets come and go below it; the pointer is that of the dialog
         else:
             self.manager.update(seconds)
+        self.focus.follow()
         self.paint()
         self.reader.tell(spoken_by(self))
         pygame.display.flip()

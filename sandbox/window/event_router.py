@@ -77,7 +77,8 @@ class EventRouter:
         if self.app.dialog is not None and self.app.dialog.open and self.app.dialog.handle(event):
             return
         if self.app.page.typing and event.type == pygame.KEYDOWN and event.key == pygame.K_TAB:
-            self.app.act(action_of(event.key, event.mod))
+            if not self.app.page.handle(event):
+                self.app.act(action_of(event.key, event.mod))
             return
         if self.app.page.typing and event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE:
             self.app.page.cancel_typing()

@@ -13,6 +13,7 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.window.slider import KEYS, Slider
 from softcradle.sandbox.window.window_page import Host
 
+NEAR = 3.0  # pixels: a control that is made anew has its middle so near to the old one
 PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)
 
 
@@ -33,10 +34,24 @@ class KeyboardFocus:
 
     @property
     def control(self) -> UIElement | None:
-        """The control that has the focus."""
+        """The control that has the focus: a line in which is being typed, wherever Tab has been."""
+        if self.typed is not None:
+            return self.typed
         if self.place is None:
             return None
-        return next((one for one in self.controls() if math.dist(one.rect.center, self.place) < 3.0), None)
+        return next((one for one in self.controls() if math.dist(one.rect.center, self.place) < NEAR), None)
+
+    @property
+    def typed(self) -> UIElement | None:
+        """The line in which is being typed."""
+        focused = self.host.manager.get_focus_set() or ()
+        return next((one for one in focused if isinstance(one, UITextEntryLine)), None)
+
+    def follow(self) -> None:
+        """Leave the control that Tab has reached where something else is being typed in."""
+        typed = self.typed
+        if typed is not None and self.place is not None and math.dist(typed.rect.center, self.place) >= NEAR:
+            self.place = None
 
     def move(self, by: int) -> None:
         """Go to the next control (1) or the one before (-1)."""

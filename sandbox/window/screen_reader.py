@@ -10,6 +10,7 @@ import pygame
 from pygame_gui.core import UIElement
 from softcradle.sandbox.window.dialog import Dialog
 from softcradle.sandbox.window.slider import Slider
+from softcradle.sandbox.window.text_entry import TextEntry
 from softcradle.sandbox.window.window_page import Window
 
 ROOT, STATUS, CONTROL = 1, 2, 3  # numbers of the nodes: the window, what is said, the control that has the focus
@@ -33,11 +34,13 @@ def spoken_by(window: Window) -> Spoken:
 
 
 def control_name(control: UIElement | None) -> str:
-    """Name of a control: its text, or what its tooltip says; of a slider its place as well."""
+    """Name of a control: its text, or what its tooltip says; of a slider its place, of a line to type in its text as well."""
     if control is None:
         return ""
     if isinstance(control, Slider):
         return f"{control.name} {100.0 * control.get_current_value():.0f} %".strip()
+    if isinstance(control, TextEntry):
+        return f"{control.name} {control.get_text()}".strip()
     text = getattr(control, "text", "") or getattr(control, "selected_option", ("",))[0]
     return str(text or getattr(control, "tool_tip_text", "") or "")
 

@@ -77,6 +77,8 @@ def save_all(folder: Path) -> None:
     save(app, folder, "scene")
     for action in ("values", "tools"):
         app.act(action)
+        if action == "values":
+            app.act("edit_values")
         run_frames(app, 2)
         save(app, folder, action)
         if app.dialog is not None and app.dialog.open:

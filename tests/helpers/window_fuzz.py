@@ -23,6 +23,7 @@ from tests.helpers.windows import FRAME, Driver
 
 GROWTH = 50.0  # MB
 LEFT_OUT = {"quit", "film", "save_scene", "save_session", "export", "screenshot", "fullscreen", "open", "sound"}
+NUMBERS = ("1", "0.1", "1e-3", "250", "-2", "nan", "1e99", "x")  # that are typed
 SIZES = ((1280, 720), (1000, 600), (1600, 900))
 
 
@@ -54,8 +55,8 @@ class Fuzz:
         if not isinstance(driver.app.page, ScenePage):
             driver.app.open(rng.choice((*scenes.names(), "hanging-cradle")))
         kind = rng.choices(
-            ("key", "click", "drag", "wheel", "play", "type", "undo", "batch", "resize", "drop"),
-            (4, 4, 4, 1, 3, 1, 1, 0.5, 0.05, 0.2),
+            ("key", "click", "drag", "wheel", "play", "type", "cell", "undo", "batch", "resize", "drop"),
+            (4, 4, 4, 1, 3, 1, 0.5, 1, 0.5, 0.05, 0.2),
         )[0]
         getattr(self, f"_{kind}")()
         driver.frames(rng.randint(1, 12))
@@ -121,13 +122,28 @@ class Fuzz:
             pygame.Event(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False)
         )
 
+    def _cell(self) -> None:
+        """Type into a cell of the tables of values, and on into others."""
+        rng, driver = self.random, self.driver
+        page = driver.app.page
+        if not isinstance(page, ScenePage):
+            return
+        if not page.tools.covers_plots:
+            driver.key(pygame.K_t)
+        cells = page.tools.values.shown()
+        if cells:
+            driver.click(rng.choice(cells)[1].center)
+        for _ in range(rng.randint(1, 4)):
+            driver.type(rng.choice(("", *NUMBERS)))
+            driver.key(rng.choice((pygame.K_RETURN, pygame.K_TAB, pygame.K_UP, pygame.K_DOWN, pygame.K_ESCAPE)))
+
     def _type(self) -> None:
         page = self.driver.app.page
         if isinstance(page, ScenePage) and page.inspector.controls:
             control = self.random.choice(list(page.inspector.controls.values()))
             self.driver.click(control.entry.rect.center)
             control.entry.set_text("")
-            self.driver.type(self.random.choice(("1", "0.1", "1e-3", "250", "-2", "nan", "1e99", "x")))
+            self.driver.type(self.random.choice(NUMBERS))
             self.driver.key(pygame.K_RETURN)
 
     def _resize(self) -> None:

@@ -7,7 +7,6 @@ from functools import partial
 
 import pygame
 import pygame_gui
-from pygame_gui.elements import UITextEntryLine
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _, scene_words
@@ -18,6 +17,7 @@ from softcradle.sandbox.window.gallery.sections import found, sections_of
 from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
 from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_SOURCE, HANGING_TEXT, HANGING_TITLE
 from softcradle.sandbox.window.look_ahead import motions_ahead
+from softcradle.sandbox.window.text_entry import TextEntry
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import load, names
 
@@ -47,7 +47,7 @@ class GalleryPage:
         self.scaled: dict[tuple[str, tuple[int, int]], pygame.Surface] = {}
         self.selected, self.search = 0, ""
         self.pressed: int | None = None
-        self.entry: UITextEntryLine | None = None
+        self.entry: TextEntry | None = None
         self.grid = CardGrid()
         self.names: tuple[str, ...] = tuple(self.captions)
         self.actions: dict[str, Callable[[], None]] = {
@@ -105,9 +105,9 @@ class GalleryPage:
         unit, width = self.host.unit, self.host.size[0]
         left = width - round((MARGIN + SEARCH) * unit)
         place = pygame.Rect(left, round(18 * unit), round(SEARCH * unit), round(30 * unit))
-        self.entry = UITextEntryLine(
-            place, self.host.manager, initial_text=self.search, placeholder_text=_("search (Ctrl+F)")
-        )
+        text = _("search (Ctrl+F)")
+        self.entry = TextEntry(place, self.host.manager, initial_text=self.search, placeholder_text=text)
+        self.entry.name = text
         self.scaled.clear()
         self._take_language()
         if self.theme != self.host.settings.theme:

@@ -158,6 +158,7 @@ class HangingPage:
         if self.playing:
             self.model.advance(seconds / self.slow)
         self.bar.make_room()
+        self.toolbar.update()
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
@@ -198,7 +199,6 @@ class HangingPage:
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw icons, clock, and a ring at the pointer while it holds a ball."""
         self.controls.paint_over(surface, self.model, "playing" if self.playing else "paused")
-        self.film.paint(surface, self.places.panel.left - 20 * self.host.unit, self.places.toolbar.bottom)
         self.bar.paint_reading(surface, pygame.mouse.get_pos())
         if self.held is not None:
             pygame.draw.aacircle(surface, tones.foreground, self.pointer, 5 * self.host.unit, 2)

@@ -11,6 +11,7 @@ from softcradle.physics import Contact
 from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.session.edits import LARGEST
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
@@ -104,7 +105,12 @@ def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
     law, length = lane.chain.contact[pick.index], session.scene.view.length
     gap = max(0.0, -float(lane.state.overlap[pick.index]))
-    set_gap = partial(SetGap, pick.lane, pick.index)
+
+    def set_gap(value: float) -> Input:
+        if not 0.0 <= value <= LARGEST:
+            raise ValueError(_("a gap must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=value))
+        return SetGap(pick.lane, pick.index, value)
+
     of_gap = Parameter("gap", N_("gap to the next bead"), "m", 0.0, MOST_GAP * length, False, gap, set_gap)
     if not isinstance(law, Contact):
         return [of_gap]

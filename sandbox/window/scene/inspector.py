@@ -10,11 +10,10 @@ import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
-from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, write
-from softcradle.sandbox.languages import NP_, _, label_words, pgettext
+from softcradle.sandbox.languages import NP_, _, pgettext
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
@@ -22,7 +21,7 @@ from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.scene.about_scene import paint_about
 from softcradle.sandbox.window.scene.editable_parameters import number, parameters
 from softcradle.sandbox.window.scene.parameter_control import Control, parameter_control
-from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.scene.pick import Pick, pick_title
 from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
 from softcradle.sandbox.window.window_page import Host
@@ -260,15 +259,8 @@ class Inspector:
 
     def _title(self, surface: pygame.Surface, pick: Pick) -> None:
         unit, rect, lane = self.host.unit, self.rect, self.session.lanes[pick.lane]
-        label = label_words(self.session.label(pick.lane))
         colours = bead_colours(lane.chain.contacts + 1)
-        if pick.kind == "bead":
-            title, colour = _("Bead {number}", number=pick.index), colours[pick.index]
-        else:
-            title = _("Contact {number}", number=subscript(pick.index, pick.index + 1))
-            colour = colours[pick.index + 1]
-        if len(self.session.lanes) > 1 and label:
-            title = f"{title} · {label}"
+        colour = colours[pick.index + (pick.kind == "contact")]
         draw_marker(surface, pick.index, (rect.left + 7 * unit, rect.top + 14 * unit), 6 * unit, colour)
-        title = shortened(title, 16 * unit, rect.width - 22 * unit, bold=True)
+        title = shortened(pick_title(self.session, pick), 16 * unit, rect.width - 22 * unit, bold=True)
         write(surface, title, (rect.left + 20 * unit, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import pygame
-from pygame_gui.elements import UIButton, UITextEntryLine
+from pygame_gui.elements import UIButton
 from softcradle.sandbox.languages import _, localized
 from softcradle.sandbox.window.scene.editable_parameters import Parameter
 from softcradle.sandbox.window.slider import Slider
+from softcradle.sandbox.window.text_entry import TextEntry
 from softcradle.sandbox.window.window_page import Host
 
 ENTRY = 92.0  # design pixels of the box
@@ -27,7 +28,7 @@ class Control:
 
     parameter: Parameter
     slider: Slider
-    entry: UITextEntryLine
+    entry: TextEntry
     sweep: UIButton
     shown: float
     typed: bool = False
@@ -66,14 +67,14 @@ def parameter_control(
     """The widgets of `parameter` in the panel `rect`, from the height `y` on; `sweep` is done by a button of its own."""
     unit, manager, left, right = host.unit, host.manager, rect.left, rect.right
     place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
-    entry = UITextEntryLine(place, manager, initial_text=number_text(parameter.value))
+    entry = TextEntry(place, manager, initial_text=number_text(parameter.value))
     wide = round(SWEEP * unit)
     bar = pygame.Rect(left, round(y + 26 * unit), right - left - wide - round(4 * unit), round(12 * unit))
     place = pygame.Rect(right - wide, bar.top, wide, bar.height)
     tip = _("{name}: nine values side by side", name=_(parameter.name))
     button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
-    slider.name = f"{_(parameter.name)} {parameter.unit}".strip()
+    slider.name = entry.name = f"{_(parameter.name)} {parameter.unit}".strip()
     return Control(parameter, slider, entry, button, parameter.value)
 
 

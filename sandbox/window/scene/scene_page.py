@@ -85,11 +85,12 @@ class ScenePage:
     @property
     def typing(self) -> bool:
         """Whether a number is being typed."""
-        return self.inspector.typing
+        return self.inspector.typing or self.tools.values.cells.typing
 
     def cancel_typing(self) -> None:
         """Drop the number that is being typed."""
         self.inspector.cancel_typing()
+        self.tools.values.cells.stop()
 
     @property
     def unsaved(self) -> bool:
@@ -130,6 +131,7 @@ class ScenePage:
         self.time_controls.build(below, second, self.actions)
         self.inspector.build(self.cards.build(panel, self.editor.selection is not None))
         self.view.rebuild()
+        self.tools.build()
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
@@ -164,6 +166,7 @@ class ScenePage:
         if self.cards.crowded_out != (self.cards.tight and self.editor.selection is not None):
             self.host.rebuild()  # cards make room for the selection, or come back
         self.inspector.update(seconds)
+        self.tools.values.update()
         self.sound.update(self.view.scales.scales.force)
         self.lessons.update()
 
@@ -209,8 +212,6 @@ class ScenePage:
         unit, places, point = self.host.unit, self.view.places, pygame.mouse.get_pos()
         self.time_controls.paint_over(surface)
         self.pointer.paint(surface)
-        right = places.panel.left - (20 if self.view.panel_shown else 60) * unit
-        self.film.paint(surface, right, places.toolbar.bottom)
         if not self.tools.covers_plots:
             self.board.paint_reading(surface, point)
         self.tools.paint_over(surface)

@@ -50,13 +50,14 @@ class SceneTools:
         open_scene: Callable[[Scene], None],
     ) -> None:
         self.host, self.session, self.view, self.board, self.open_scene = host, session, view, board, open_scene
-        self.values = ValuesBoard(session, editor)
+        self.values = ValuesBoard(host, session, editor, self.values_area)
         self.stopwatch = Stopwatch(host, session)
         self.ruler = Ruler(host, session, view)
         self.data = DataTool(host, session, board)
         sharing = Sharing(host, session)
         self.actions: dict[str, Callable[[], None]] = {
             "values": self.toggle_values,
+            "edit_values": self.edit_values,
             "copy_values": sharing.copy_values,
             "copy_scene": sharing.copy_scene,
             "tell": sharing.tell,
@@ -72,10 +73,19 @@ class SceneTools:
 
     def toggle_values(self) -> None:
         """Show the table of values in place of the plots, or the plots."""
-        self.values.toggle()
+        self.view.plots_covered = not self.view.plots_covered
+        self.view.redraw()
         if not self.view.places.plots:
             self.board.hidden, self.board.shown = False, self.board.shown or self.board.available()[:1]
             self.host.rebuild()
+        self.values.update()
+
+    def edit_values(self) -> None:
+        """Type into a cell of the table, if it is shown."""
+        if self.covers_plots:
+            self.values.cells.begin_at_selection()
+        else:
+            self.host.messages.show(_("the table of values is not shown: T shows it"))
 
     def compare(self) -> None:
         """Open the scene beside a copy of itself."""
@@ -92,13 +102,23 @@ class SceneTools:
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the table in place of the plots."""
-        if self.covers_plots:
-            self.values.paint(surface, self.view.plots_area(), self.host.unit)
+        area = self.values_area()
+        if area is not None:
+            self.values.paint(surface, area)
 
     @property
     def covers_plots(self) -> bool:
         """Whether the table lies on the plots."""
-        return self.values.shown and bool(self.view.places.plots)
+        return self.view.plots_covered and bool(self.view.places.plots)
+
+    def values_area(self) -> pygame.Rect | None:
+        """The place of the table; None while it is not shown."""
+        return self.view.plots_area() if self.covers_plots else None
+
+    def build(self) -> None:
+        """Find places in a page that is built anew."""
+        self.values.arrange()
+        self.values.cells.build()
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw ruler and stopwatch."""

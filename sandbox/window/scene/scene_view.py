@@ -36,6 +36,7 @@ class SceneView:
         motions: the lanes now, one row each.
         places: rectangles of the page.
         panel_shown: whether the panel on the right is there.
+        plots_covered: whether something else lies in the place of the plots, which are then not drawn.
         rows: lane and kinds of each row of plots that is shown: of `row_count`, those from `first_row` on.
         title_room: width for the title [pixels].
     """
@@ -45,7 +46,7 @@ class SceneView:
     ) -> None:
         self.host, self.session, self.editor, self.board, self.inspector = host, session, editor, board, inspector
         self.lanes: list[LaneView] = []
-        self.panel_shown, self.title_room = True, 0.0
+        self.panel_shown, self.plots_covered, self.title_room = True, False, 0.0
         self.first_row = self.row_count = 0
         self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
@@ -221,8 +222,9 @@ class SceneView:
             lane.paint(surface, motion, self.camera.centre)
         if pick is not None:
             self.lanes[pick.lane].paint_pick(surface, pick)
-        self.board.paint(surface)
-        self._paint_scroll_bar(surface)
+        if not self.plots_covered:
+            self.board.paint(surface)
+            self._paint_scroll_bar(surface)
 
     def _drawn_backdrop(self, size: tuple[int, int]) -> pygame.Surface:
         unit, places = self.host.unit, self.places
@@ -230,7 +232,8 @@ class SceneView:
         backdrop.fill(tones.background)
         for lane in self.lanes:
             lane.backdrop(backdrop)
-        self.board.backdrop(backdrop)
+        if not self.plots_covered:
+            self.board.backdrop(backdrop)
         self.inspector.backdrop(backdrop)
         for y in (places.toolbar.bottom - 1, places.footer.top):
             backdrop.fill(tones.faint, (0, y, size[0], 1))

@@ -25,7 +25,10 @@ TOOLS = (
     ("tools", N_("Tools")),
     ("help", N_("Help")),
 )
-MARGIN = 20.0  # design pixels of a button beside its text
+MARGIN, LEAST_MARGIN = 20.0, 8.0  # design pixels of a button beside its text
+SPACE = 5.0  # design pixels between two buttons
+LEAST_TITLE = 70.0  # design pixels for the title, for which buttons give way
+LONGEST_CLOCK = "88:88"  # a film's, for which its button has room from the beginning
 TITLE_LEFT = 110.0  # design pixels
 
 
@@ -41,6 +44,7 @@ class Toolbar:
         self.host, self.film, self.stack = host, film, stack
         self.buttons: dict[str, UIButton] = {}
         self.title_room = 0.0
+        self._filming = False  # whether the button of the film says Stop
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]], leave: Callable[[], None]) -> None:
         """Make the buttons."""
@@ -49,21 +53,44 @@ class Toolbar:
         place = pygame.Rect(round(12 * unit), y, round(84 * unit), height)
         UIButton(place, "← " + _("Scenes"), manager, tool_tip_text=_("back to the gallery"), command=leave)
         x = rect.right - round(12 * unit)
-        for name, usual in reversed([tool for tool in TOOLS if tool[0] in actions]):
-            filming = name == "film" and self.film.film is not None
-            text = _("Stop") if filming else _(usual)
-            wide = round(width(text, 13 * unit) + MARGIN * unit)
-            x -= wide + round(5 * unit)
+        self._filming = self.film.film is not None
+        texts = {name: self._longest(name, usual) for name, usual in TOOLS if name in actions}
+        margin = self._margin(texts, x)
+        for name, longest in reversed(texts.items()):
+            wide = round(self._width(name, longest) + margin)
+            x -= wide + round(SPACE * unit)
             place = pygame.Rect(x, y, wide, height)
-            style = "#primary" if filming else None
+            style = "#recording" if name == "film" and self._filming else None
             self.buttons[name] = UIButton(
-                place, text, manager, object_id=style, tool_tip_text=hint(name), command=actions[name]
+                place, longest, manager, object_id=style, tool_tip_text=hint(name), command=actions[name]
             )
         self.title_room = x - (TITLE_LEFT + 10.0) * unit
         self.update()
 
+    def _longest(self, name: str, usual: str) -> str:
+        """The longest text of a button until the page is built anew."""
+        return self._stop(LONGEST_CLOCK) if name == "film" and self._filming else _(usual)
+
+    def _width(self, name: str, text: str) -> int:
+        return width(text, 13 * self.host.unit, bold=name == "film" and self._filming)
+
+    def _margin(self, texts: Mapping[str, str], right: float) -> float:
+        """Pixels of a button beside its text: less than usual where the title would have no room."""
+        unit = self.host.unit
+        room = right - (TITLE_LEFT + 10.0 + LEAST_TITLE + SPACE * len(texts)) * unit
+        spare = room - sum(self._width(*one) for one in texts.items())
+        return min(MARGIN * unit, max(LEAST_MARGIN * unit, spare / len(texts)))
+
+    def _stop(self, clock: str) -> str:
+        """The text of the button that ends the film."""
+        return _("Stop {time}", time=clock)
+
     def update(self) -> None:
-        """Enable what can be done."""
+        """Enable what can be done, and let the button of a film say how long it is: its text changes once a second."""
+        if self._filming != (self.film.film is not None):
+            self.host.rebuild()  # the film has ended, or stopped
+        elif self._filming:
+            self.buttons["film"].set_text(self._stop(self.film.clock))
         stack = self.stack
         for name, steps in (("undo", stack.done), ("redo", stack.undone)) if stack is not None else ():
             button = self.buttons[name]

@@ -1,134 +1,159 @@
-"""The board of values: tables of beads and contacts in place of the plots; a click on a row selects it for editing."""
+"""The board of values: tables of beads and contacts in place of the plots, whose numbers can be typed over."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import pygame
-from softcradle.sandbox.draw.number_format import MINUS, scientific, subscript
+from softcradle.sandbox.draw.number_format import scientific, subscript
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import width, write
-from softcradle.sandbox.languages import _, ngettext, pgettext
+from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.value_edits import can_be_edited
 from softcradle.sandbox.session.values_table import ValuesTable, bead_table, contact_table
+from softcradle.sandbox.window.scene.cell_editor import Cell, CellEditor
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
+from softcradle.sandbox.window.scene.values_layout import BODY, HEAD, TablePlace, heading, table_places
+from softcradle.sandbox.window.window_page import Host
 
-LINE = 19.0  # design pixels of a row
-GAP = 12.0  # design pixels between columns
-HEAD, BODY = 11.5, 12.0  # sizes of text, design pixels
-MOST_DIGITS, LEAST_DIGITS = 3, 2  # after the first, of a number
-# Columns that are left out where there is no room, the first of these first; their values are copied with the others.
-LESS_NEEDED = ("kinetic energy (J)", "stored energy (J)", "momentum (N s)", "rate (m/s)", "mass (kg)")
-
-
-@dataclass(frozen=True)
-class Columns:
-    """The columns of a table for which there is room.
-
-    Attributes:
-        shown: their indices.
-        right: right end of each, from that of the table [pixels].
-        digits: of numbers, after the first.
-    """
-
-    shown: tuple[int, ...]
-    right: tuple[float, ...]
-    digits: int
-
-
-def fitting(names: Sequence[str], room: float, unit: float) -> Columns:
-    """The columns that fit into `room` pixels whatever their numbers are, with as many digits as may be."""
-    left_out: set[str] = set()
-    for digits, drop in [*((digits, None) for digits in range(MOST_DIGITS, LEAST_DIGITS - 1, -1)), *_drops(names)]:
-        left_out |= {drop} if drop else set()
-        shown = tuple(k for k, name in enumerate(names) if name not in left_out)
-        needed = [_column_width(names[k], unit, digits, k == 0) for k in shown]
-        if sum(needed) <= room:
-            break
-    spare = max(0.0, room - sum(needed)) / len(needed)
-    ends = tuple(sum(needed[: k + 1]) + (k + 1) * spare for k in range(len(needed)))
-    return Columns(shown, ends, digits)
-
-
-def _drops(names: Sequence[str]) -> list[tuple[int, str]]:
-    return [(LEAST_DIGITS, name) for name in LESS_NEEDED if name in names]
-
-
-def _column_width(name: str, unit: float, digits: int, first: bool) -> float:
-    """Pixels of the widest number and of the name, which is broken before its unit."""
-    number = "88" if first else f"{MINUS}8.{digits * '8'}·10⁻⁸"
-    words = [width(part, HEAD * unit) for part in _head(name)]
-    return max(*words, width(number, BODY * unit)) + GAP * unit
-
-
-def _head(name: str) -> list[str]:
-    return pgettext("column", name).replace(" (", "\n(").split("\n")
+MARGIN = 6.0  # design pixels between a number and the right end of its cell
+ROWS_A_TURN = 3  # of a table, by which the wheel moves it
 
 
 class ValuesBoard:
-    """The tables; `shown` says whether they are on screen."""
+    """The tables; `area` is the place for them, None while they are not on screen.
 
-    def __init__(self, session: Session, editor: SceneEditor) -> None:
-        self.session, self.editor = session, editor
-        self.shown = False
-        self._rows: list[tuple[pygame.Rect, Pick]] = []
+    Attributes:
+        places: where the tables are.
+        cells: types into one of their cells.
+    """
 
-    def toggle(self) -> None:
-        """Show or hide the tables."""
-        self.shown = not self.shown
+    def __init__(
+        self, host: Host, session: Session, editor: SceneEditor, area: Callable[[], pygame.Rect | None]
+    ) -> None:
+        self.host, self.session, self.editor, self.area = host, session, editor, area
+        self.places: list[TablePlace] = []
+        self.cells = CellEditor(host, session, editor, self)
+        self._first: dict[tuple[int, str], int] = {}  # rows that tables begin with, by lane and kind
+        self._seen: Pick | None = None  # the selection that was brought into view
+
+    def arrange(self) -> None:
+        """Find the places of the tables; the row that is selected comes into view."""
+        area, contacts = self.area(), [lane.chain.contacts for lane in self.session.lanes]
+        self.places = [] if area is None else table_places(contacts, area, self.host.unit, self._first)
+        pick = self.editor.selection
+        if pick != self._seen and self.places:
+            self._seen = pick
+            self.bring_into_view(pick)
+
+    def bring_into_view(self, pick: Pick | None) -> None:
+        """Scroll to the row of `pick`."""
+        place = next((one for one in self.places if pick and (one.lane, one.kind) == (pick.lane, pick.kind)), None)
+        if pick is None or place is None or place.first <= pick.index < place.last:
+            return
+        before = pick.index < place.first
+        self._scroll(place, pick.index - place.first if before else pick.index - place.last + 1)
+
+    def _scroll(self, place: TablePlace, by: int) -> None:
+        self._first[place.lane, place.kind] = place.first + by
+        self.arrange()
+
+    def shown(self) -> list[tuple[Cell, pygame.Rect]]:
+        """The cells on screen that can be edited, and where they are."""
+        return [
+            (Cell(Pick(place.lane, place.kind, row), column), rect)
+            for place in self.places
+            for row in range(place.first, place.last)
+            for column, rect in place.cells(row)
+            if can_be_edited(self.session.lanes[place.lane], column, row)
+        ]
+
+    def all_cells(self) -> list[Cell]:
+        """The cells that can be edited, those to scroll to included, in the order of Tab."""
+        return [
+            Cell(Pick(place.lane, place.kind, row), place.names[k])
+            for place in self.places
+            for row in range(place.count)
+            for k in place.columns.shown
+            if can_be_edited(self.session.lanes[place.lane], place.names[k], row)
+        ]
 
     def handle(self, event: pygame.Event) -> bool:
-        """A click on a row selects its bead or contact."""
-        if self.shown and event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            for rect, pick in self._rows:
-                if rect.collidepoint(event.pos):
-                    self.editor.selection = pick
-                    return True
+        """Typing; a click selects a row and edits the cell below it; the wheel scrolls."""
+        if self.cells.handle(event):
+            return True
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
+            return self._click(event.pos)
+        if event.type == pygame.MOUSEWHEEL:
+            return self._wheel(pygame.mouse.get_pos(), -event.y)
         return False
 
-    def paint(self, surface: pygame.Surface, area: pygame.Rect, unit: float) -> None:
-        """Draw the tables of each lane side by side; rows for which there is no room are counted."""
-        self._rows = []
-        surface.fill(tones.background, area)
-        count = len(self.session.lanes)
-        for lane in range(count):
-            height = area.height // count
-            rect = pygame.Rect(area.left, area.top + lane * height, area.width, height)
-            half = round(0.55 * rect.width)
-            left = pygame.Rect(rect.left, rect.top, half - round(16 * unit), rect.height)
-            right = pygame.Rect(rect.left + half, rect.top, rect.width - half, rect.height)
-            self._table(surface, left, unit, lane, "bead", bead_table(self.session, lane))
-            self._table(surface, right, unit, lane, "contact", contact_table(self.session, lane))
+    def _click(self, point: tuple[int, int]) -> bool:
+        for cell, rect in self.shown():
+            if rect.collidepoint(point):
+                self.cells.begin(cell)
+                return True
+        for place in self.places:
+            row = place.row_at(point)
+            if row is not None:
+                self.editor.selection = Pick(place.lane, place.kind, row)
+                return True
+        return False
 
-    def _table(
-        self, surface: pygame.Surface, rect: pygame.Rect, unit: float, lane: int, kind: str, table: ValuesTable
-    ) -> None:
-        line, columns = LINE * unit, fitting(table.columns, rect.width, unit)
+    def _wheel(self, point: tuple[int, int], by: int) -> bool:
+        for place in self.places:
+            if place.rect.collidepoint(point):
+                self._scroll(place, ROWS_A_TURN * by)
+                return True
+        return False
+
+    def update(self) -> None:
+        """Follow the page and the selection."""
+        self.arrange()
+        self.cells.update()
+
+    def paint(self, surface: pygame.Surface, area: pygame.Rect) -> None:
+        """Draw the tables."""
+        surface.fill(tones.background, area)
+        for place in self.places:
+            table = (bead_table if place.kind == "bead" else contact_table)(self.session, place.lane)
+            self._table(surface, place, table)
+        if not self.cells.typing:
+            self._outline(surface, pygame.mouse.get_pos())
+
+    def _table(self, surface: pygame.Surface, place: TablePlace, table: ValuesTable) -> None:
+        unit, columns = self.host.unit, place.columns
         for k, right in zip(columns.shown, columns.right, strict=True):
-            for row, word in enumerate(_head(table.columns[k])):
-                place = (rect.left + right - 6 * unit, rect.top + (2 + 14 * row) * unit)
-                write(surface, word, place, HEAD * unit, tones.muted, align=(1, 0))
-        y = rect.top + 34 * unit
-        surface.fill(tones.faint, (rect.left, round(y - 2 * unit), rect.width, 1))
-        room = max(0, int((rect.bottom - y) // line))
-        for row, numbers in enumerate(table.rows[:room]):
-            if row == room - 1 and len(table.rows) > room:
-                text = ngettext("and {n} more: copy it with C", "and {n} more: copy them with C", len(table.rows) - row)
-                write(surface, text, (rect.left + 8 * unit, y), 12 * unit, tones.muted)
-                break
-            pick = Pick(lane, kind, row)
-            strip = pygame.Rect(rect.left, round(y), rect.width, round(line))
-            if pick == self.editor.selection:
-                surface.fill(tones.grid, strip)
-            self._rows.append((strip, pick))
-            texts = _texts(kind, numbers, columns.digits)
-            for k, right in zip(columns.shown, columns.right, strict=True):
-                place = (rect.left + right - 6 * unit, y + 2 * unit)
-                write(surface, texts[k], place, BODY * unit, tones.foreground, align=(1, 0))
-            y += line
+            for line, word in enumerate(heading(table.columns[k])):
+                point = (place.rect.left + right - MARGIN * unit, place.rect.top + (2 + 14 * line) * unit)
+                write(surface, word, point, HEAD * unit, tones.muted, align=(1, 0))
+        surface.fill(tones.faint, (place.rect.left, round(place.top - 2 * unit), place.rect.width, 1))
+        for row in range(place.first, place.last):
+            if Pick(place.lane, place.kind, row) == self.editor.selection:
+                surface.fill(tones.grid, place.strip(row))
+            texts = _texts(place.kind, table.rows[row], columns.digits)
+            for k, (column, rect) in zip(columns.shown, place.cells(row), strict=True):
+                if not self.cells.at(Cell(Pick(place.lane, place.kind, row), column)):
+                    point = (rect.right - MARGIN * unit, rect.centery)
+                    write(surface, texts[k], point, BODY * unit, tones.foreground, align=(1, 0.5))
+        if not place.whole:
+            text = _("{first} to {last} of {n}: scroll; C copies all", **_numbers(place))
+            point = (place.rect.left + 8 * unit, place.strip(place.last).centery)
+            text = shortened(text, BODY * unit, place.rect.width - 16 * unit)
+            write(surface, text, point, BODY * unit, tones.muted, align=(0, 0.5))
+
+    def _outline(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
+        """Draw a line about the cell below the pointer, if it can be edited."""
+        rect = next((rect for _, rect in self.shown() if rect.collidepoint(point)), None)
+        if rect is not None:
+            pygame.draw.rect(surface, tones.muted, rect, 1)
+
+
+def _numbers(place: TablePlace) -> dict[str, int]:
+    return {"first": place.first, "last": place.last - 1, "n": place.count}
 
 
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:

@@ -8,7 +8,6 @@ from typing import Any
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.scene.file_names import shown_path
@@ -77,17 +76,13 @@ class WindowFilm:
             _copy_whole(surface, frame)
             self.film.add(frame)
         except (UserError, OSError, ValueError, pygame.error) as error:
-            self.film = None
             self.host.messages.show(_("the film stopped: {error}", error=error), warning=True)
+            self.end()
 
-    def paint(self, surface: pygame.Surface, right: float, top: float) -> None:
-        """Draw a red dot and the time while recording, left of `right` and below `top`."""
-        if self.film is not None:
-            unit = self.host.unit
-            x, y = right, top + 14 * unit
-            pygame.draw.circle(surface, tones.bad, (x, y), 6 * unit)
-            text = _("rec {time}", time=f"{int(self.seconds) // 60}:{int(self.seconds) % 60:02d}")
-            write(surface, text, (x - 10 * unit, y), 12 * unit, tones.bad, bold=True, align=(1, 0.5))
+    @property
+    def clock(self) -> str:
+        """How long the film is, as minutes and seconds."""
+        return f"{int(self.seconds) // 60}:{int(self.seconds) % 60:02d}"
 
 
 def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw import Picture, draw, scales_of
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.film.codecs import pixels_of
@@ -130,6 +131,19 @@ def test_bars_are_as_high_as_the_forces(soft):
     lines_across = 3  # the line of the rigid cluster, and two partly covered pixels
     assert heights == pytest.approx(expected, abs=lines_across)
     assert min(expected) > 10
+
+
+@pytest.mark.parametrize("height", [60, 75, 80, 150])
+def test_a_lane_without_room_for_bars_is_drawn(soft, height):
+    scene, motions = soft
+    surface = pygame.Surface((564, height), 0, 32)
+    drawing = LaneDrawing(surface.get_rect(), 0.75, scene, 0, scales_of(scene, motions))
+    assert (drawing.bar_room > 0.0) == (height > 80)
+    drawing.backdrop(surface)
+    drawing.paint(surface, motions[0], strongest_row(motions), drawing.left())
+    above = pixels_of(surface)[: math.floor(drawing.bar_base), :, 2::-1]
+    bars = [near(above, colour).sum() for colour in drawing.contact_colours]
+    assert (max(bars) > 0) == (drawing.bar_room > 0.0)
 
 
 def test_beads_are_at_their_positions_and_overlaps_are_darker(soft):

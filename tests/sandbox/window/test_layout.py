@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import pygame
 import pytest
@@ -27,11 +28,29 @@ SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
 CASES = [*((size, "en") for size in SIZES), *((size, code) for code in ("de", "fr") for size in (SIZES[0], SIZES[2]))]
 
 
-def _select(driver: Driver, pick: Pick | None, plots: bool = False) -> None:
+def _select(driver: Driver, pick: Pick | None, plots: bool = False, values: bool = False) -> None:
     if driver.session.frame == 0:
         driver.session.step_frames(AMID)
     driver.page.editor.selection = pick
+    if driver.page.view.plots_covered != values:
+        driver.app.act("values")
     driver.page.board.shown = driver.page.board.available() if plots else ["velocities", "forces", "overlaps"]
+    driver.app.rebuild()
+
+
+def _edit(driver: Driver, pick: Pick) -> None:
+    """The tables of values, with a cell in which is being typed."""
+    _select(driver, pick, plots=True, values=True)
+    driver.frames(2)  # cards of methods may make room for the selection
+    driver.app.act("edit_values")
+    assert driver.page.typing
+
+
+def _film(driver: Driver) -> None:
+    """A film of an hour, which writes nothing."""
+    _select(driver, None)
+    film = driver.page.film
+    film.film, film.seconds = SimpleNamespace(free_surface=lambda: pygame.Surface((2, 2)), add=lambda frame: None), 3599
     driver.app.rebuild()
 
 
@@ -44,6 +63,10 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
     "two lanes": ("beads-against-gear", lambda driver: _select(driver, None, plots=True)),
     "a contact of two lanes": ("beads-against-gear", lambda driver: _select(driver, Pick(1, "contact", 0), plots=True)),
     "a train": ("train-braking", lambda driver: _select(driver, Pick(0, "contact", 1))),
+    "values": ("one-on-ten", lambda driver: _edit(driver, Pick(0, "bead", 9))),
+    "values of two lanes": ("beads-against-gear", lambda driver: _edit(driver, Pick(1, "contact", 2))),
+    "values of a train": ("train-braking", lambda driver: _edit(driver, Pick(0, "bead", 1))),
+    "film": ("three-on-five", _film),
     "cradle": ("hanging-cradle", lambda driver: None),
     "question": (
         "one-on-four",

@@ -6,10 +6,12 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pygame
 import pytest
+from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 
@@ -191,7 +193,7 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     import av
 
     driver.page.dialogs.save("film", "mine.mp4")
-    assert driver.page.toolbar.buttons["film"].text == "Stop"
+    assert driver.page.toolbar.buttons["film"].text == "Stop 0:00"
     driver.frames(20)
     pygame.display.set_mode((1600, 900), pygame.RESIZABLE)
     post(pygame.VIDEORESIZE, size=(1600, 900), w=1600, h=900)
@@ -203,6 +205,33 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
         pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
     corners = [picture[-20:, -20:] for picture in pictures]
     assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # the foot of the page is in both
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "hanging-cradle"])
+def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    driver = Driver(name)
+    page = driver.app.page
+    page.dialogs.save("film", "mine.mp4")
+    button, texts = page.toolbar.buttons["film"], []
+    with monkeypatch.context() as watched:
+        watched.setattr(page, "build", Mock(side_effect=AssertionError("made anew")))
+        watched.setattr(button.drawable_shape, "set_text", texts.append)
+        driver.frames(3 * 60 + 3)
+        room = button.rect.width
+        page.film.seconds = 59 * 60 + 59
+        driver.frames()
+    assert texts == ["Stop 0:01", "Stop 0:02", "Stop 0:03", "Stop 59:59"]  # drawn once a second
+    assert width(button.text, 13 * driver.app.unit, bold=True) < room == button.rect.width
+    driver.click(button.rect.center)
+    driver.frames(2)
+    assert page.toolbar.buttons["film"].text == "Film"
+    page.dialogs.save("film", "second.mp4")
+    monkeypatch.setattr(page.film.film, "add", Mock(side_effect=OSError("no room is left")))
+    driver.frames(3)  # the film stops by itself
+    assert page.toolbar.buttons["film"].text == "Film"
+    assert "the film stopped: no room is left" in driver.messages
+    assert any("second.mp4" in text for text in driver.messages)  # what there was until then
+    driver.close()
 
 
 @pytest.mark.parametrize("ending", ["gif", "webp"])
