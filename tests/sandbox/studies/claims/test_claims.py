@@ -20,7 +20,7 @@ from softcradle.sandbox.studies.claims.collision_claims import rise_of_spread
 from softcradle.sandbox.studies.claims.driven_claims import driven_returns
 from softcradle.sandbox.studies.claims.soft_chains import soft_chain, spread, start, while_struck
 from softcradle.sandbox.studies.claims.solver import FINER_SECOND, MEASURING, REFERENCE, Solver
-from softcradle.sandbox.studies.claims.study import Side, Study, Verdict
+from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.figures import solved_cases
 
 NAMES = [claim.name for claim in CLAIMS]
@@ -90,6 +90,16 @@ def test_claims_have_names_places_and_a_case_near_the_papers_own():
         assert claim.place.startswith(("Sec", "App", "Fig", "caption", "ours"))
         assert all(set(claim.own) <= set(case) for case in claim.cases)
         assert len({claim.order(case) for case in claim.cases}) >= 2  # a range, not one example
+        assert "seed" not in claim.own  # one random chain is as far from the paper's own as the next
+
+
+def test_the_counter_example_of_random_chains_is_that_of_the_nearest_load():
+    for name in ("robust", "inhomogeneous-model"):
+        claim = claim_named(name)
+        cases = [Case(case, claim.order(case), float(case["load"] > 0.9), 0.0, 0.5) for case in claim.cases]
+        found = Study(name, "", "", "", claim.variable, "", "", claim.own, tuple(cases))
+        assert found.own_case.parameters["seed"] == 0.0
+        assert found.counter_example.variable == min(case.variable for case in cases if case.variable > 0.9)
 
 
 def test_claims_that_could_not_fail_are_gone():
