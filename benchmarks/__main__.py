@@ -1,6 +1,7 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``python -m benchmarks scan [--help]`` is a command of its own: random chains against the reference.
+``scan``, ``mutants`` and ``coverage`` are commands of their own, each with its ``--help``: random chains against the
+reference; which changes of a kernel the tests notice; which branches of the kernels they take.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import os
 import platform
 import sys
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -118,20 +120,22 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "cold-start": cold_start,
     "constants": constants,
 }
+COMMANDS = {
+    "scan": "benchmarks.scan.command",
+    "mutants": "benchmarks.mutants.command",
+    "coverage": "benchmarks.branch_coverage",
+}
 BY_NAME_ONLY = ("constants",)  # left out where no names are given
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks of those names, or all; print tables, and write JSON if wanted."""
     given = sys.argv[1:] if arguments is None else arguments
-    if given[:1] == ["scan"]:
-        from benchmarks.scan.command import main as scan
-
-        return scan(given[1:])
+    if given and given[0] in COMMANDS:
+        command: Callable[[list[str]], int] = import_module(COMMANDS[given[0]]).main
+        return command(given[1:])
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; default: all; or scan, see `scan --help`"
-    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; default: all")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every number there")
     args = parser.parse_args(given)
     unknown = [name for name in args.names if name not in BENCHMARKS]

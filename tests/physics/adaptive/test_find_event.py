@@ -1,0 +1,294 @@
+"""Event location by motions whose switches are known in closed form: each kind of row, the earliest of several, and none."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics.adaptive import events
+from softcradle.physics.adaptive.events import (
+    CLOSES,
+    EASES,
+    NEAR,
+    NOTHING,
+    OPENS,
+    SLIPS,
+    STOPS,
+    TURNS,
+    YIELDS,
+    closes_inactive,
+    end_slope,
+    find_event,
+    guard_at_end,
+    is_continued,
+    lowest_of,
+    near_switch,
+)
+from softcradle.physics.adaptive.step_records import WORK_ROWS, Regime, empty_trial
+from softcradle.physics.numerics.law_curve import NODES
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+
+from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
+
+pytestmark = only_plain
+
+H = 0.4  # [s] length of the steps
+NODE_TIMES = H * NODES
+
+
+class Step:
+    """A step of length H in which every contact force goes as the polynomial of time that is given for it.
+
+    Overlaps and velocities follow exactly, by integration of the polynomials.
+    """
+
+    def __init__(self, chain, velocity, overlap, modes, forces, slide=None, easing=None):
+        self.chain = chain
+        state = State.at_start(chain, velocity)
+        state.overlap[:] = overlap
+        self.forces = [np.polynomial.Polynomial(np.atleast_1d(force)) for force in forces]
+        state.force[:] = [force(0.0) for force in self.forces]
+        self.data, _, self.motion = records_of(chain, state)
+        self.motion.mode[:] = modes
+        loss = chain.loss.copy() if chain.loss.any() else np.zeros(0)
+        bed = chain.bed.copy() if chain.on_bed else np.zeros(0)
+        flags = np.zeros(chain.contacts + 1, dtype=np.int8)
+        if slide is not None:
+            flags[:] = slide
+        eased = np.zeros(chain.contacts, dtype=np.int8)
+        if easing is not None:
+            eased[:] = easing
+        self.regime = Regime(self.data.law, self.data.inverse_mass, self.data.push, loss, bed, flags, eased)
+        self.work, self.trial = np.zeros((WORK_ROWS, chain.contacts + 1)), empty_trial(chain.contacts)
+        matrix = row_matrix(chain)
+        external = self.data.external[:-1] if self.data.external.size else np.zeros(chain.contacts)
+        for k, time in enumerate(NODE_TIMES):
+            self.trial.force[k] = [force(time) for force in self.forces]
+            once = np.array([force.integ()(time) for force in self.forces])
+            twice = np.array([force.integ(2)(time) for force in self.forces])
+            self.trial.rate[k] = self.motion.rate + external * time - matrix @ once
+            self.trial.overlap[k] = (
+                self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2 - matrix @ twice
+            )
+        self.trial.anchor[:] = state.anchor
+        bead = chain.anchor
+        if chain.inverse_mass[bead] > 0.0:  # the tests anchor beads that no contact pushes, or walls
+            self.trial.anchor[1] += H * (self.data.external[-1] if self.data.external.size else 0.0)
+
+    def find(self, skip=-1, skipped=NOTHING, inactive=0.0, slow=0.0):
+        return find_event(H, self.data, self.regime, self.motion, self.trial, skip, skipped, inactive, slow, self.work)
+
+    def guard(self, row, kind):
+        return guard_at_end(H, row, kind, self.data, self.regime, self.motion, self.trial, self.work)
+
+
+def thrown(speed, gap, pull=-9.8):
+    chain = Chain([1.0, math.inf], hertz(1e3), drive=[pull, 0.0])
+    return Step(chain, [speed, 0.0], [-gap], [OPEN], [0.0])
+
+
+def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
+    found = thrown(3.0, 0.4).find()
+    assert found[:2] == (0, CLOSES)
+    assert found[2] * H == pytest.approx((3.0 - math.sqrt(9.0 - 2 * 9.8 * 0.4)) / 9.8, abs=1e-13)
+    peak = 0.5 * 9.0 / 9.8
+    assert thrown(3.0, peak - 1e-9).find()[1] == CLOSES  # there and back within the step
+    assert thrown(3.0, peak + 1e-9).find() == (-1, NOTHING, 1.0)
+    assert thrown(3.0, 0.4).find(skip=0, skipped=CLOSES) == (-1, NOTHING, 1.0)
+    assert thrown(3.0, 0.4).find(skip=1, skipped=CLOSES)[1] == CLOSES
+
+
+def test_a_contact_that_is_pulled_open_or_apart():
+    gear = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
+    found = Step(gear, [-1.0, 0.0], [0.3], [LOADED], [0.8]).find()
+    root = (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8
+    assert found[:2] == (0, OPENS)
+    assert found[2] * H == pytest.approx(root, abs=1e-12)
+    assert Step(Chain([1.0, math.inf], hooke(2.0)), [-1.0, 0.0], [0.3], [LOADED], [0.8]).find()[1] == OPENS
+    assert Step(Chain([1.0, math.inf], hertz(2.0)), [-1.0, 0.0], [0.3], [LOADED], [0.8]).find()[1] == NOTHING
+    law = np.array([[0.0, 1.0, 1.0], [0.5, 1.0, 0.5], [0.0, 1.0, 0.5]])
+    assert [is_continued(law, i) for i in range(3)] == [True, True, False]
+
+
+@pytest.mark.parametrize(("slope", "kind", "part"), [(-2.0, OPENS, 0.25), (4.0, YIELDS, 0.375), (0.5, NOTHING, 1.0)])
+def test_a_touching_contact_leaves_its_range(slope, kind, part):
+    """A multiplier from 0.2 N within 0 and 0.8 N, linear in time."""
+    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
+    found = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, slope]]).find()
+    assert found[1] == kind
+    assert found[2] == pytest.approx(part, abs=1e-10)
+    curved = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, -2.0, 1.0, 3.0]]).find()
+    root = np.polynomial.Polynomial([0.2, -2.0, 1.0, 3.0]).roots()
+    assert curved[2] * H == pytest.approx(min(x.real for x in root if abs(x.imag) < 1e-12 and x.real > 0.0), abs=1e-10)
+
+
+@pytest.mark.parametrize(("slope", "kind", "part"), [(-1.0, EASES, 0.75), (1.0, YIELDS, 0.25)])
+def test_a_contact_with_loss_that_stands_still(slope, kind, part):
+    """It carries 0.9 N of 1 N; with a loss of 0.4 the least is 0.6 N."""
+    chain = Chain([1.0, math.inf], hooke(2.0, loss=0.4))
+    found = Step(chain, [0.0, 0.0], [0.5], [TOUCHING], [[0.9, slope]]).find()
+    assert found[:2] == (0, kind)
+    assert found[2] == pytest.approx(part, abs=1e-10)
+
+
+@pytest.mark.parametrize(("speed", "easing"), [(0.3, 0), (-0.3, 1)])
+def test_a_contact_with_loss_turns(speed, easing):
+    chain = Chain([1.0, math.inf], hertz(2.0, loss=0.4))
+    force = 1.5 if speed > 0.0 else -1.5  # no force pulls, but a guard does not ask
+    found = Step(chain, [speed, 0.0], [0.5], [LOADED], [force], easing=[easing]).find()
+    assert found[:2] == (0, TURNS)
+    assert found[2] == pytest.approx(0.2 / H, abs=1e-12)
+    no_loss = Chain([1.0, math.inf], hertz(2.0))
+    assert Step(no_loss, [speed, 0.0], [0.5], [LOADED], [force], easing=[easing]).find()[1] == NOTHING
+
+
+def on_bed(velocity, slide, drive=(0.0, 0.0)):
+    chain = Chain([1.0, 1.0], hertz(2.0), gap=5.0, friction=0.1, drive=list(drive))
+    step = Step(chain, velocity, [-5.0], [OPEN], [0.0], slide)
+    brake = chain.bed * np.array(slide)
+    push = np.array(drive) - brake  # as the effective chain has it
+    accelerations = np.where(np.array(slide) == 0, 0.0, push)
+    step.data = step.data._replace(
+        external=np.append(accelerations[:1] - accelerations[1:], accelerations[chain.anchor])
+    )
+    ended = np.array(velocity) + H * accelerations
+    step.trial.rate[2] = ended[0] - ended[1]
+    step.trial.anchor[1] = ended[chain.anchor]
+    return step
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_sliding_bead_stops(sign):
+    step = on_bed([0.2 * sign, 0.1 * sign], [sign, sign])
+    brake = step.chain.bed[0]
+    found = step.find()
+    assert found[:2] == (1, STOPS)
+    assert found[2] * H == pytest.approx(0.1 / brake, abs=1e-12)
+    found = step.find(skip=1, skipped=STOPS)
+    assert found[:2] == (0, STOPS)
+    assert found[2] * H == pytest.approx(0.2 / brake, abs=1e-12)
+    value, slope = step.guard(0, STOPS)
+    assert value == pytest.approx(0.2 - H * brake, abs=1e-14)
+    assert slope == pytest.approx(-brake)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
+    """Forces of two contacts on a bead of 1 kg, at rest on its bed: their difference grows with time."""
+    chain = Chain([10.0, 1.0, 10.0], hertz(2.0), friction=0.1)
+    most = chain.bed[1]
+    left, right = ([0.3, 4.0], [0.3]) if sign > 0.0 else ([0.3], [0.3, 4.0])
+    step = Step(chain, [0.0, 0.0, 0.0], [0.2, 0.2], [LOADED, LOADED], [left, right], slide=[0, 0, 0])
+    found = step.find()
+    assert found[:2] == (1, SLIPS)
+    assert found[2] * H == pytest.approx(most / 4.0, abs=1e-10)
+    value, slope = step.guard(1, SLIPS)
+    assert value == pytest.approx(most - 4.0 * H)
+    assert slope == pytest.approx(-4.0)
+    value, slope = step.guard(0, SLIPS)  # the left bead is pushed to the left, the less it needs the more it has
+    assert value == pytest.approx(10.0 * most - 0.3 - (4.0 * H if sign > 0.0 else 0.0))
+    below = Step(chain, [0.0] * 3, [0.2, 0.2], [LOADED] * 2, [[0.3, 2.0 * most], [0.3, 1.0]], slide=[1, 0, 1])
+    assert below.find()[1] in (NOTHING, STOPS)
+
+
+def test_a_steady_push_on_a_bead_counts():
+    step = on_bed([0.0, 1.0], [0, 1], drive=(0.95, 0.0))
+    assert step.find()[1] == NOTHING
+    value, slope = step.guard(0, SLIPS)
+    assert value == pytest.approx(step.chain.bed[0] - 0.95)
+    assert slope == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_earliest_of_several_counts():
+    chain = Chain([1.0, math.inf, 1.0], [draft_gear(2.0, 0.4), draft_gear(2.0, 0.4)])
+    for first, second in ((0.1, 0.2), (0.3, 0.2)):
+        step = Step(
+            chain, [0.0, 0.0, 0.0], [0.0, 0.0], [TOUCHING, TOUCHING], [[0.2, -0.2 / first], [0.2, -0.2 / second]]
+        )
+        row, kind, part = step.find()
+        assert (row, kind) == (0 if first < second else 1, OPENS)
+        assert part * H == pytest.approx(min(first, second), abs=1e-10)
+
+
+def test_a_closing_that_does_not_count():
+    chain = Chain([1.0, 1.0], power_law(2.0, 0.5))
+    data = Step(chain, [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
+    push = 2.0 * 2.0 * math.sqrt(1e-8) * 1e-8  # (1/m + 1/m) f d
+    assert closes_inactive(data, 0, math.sqrt(1.01 * push), 1e-9, 1e-9, 1e-8)
+    assert not closes_inactive(data, 0, math.sqrt(0.99 * push), 1e-9, 1e-9, 1e-8)
+    assert not closes_inactive(data, 0, 1e-3, 2e-3, 1e-9, 1e-8)
+    assert not closes_inactive(data, 0, 1e-3, 1e-9, 2e-3, 1e-8)
+    assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
+    gear = Step(Chain([1.0, 1.0], draft_gear(2.0, 0.4)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
+    assert not closes_inactive(gear, 0, 1.0, 1e-9, 1e-9, 1e-8)
+
+
+def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():
+    """What leaves d = 0 against its mode is round-off; what the forces drive back opens at once."""
+    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
+    step = Step(chain, [-1e-12, 0.0], [0.0], [LOADED], [-0.5])
+    assert step.find(slow=1e-10)[1] == NOTHING
+    away = Step(chain, [1e-12, 0.0], [0.0], [LOADED], [0.5])
+    assert away.find(slow=0.0)[:2] == (0, OPENS)
+    sliding = on_bed([1.0, 0.0], [1, 1], drive=(0.0, 3.0))
+    sliding.motion.rate[0] = 1.0 + 1e-13
+    sliding.motion.anchor[1] = 1.0 if sliding.chain.anchor == 0 else -1e-13
+    assert sliding.find(slow=1e-10)[1] == NOTHING
+
+
+@pytest.mark.parametrize("peak", [0.75, 0.5, 0.85])
+def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak):
+    """A multiplier within 0 and 0.8 N with a peak at half the step."""
+    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
+    height = peak - 0.2
+    step = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 4.0 * height / H, -4.0 * height / H**2]])
+    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
+    assert found == pytest.approx(0.5 if peak > NEAR * 0.8 else 1.0, abs=1e-9)
+
+
+def test_an_open_contact_that_nearly_touches_is_looked_at():
+    """Both ends tell less than what lies between: where quintic and cubic disagree by more than the gap that is left."""
+    step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
+    assert near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0) == 1.0
+    step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
+    guard = events.overlap_guard(H, -1.0, 0, step.data, step.motion, step.trial, 0.0)
+    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
+    assert 0.0 < found < 1.0
+    assert slope_of(guard, found) == pytest.approx(0.0, abs=1e-9)
+
+
+def slope_of(b, x):
+    """Of a quintic in Bernstein form."""
+    return sum(5.0 * (b[k + 1] - b[k]) * math.comb(4, k) * x**k * (1.0 - x) ** (4 - k) for k in range(5))
+
+
+def test_the_lowest_point_of_a_guard():
+    powers = np.polynomial.Polynomial([0.3, -1.2, 1.3, 0.2, -0.1, 0.05])
+    b = tuple(sum(math.comb(k, j) / math.comb(5, j) * powers.coef[j] for j in range(k + 1)) for k in range(6))
+    lowest = next(x.real for x in powers.deriv().roots() if abs(x.imag) < 1e-12 and 0.0 < x.real < 1.0)
+    value = powers(lowest)
+    assert lowest_of(b, value + 1e-6) == pytest.approx(lowest, abs=1e-9)
+    assert lowest_of(b, value - 1e-6) == 1.0
+    assert lowest_of((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), 1.0) == 1.0  # at the start
+    assert lowest_of((0.5, 0.4, 0.3, 0.2, 0.1, 0.0), 1.0) == 1.0  # at the end
+
+
+def test_guards_and_slopes_at_the_end():
+    parabola = np.polynomial.Polynomial([0.2, 1.1, -0.7])
+    assert end_slope(*parabola(NODES)) == pytest.approx(parabola.deriv()(1.0))
+    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
+    touching = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 0.5, -0.7]])
+    force, slope = touching.forces[0](H), touching.forces[0].deriv()(H)
+    assert touching.guard(0, OPENS) == pytest.approx((force, slope))
+    assert touching.guard(0, YIELDS) == pytest.approx((0.8 - force, -slope))
+    loaded = Step(chain, [-1.0, 0.0], [0.3], [LOADED], [0.8])
+    assert loaded.guard(0, OPENS) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
+    assert thrown(3.0, 0.4).guard(0, CLOSES) == pytest.approx((0.4 - 3.0 * H + 4.9 * H * H, -3.0 + 9.8 * H))
+    loss = Chain([1.0, math.inf], hertz(2.0, loss=0.4))
+    for sign in (1.0, -1.0):
+        turning = Step(loss, [0.3 * sign, 0.0], [0.5], [LOADED], [1.5 * sign], easing=[int(sign < 0.0)])
+        assert turning.guard(0, TURNS) == pytest.approx((0.3 - 1.5 * H, -1.5))
+    stands = Step(Chain([1.0, math.inf], hooke(2.0, loss=0.4)), [0.0, 0.0], [0.5], [TOUCHING], [[0.9, -1.0]])
+    assert stands.guard(0, EASES) == pytest.approx((0.9 - H - 0.6, -1.0))

@@ -1,0 +1,264 @@
+"""One step of radau, by the collocation equations that define it; its error estimate and first guess, written anew."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics.adaptive.radau import MOST_NEWTON, radau_step
+from softcradle.physics.adaptive.radau_error import RATIO, compliance, embedded_error
+from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, NO_GUESS, first_guess, set_pushed, time_since_onset
+from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
+from softcradle.physics.numerics.law_curve import NODES, care, signed_force
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
+
+from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
+
+pytestmark = only_plain
+
+_POWERS = np.vander(NODES, 3, increasing=True)
+TABLEAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)  # exact for parabolas
+GAMMA = 1.0 / (3.0 + 9.0 ** (1 / 3) - 3.0 ** (1 / 3))
+LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_gear(2.0, 0.4))
+
+
+def random_motion(seed):
+    """A chain amid a collision, each contact in a mode that fits, and a step."""
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(1, 6))
+    mass = 10.0 ** draw.uniform(-0.5, 0.5, n + 1)
+    if draw.random() < 0.3:
+        mass[0] = math.inf
+    laws = [LAWS[draw.integers(len(LAWS))] for _ in range(n)]
+    drive = np.where(np.isfinite(mass), draw.normal(size=n + 1), 0.0) if draw.random() < 0.4 else None
+    chain = Chain(mass, laws, drive=drive)
+    state = State.at_start(chain, np.where(np.isfinite(mass), 0.3 * draw.normal(size=n + 1), 0.0))
+    mode = draw.choice([OPEN, TOUCHING, LOADED, LOADED, LOADED, FROZEN], n)
+    for i, law in enumerate(laws):
+        if mode[i] == TOUCHING and law.preload == 0.0:
+            mode[i] = LOADED
+        state.overlap[i] = {OPEN: -2.0, TOUCHING: 0.0}.get(int(mode[i]), draw.uniform(0.3, 0.6))
+        if mode[i] in (TOUCHING, FROZEN):
+            state.rate[i] = 0.0
+        state.force[i] = law.force(state.overlap[i]) if state.overlap[i] > 0.0 else 0.5 * law.preload
+        state.force[i] = 0.0 if mode[i] == OPEN else state.force[i]
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = mode
+    return chain, data, motion, draw.uniform(0.005, 0.03)
+
+
+def stepped(data, motion, h, past_step=0.0, origin=AFTER, precision=1e-12):
+    trial, scratch = empty_trial(motion.rate.size), empty_scratch(motion.rate.size)
+    return radau_step(h, data, motion, precision, past_step, origin, trial, scratch), trial
+
+
+@pytest.mark.parametrize("first", range(0, 60, 10))
+def test_a_step_solves_the_collocation_equations(first):
+    for seed in range(first, first + 10):
+        chain, data, motion, h = random_motion(seed)
+        used, trial = stepped(data, motion, h)
+        assert 0 < used <= 8, seed
+        matrix = row_matrix(chain)
+        drive = data.external[:-1] if data.external.size else np.zeros(chain.contacts)
+        push = trial.force @ matrix - drive  # (3, n): - w'
+        rate = motion.rate - h * TABLEAU @ push
+        for i in range(chain.contacts):
+            if motion.mode[i] in (OPEN, LOADED, TOUCHING):
+                assert trial.rate[:, i] == pytest.approx(rate[:, i], abs=1e-9), (seed, i)
+                wanted = motion.overlap[i] + h * NODES * motion.rate[i] - h * h * (TABLEAU @ TABLEAU @ push)[:, i]
+                assert trial.overlap[:, i] == pytest.approx(wanted, abs=1e-11), (seed, i)
+            if motion.mode[i] == LOADED:
+                law = chain.contact[i]
+                assert trial.force[:, i] == pytest.approx(
+                    [signed_force(law.preload, law.stiffness, law.exponent, d) for d in trial.overlap[:, i]], rel=1e-9
+                ), (seed, i)
+            elif motion.mode[i] in (OPEN, FROZEN):
+                assert (trial.force[:, i] == motion.force[i]).all()
+            else:
+                assert (trial.overlap[:, i] == 0.0).all()
+        check_anchor(data, motion, trial, h)
+
+
+def check_anchor(data, motion, trial, h):
+    bead, n = data.anchor_bead, motion.rate.size
+    net = trial.force[:, bead - 1] if bead > 0 else np.zeros(3)
+    net = net - (trial.force[:, bead] if bead < n else 0.0)
+    acceleration = net * data.inverse_mass[bead] + (data.external[n] if data.external.size else 0.0)
+    position, velocity = motion.anchor
+    assert trial.anchor[1] == pytest.approx(velocity + h * TABLEAU[2] @ acceleration, abs=1e-14)
+    moved = h * velocity + h * h * (TABLEAU @ TABLEAU)[2] @ acceleration
+    assert trial.anchor[0] == pytest.approx(position + moved, abs=1e-14)
+
+
+def test_a_spring_is_followed_by_the_rational_function_of_the_method():
+    """Radau IIA of order 5 multiplies exp(z) by R(z) = (1 + 2z/5 + z²/20) / (1 - 3z/5 + 3z²/20 - z³/60)."""
+    chain = Chain([1.0, math.inf], hooke(4.0))
+    for h in (0.05, 0.3, 1.0):
+        state = State.at_start(chain, [0.7, 0.0])
+        state.overlap[0], state.force[0] = 0.2, 0.8
+        data, _, motion = records_of(chain, state)
+        motion.mode[0] = LOADED
+        used, trial = stepped(data, motion, h)
+        assert 0 < used <= 3
+        z = 2.0j * h
+        ratio = (1.0 + 0.4 * z + 0.05 * z * z) / (1.0 - 0.6 * z + 0.15 * z * z - z**3 / 60.0)
+        wanted = (0.2 - 0.35j) * ratio  # d - i w/omega turns with exp(i omega t)
+        assert trial.overlap[2, 0] == pytest.approx(wanted.real, abs=1e-13)
+        assert trial.rate[2, 0] == pytest.approx(-2.0 * wanted.imag, abs=1e-13)
+
+
+def test_stages_that_do_not_converge_are_said():
+    _, data, motion, h = random_motion(3)
+    motion.rate[:] = math.nan
+    assert stepped(data, motion, h)[0] == 0
+    assert MOST_NEWTON == 15
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_error_is_that_of_two_quadratures_filtered(seed):
+    """(C + (h gamma)² L) phi = e_d + h gamma e_w by a dense solve, in place of the elimination along the row."""
+    chain, data, motion, h = random_motion(seed)
+    used, trial = stepped(data, motion, h)
+    assert used > 0
+    n, matrix, reach = chain.contacts, row_matrix(chain), h * GAMMA
+    drive = data.external[:-1] if data.external.size else np.zeros(n)
+    by_rate, by_overlap = trial.rate - motion.rate, trial.overlap - motion.overlap
+    fine_w = reach * (drive - matrix @ motion.force) + embedded() @ by_rate
+    fine_d = reach * motion.rate + embedded() @ by_overlap
+    coarse_w, coarse_d = coarse() @ by_rate, coarse() @ by_overlap
+    give = [compliance(data.law, motion.mode, i, trial.overlap[2, i], trial.force[2, i]) for i in range(n)]
+    rows = [i for i in range(n) if give[i] >= 0.0]
+    phi = np.zeros((2, n))
+    if rows:
+        square = np.diag(give)[np.ix_(rows, rows)] + reach**2 * matrix[np.ix_(rows, rows)]
+        phi[0, rows] = np.linalg.solve(square, (fine_d + reach * fine_w)[rows])
+        phi[1, rows] = np.linalg.solve(square, (coarse_d + reach * coarse_w)[rows])
+    by_fine, by_coarse = np.abs(fine_w - reach * matrix @ phi[0]), np.abs(coarse_w - reach * matrix @ phi[1])
+    weight, worst = np.diag(matrix), 0.0
+    slowest = min((weight[i] / give[i] for i in range(n) if give[i] > 0.0), default=math.inf)
+    for i in range(n):
+        times = 1.0
+        if give[i] > 0.0:
+            by_fine[i] = max(by_fine[i], math.sqrt(weight[i] * give[i]) * abs(phi[0, i]))
+            by_coarse[i] = max(by_coarse[i], math.sqrt(weight[i] * give[i]) * abs(phi[1, i]))
+            stiff = weight[i] / give[i]
+            times = care(data.law[i, 2], h * h * stiff, stiff / slowest)
+        worst = max(worst, times * by_fine[i] * min(1.0, RATIO * by_fine[i] / max(by_coarse[i], 1e-300)))
+    found = embedded_error(h, data, motion, trial, np.zeros((3, n + 1)))
+    assert found == pytest.approx(worst, rel=1e-6, abs=1e-14)
+
+
+def embedded():
+    """A quadrature with the start, weight gamma, and the stages, exact for parabolas, against that of the method."""
+    weights = np.linalg.solve((NODES[:, None] ** np.arange(3)).T, [1.0 - GAMMA, 1.0 / 2.0, 1.0 / 3.0])
+    return (weights - TABLEAU[2]) @ np.linalg.inv(TABLEAU)
+
+
+def coarse():
+    """The quadrature by the two last stages against that by three, in the stages' differences."""
+    by_two = np.linalg.solve((NODES[1:, None] ** np.arange(2)).T, [1.0, 0.5])
+    return (TABLEAU[2] - np.append(0.0, by_two)) @ np.linalg.inv(TABLEAU)
+
+
+def test_compliance():
+    law = np.array([[0.0, 2.0, 0.5], [0.5, 2.0, 1.0], [0.0, 2.0, 1.5]])
+    modes = np.array([LOADED, LOADED, LOADED])
+    assert compliance(law, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # of f = 2 sqrt(d)
+    assert compliance(law, modes, 1, 0.25, 1.0) == 0.5
+    assert compliance(law, modes, 2, -0.1, 0.0) == -1.0
+    assert compliance(law, modes, 0, 0.0, 0.0) == 0.0
+    for mode, wanted in ((OPEN, -1.0), (FROZEN, -1.0), (TOUCHING, 0.0)):
+        assert compliance(law, np.array([mode]), 0, 0.25, 1.0) == wanted
+
+
+def test_a_guess_by_the_step_before_is_as_good_as_its_cubic():
+    """After or within a step like it the guess is off by the fourth order of the step, and Newton needs few iterations."""
+    for law in (hooke(3.0), hertz(5.0), draft_gear(2.0, 0.4), power_law(2.0, 0.5)):
+        errors = []
+        for h in (0.04, 0.02):
+            chain = Chain([1.0, 1.0, 2.0], law)
+            state = State.at_start(chain, [0.5, 0.1, 0.0])
+            state.overlap[:] = 0.5, 0.3
+            state.force[:] = law.force(state.overlap)
+            data, _, motion = records_of(chain, state)
+            motion.mode[:] = LOADED
+            _, trial = stepped(data, motion, h)
+            past = np.vstack([motion.force, trial.force, motion.overlap, trial.overlap])
+            for origin in (INSIDE, AFTER):
+                if origin == AFTER:
+                    motion.overlap[:], motion.rate[:] = trial.overlap[2], trial.rate[2]
+                    motion.force[:] = trial.force[2]
+                guess, scratch = empty_trial(2), empty_scratch(2)
+                first_guess(h, data, motion, h, origin, past, guess)
+                scratch.past[:] = past
+                exact = empty_trial(2)
+                assert 0 < radau_step(h, data, motion, 1e-13, h, origin, exact, scratch) <= 5
+                if origin == INSIDE:
+                    assert guess.overlap == pytest.approx(trial.overlap, abs=1e-5)
+                    assert guess.force == pytest.approx(trial.force, rel=1e-4)
+            errors.append(np.abs(guess.force - exact.force).max())
+        assert errors[0] < 2e-4
+        assert errors[1] < errors[0] / 8.0
+
+
+def guessed(chain, state, mode, h, past_step=0.0, origin=AFTER, past=None):
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = mode
+    trial = empty_trial(chain.contacts)
+    first_guess(h, data, motion, past_step, origin, np.zeros((8, chain.contacts)) if past is None else past, trial)
+    return trial
+
+
+def test_guesses_without_a_step_before():
+    chain = Chain([1.0, 1.0, 1.0, 1.0], [hooke(3.0), draft_gear(2.0, 0.4), power_law(2.0, 0.5)])
+    state = State.at_start(chain, [0.5, 0.1, 0.2, 0.0])
+    state.overlap[:] = 0.2, 0.0, 0.25
+    state.force[:] = 0.6, 0.3, 1.0
+    found = guessed(chain, state, [LOADED, TOUCHING, LOADED], 0.1, NO_GUESS)
+    flown = 0.2 + 0.1 * NODES * 0.4
+    assert found.overlap[:, 0] == pytest.approx(flown)
+    assert found.force[:, 0] == pytest.approx(3.0 * flown)
+    assert (found.overlap[:, 1] == 0.0).all()
+    assert (found.force[:, 1] == 0.3).all()
+    assert (found.overlap[:, 2] == 0.25).all()  # a soft one keeps its force
+    assert (found.force[:, 2] == 1.0).all()
+    state.overlap[0], state.force[0] = -1.0, 0.0
+    found = guessed(chain, state, [OPEN, FROZEN, LOADED], 0.1, NO_GUESS)
+    assert found.overlap[:, 0] == pytest.approx(-1.0 + 0.1 * NODES * 0.4)
+    assert (found.force[:, 0] == 0.0).all()
+    assert (found.force[:, 1] == 0.3).all()
+
+
+def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset():
+    """Driven alone from rest at t = 0, d = w t: the guess is d (1 + h c/t), exact; one that follows another has its growth."""
+    chain = Chain([1.0, 1.0, 1.0], power_law(2.0, 0.5))
+    state = State.at_start(chain, [1.0, 0.0, 0.0])
+    state.overlap[:] = 0.4, 0.01
+    state.rate[:] = 0.8, 0.06  # onset 0.5 s ago; the second grows as t**3
+    state.force[:] = 2.0 * np.sqrt(state.overlap)
+    found = guessed(chain, state, [LOADED, LOADED], 0.2)
+    part = 1.0 + 0.2 * NODES / 0.5
+    assert found.overlap[:, 0] == pytest.approx(0.4 * part)
+    assert found.overlap[:, 1] == pytest.approx(0.01 * part**3)
+    assert found.force == pytest.approx(2.0 * np.sqrt(found.overlap))
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = LOADED
+    assert time_since_onset(data.law, motion.mode, motion.overlap, motion.rate, motion.force) == pytest.approx(0.5)
+    motion.mode[:] = OPEN
+    assert time_since_onset(data.law, motion.mode, motion.overlap, motion.rate, motion.force) == 1e30
+
+
+def test_a_contact_at_rest_is_pushed_by_its_neighbour():
+    force, overlap = np.zeros((3, 2)), np.zeros((3, 2))
+    law = np.array([[0.0, 2.0, 0.5], [0.0, 2.0, 0.5]])
+    set_pushed(0.1, law, np.array([1.0, 4.0, 1.0]), 1, 1, 1, 3.0, overlap, force)
+    flown = 0.5 * (0.1 * NODES[1]) ** 2 * 4.0 * 3.0
+    assert force[1, 1] == pytest.approx(2.0 * math.sqrt(flown))
+    assert overlap[1, 1] == pytest.approx(flown)
+    set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 2, 1, 3.0, overlap, force)
+    assert force[2, 1] == pytest.approx(2.4)
+    assert overlap[2, 1] == pytest.approx(1.44)
+    set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 0, 1, 0.0, overlap, force)
+    assert force[0, 1] == 0.0

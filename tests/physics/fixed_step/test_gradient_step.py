@@ -1,0 +1,200 @@
+"""One step of conserving, by the equations that define it: contacts, loss, friction, external forces, and what is absorbed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.chain import GRAVITY
+from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS, first_event, gradient_step, single_step
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+
+from tests.helpers.plain_kernels import only_plain, records_of
+
+pytestmark = only_plain
+
+
+def random_laws(draw, count, loss):
+    kinds = (
+        lambda: hooke(10.0 ** draw.uniform(-1, 2)),
+        lambda: hertz(10.0 ** draw.uniform(-1, 2)),
+        lambda: power_law(10.0 ** draw.uniform(-1, 1), draw.choice([1 / 14, 0.1, 0.5])),
+        lambda: draft_gear(10.0 ** draw.uniform(0, 1), 0.1),
+        lambda: step_force(draw.uniform(0.2, 2.0)),
+    )
+    laws = [kinds[draw.integers(len(kinds))]() for _ in range(count)]
+    return [replace(law, loss=float(draw.choice([0.0, 0.3, 0.8]))) for law in laws] if loss else laws
+
+
+def random_chain(seed, dissipative):
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(1, 6))
+    mass = 10.0 ** draw.uniform(-0.5, 0.5, n + 1)
+    if draw.random() < 0.25:
+        mass[0 if draw.random() < 0.5 else n] = math.inf
+    drive = np.where(np.isfinite(mass), draw.normal(size=n + 1), 0.0) if draw.random() < 0.5 else None
+    friction = draw.choice([0.0, 0.02, 0.1]) if dissipative else 0.0
+    chain = Chain(mass, random_laws(draw, n, dissipative), drive=drive, friction=friction)
+    velocity = np.where(np.isfinite(mass), draw.normal(size=n + 1), 0.0)
+    if dissipative and draw.random() < 0.5:
+        velocity[draw.integers(n + 1)] = 0.0
+    state = State.at_start(chain, velocity)
+    state.overlap[:] = np.where(draw.random(n) < 0.4, 0.0, draw.normal(scale=0.2, size=n))
+    return chain, state, 10.0 ** draw.uniform(-2.0, 0.0)
+
+
+def step(chain, state, h):
+    """One whole step in place; returns the iterations of its solver."""
+    data, dissipation, motion = records_of(chain, state)
+    n = chain.contacts
+    beads, work = np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n))
+    return single_step(h, data, dissipation, motion, beads, work, True, True)[0]
+
+
+def stored(chain, i, overlap):
+    return chain.contact[i].energy(overlap)
+
+
+@pytest.mark.parametrize("dissipative", [False, True])
+@pytest.mark.parametrize("first", range(0, 120, 20))
+def test_a_step_solves_its_equations(first, dissipative):
+    for seed in range(first, first + 20):
+        chain, state, h = random_chain(seed, dissipative)
+        before = state.copy()
+        v0, push = before.velocity(chain), state.external(chain)
+        assert step(chain, state, h) > 0, seed
+        v1, force, inverse_mass = state.velocity(chain), state.force, chain.inverse_mass
+        by_contacts = np.append(0.0, force) - np.append(force, 0.0) + (0.0 if push is None else push)
+        u = v0 + h * by_contacts * inverse_mass
+        bed = chain.bed if chain.on_bed else np.zeros(chain.contacts + 1)
+        scale = 1.0 + np.abs(u).max()
+        braked = np.where(np.abs(u) > h * bed, u - np.sign(u) * h * bed, 0.0)
+        braked = np.where(bed > 0.0, braked, u)
+        assert v1 == pytest.approx(braked, abs=1e-10 * scale), seed
+        assert state.overlap == pytest.approx(
+            before.overlap + 0.5 * h * (before.rate + state.rate), abs=1e-11 * scale
+        ), seed
+        assert state.anchor[0] == pytest.approx(
+            before.anchor[0] + 0.5 * h * (before.anchor[1] + state.anchor[1]), abs=1e-11 * scale
+        )
+        for i in range(chain.contacts):
+            check_contact(chain, i, before, state, h, seed)
+        check_ledger(chain, before, state, v0, v1, h, push, seed)
+
+
+def check_contact(chain, i, before, state, h, seed):
+    """The force is the mean force of the step; loss leaves its part of it while the contact comes out."""
+    d0, d1, force = before.overlap[i], state.overlap[i], state.force[i]
+    fall, size = stored(chain, i, d1) - stored(chain, i, d0), stored(chain, i, d0) + stored(chain, i, d1)
+    kept = 1.0 - chain.contact[i].loss
+    ends = 2.0 * (d1 - d0) / h - before.rate[i]
+    loses = kept < 1.0 and (d0 > 0.0 or (d0 == 0.0 and before.rate[i] > 0.0))
+    if max(d0, d1) <= 0.0 and d0 != d1:
+        assert force == 0.0, (seed, i)
+    elif d1 == d0 <= 0.0:
+        assert -1e-12 <= force <= chain.contact[i].preload * (1.0 + 1e-12), (seed, i)
+    else:
+        work = force * (d1 - d0)
+        most, least = (fall, kept * fall) if fall > 0.0 else (kept * fall, fall)
+        if not loses:
+            assert work == pytest.approx(fall, rel=1e-7, abs=1e-10 * size), (seed, i)
+        elif abs(ends) > 1e-9:
+            wanted = fall if ends > 0.0 and d0 + 0.5 * h * before.rate[i] > 0.0 else kept * fall
+            assert work == pytest.approx(wanted, rel=1e-7, abs=1e-10 * size), (seed, i)
+        else:
+            assert least - 1e-10 * size <= work <= most + 1e-10 * size, (seed, i)
+
+
+def check_ledger(chain, before, state, v0, v1, h, push, seed):
+    """Energy closes, and what the bed takes is the work of its friction."""
+    work = 0.0 if push is None else 0.5 * h * float(push @ (v0 + v1))
+    change = state.energy(chain) - before.energy(chain)
+    scale = 1.0 + before.energy(chain) + abs(work)
+    assert change + state.absorbed.sum() == pytest.approx(work, abs=1e-10 * scale), seed
+    if chain.on_bed:
+        mass = np.array(chain.finite_mass)
+        by_contacts = np.append(0.0, state.force) - np.append(state.force, 0.0) + (0.0 if push is None else push)
+        braked = np.where(mass > 0.0, mass * (v1 - v0) - h * by_contacts, 0.0)
+        assert state.absorbed[1] == pytest.approx(-0.5 * float(braked @ (v0 + v1)), abs=1e-10 * scale), seed
+
+
+def test_the_first_bead_to_stop_and_the_first_contact_to_turn_cut_the_step():
+    chain = Chain([1.0, 2.0], hooke(1.0), gap=10.0, friction=0.1)
+    brake = 0.1 * GRAVITY
+    state = State.at_start(chain, [0.5 * brake, -0.25 * brake])
+    data, dissipation, motion = records_of(chain, state)
+    beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
+    used, part = single_step(1.0, data, dissipation, motion, beads, work, False, False)
+    assert used > 0
+    assert part == pytest.approx(0.25)
+    assert motion.rate[0] == 0.75 * brake, "the motion stays as it was"
+    assert first_event(1.0, data.joints, dissipation, motion, beads, work) == pytest.approx(0.25)
+
+    chain = Chain([1.0, math.inf], step_force(2.0, loss=0.5))  # it turns at w/a = 0.4/2
+    state = State.at_start(chain, [0.4, 0.0])
+    data, dissipation, motion = records_of(chain, state)
+    motion.overlap[0] = 1.0
+    used, part = single_step(0.25, data, dissipation, motion, np.zeros((BEAD_ROWS, 2)), work, False, False)
+    assert used > 0
+    assert part == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize("h", [0.3, 0.6, 1.0])
+def test_a_slide_and_a_bounce_end_to_the_digit_in_one_step(h):
+    """Cut where a bead stops and where a contact turns, a step is exact under steady forces."""
+    chain = Chain([2.0, 1.0], hooke(1.0), gap=10.0, friction=0.1)
+    brake = 0.1 * GRAVITY
+    state = State.at_start(chain, [0.2 * brake, -0.1 * brake])
+    taken(chain, state, h)
+    assert state.velocity(chain).tolist() == [0.0, 0.0]
+    assert state.position(chain) == pytest.approx([0.02 * brake, 10.0 - 0.005 * brake], rel=1e-13)
+    assert state.absorbed[1] == pytest.approx(0.04 * brake**2 + 0.005 * brake**2, rel=1e-12)
+
+    chain = Chain([1.0, math.inf], step_force(2.0, loss=0.75))
+    state = State.at_start(chain, [1.0, 0.0])
+    state.overlap[0] = 1.0
+    taken(chain, state, 0.6)
+    assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)  # 0.5 s in, then by a quarter of the force
+    assert state.overlap[0] == pytest.approx(1.25 - 0.25 * 0.01, rel=1e-12)
+    assert state.absorbed[0] == pytest.approx(0.75 * 2.0 * 0.0025, rel=1e-10)
+
+
+def taken(chain, state, h):
+    """One step, in as many parts as it wants."""
+    data, dissipation, motion = records_of(chain, state)
+    n = chain.contacts
+    used = gradient_step(h, data, dissipation, motion, np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n)))
+    state.time += h
+    return used
+
+
+def test_a_bead_at_rest_stays_below_its_friction_and_slips_above():
+    for push, moves in ((0.9, False), (1.1, True)):
+        chain = Chain([2.0, 1.0], hooke(1.0), gap=1.0, friction=0.1, drive=[0.2 * GRAVITY * push, 0.0])
+        state = State.at_start(chain, [0.0, 0.0])
+        taken(chain, state, 0.1)
+        v = 0.1 * 0.1 * GRAVITY * (push - 1.0) if moves else 0.0
+        assert state.velocity(chain)[0] == pytest.approx(v, rel=1e-12)
+        assert state.velocity(chain)[1] == 0.0
+        assert state.absorbed[1] == pytest.approx(2.0 * 0.1 * GRAVITY * 0.05 * v, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_step_in_parts_keeps_the_ledger(seed):
+    """Long steps of chains that rub and lose, cut at every event: energy closes all the same."""
+    for k in range(seed, 80, 8):
+        chain, state, h = random_chain(k, True)
+        before, iterations = state.copy(), 0
+        for _ in range(3):
+            used = taken(chain, state, h)
+            assert used > 0, k
+            iterations = max(iterations, used)
+        assert iterations < 150, k
+        if chain.drive_force is None:
+            scale = 1.0 + before.energy(chain)
+            assert state.energy(chain) + state.absorbed.sum() == pytest.approx(
+                before.energy(chain), abs=1e-10 * scale
+            ), k

@@ -1,0 +1,138 @@
+"""The curve of a contact law for implicit steps: values, slopes, and Newton's moves along it, against what defines them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics.numerics.law_curve import (
+    MOST_CARE,
+    NODES,
+    SMALLEST,
+    care,
+    cubic,
+    flow_into,
+    move_along,
+    signed_force,
+    slope_at,
+)
+
+LAWS = [
+    (preload, stiffness, exponent)
+    for preload in (0.0, 0.3, 2.0)
+    for stiffness in (0.5, 40.0)
+    for exponent in (1 / 30, 0.1, 0.5, 1.0, 1.5, 3.0)
+]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_the_curve_and_its_continuation(law):
+    preload, stiffness, exponent = law
+    continued = preload > 0.0 or exponent == 1.0
+    for overlap in (1e-9, 0.2, 1.0, 3.0):
+        force = preload + stiffness * overlap**exponent
+        assert signed_force(*law, overlap) == pytest.approx(force, rel=1e-15)
+        assert signed_force(*law, -overlap) == pytest.approx(2.0 * preload - force if continued else 0.0, rel=1e-14)
+    assert signed_force(*law, 0.0) == preload
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_its_slope(law):
+    preload, _, exponent = law
+    for overlap in (-3.0, -0.2, 0.2, 1.0, 3.0):
+        nudge = 1e-6 * abs(overlap)
+        rise = signed_force(*law, overlap + nudge) - signed_force(*law, overlap - nudge)
+        found = slope_at(*law, overlap, signed_force(*law, overlap))
+        assert found == pytest.approx(rise / (2.0 * nudge), rel=1e-6, abs=1e-12)
+    at_zero = law[1] if exponent == 1.0 else math.inf if exponent < 1.0 else 0.0
+    assert slope_at(*law, 0.0, preload) == at_zero
+    assert slope_at(*law, 0.5 * SMALLEST, preload) == at_zero
+
+
+def test_the_weight_of_an_error():
+    assert care(1.0, 5.0, 9.0) == care(1.5, 5.0, 9.0) == 1.0
+    assert care(0.5, 0.25, 9.0) == 1.0 + 0.25 * 3.0
+    assert care(0.1, 7.0, 9.0) == 1.0 + 3.0
+    assert care(0.1, 1.0, 1e30) == 1.0 + MOST_CARE
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_newton_reaches_the_one_point_whatever_it_begins_from(law):
+    """Moves as radau makes them, for d + weight f = s: each stays on the curve, and few are enough."""
+    exponent = law[2]
+    for weight in (1e-6, 1e-2, 1.0, 1e3):
+        for wanted in (1e-12, 1e-4, 0.1, 2.0):
+            s = wanted + weight * signed_force(*law, wanted)
+            for start in (1e-9, 1e-3, 0.5, 20.0):
+                reached, moves = newton(law, weight, s, start)
+                assert reached + weight * signed_force(*law, reached) == pytest.approx(s, rel=1e-9)
+                assert moves <= (40 if exponent > 2.0 else 30), (weight, wanted, start)
+
+
+def newton(law, weight, s, overlap):
+    """The overlap that Newton's moves reach, and how many they are."""
+    force = signed_force(*law, overlap)
+    for move in range(200):
+        lacks = s - overlap - weight * force
+        if abs(lacks) <= 1e-12 * abs(s):
+            return overlap, move
+        slope = slope_at(*law, overlap, force)
+        along = 0.0 if math.isinf(slope) else 1.0 / (1.0 + weight * slope)
+        across = 1.0 / weight if math.isinf(slope) else slope * along
+        overlap, force = move_along(*law, weight, overlap, force, along * lacks, across * lacks)
+        if overlap > SMALLEST:
+            assert force == pytest.approx(signed_force(*law, overlap), rel=1e-9)
+    return overlap, 200
+
+
+def test_moves_toward_zero_go_by_the_force():
+    """A soft contact takes the force that Newton wants, and the overlap of this force; one that wants less than none opens."""
+    soft, gear = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
+    assert move_along(*soft, 1.0, 0.25, 1.0, -0.1, -0.4) == pytest.approx((0.09, 0.6))
+    assert move_along(*gear, 1e-9, 0.25, 2.0, -0.1, -0.4) == pytest.approx((0.09, 1.6))
+    assert move_along(*gear, 1e-9, 0.25, 2.0, -0.3, -1.4) == pytest.approx((-0.04, 0.6))
+    assert move_along(*soft, 1.0, 0.25, 1.0, -0.5, -2.0) == pytest.approx((-0.25, 0.0))
+    assert move_along(*soft, 1.0, 0.25, 1.0, -0.1, -2.0) == (-SMALLEST, 0.0)
+    assert move_along(*gear, 1e-9, 0.25, 2.0, -0.3, -1.0) == (0.0, 1.0)
+    assert move_along(*soft, 1.0, 0.0, 0.0, 0.0, 1.0) == pytest.approx((0.25, 1.0))
+    assert move_along(0.0, 2.0, 1.5, 1.0, 1.0, 2.0, -0.75, -5.0) == pytest.approx((0.25, 0.25))
+
+
+def test_moves_away_from_zero_go_by_the_overlap_or_by_a_small_force():
+    soft = (0.0, 2.0, 0.5)
+    assert move_along(*soft, 1e-3, 1.0, 2.0, 1.25, 1.25) == pytest.approx((2.25, 3.0))
+    reached = move_along(0.0, 2.0, 0.1, 1.0, 1e-20, 0.02, 1e-19, 0.02)
+    assert reached == pytest.approx(((0.04 / 2.0) ** 10.0, 0.04))
+
+
+def test_a_contact_far_beyond_its_solution_goes_to_the_bound_of_it():
+    """d + weight f stays what Newton's move makes it: with a preload, the overlap at which the law alone takes all of it."""
+    law = (1.0, 2.0, 0.5)
+    force = signed_force(*law, 4.0)
+    soft = 1.0 + 0.01 * 0.5 * (force - 1.0) / 4.0
+    rest = 4.0 + 0.01 * (force - 1.0) - soft * 3.999
+    assert move_along(*law, 0.01, 4.0, force, -3.999, -1.0) == pytest.approx(
+        (min((rest / 0.02) ** 2, 4.0), 1.0 + rest / 0.01)
+    )
+
+
+def test_forces_flow_as_the_matrix_of_the_chain_says():
+    draw = np.random.default_rng(3)
+    inverse_mass, force = draw.uniform(0.1, 2.0, 5), draw.uniform(0.0, 3.0, 4)
+    across = np.eye(4, 5) - np.eye(4, 5, 1)  # from beads to contacts
+    matrix = across @ np.diag(inverse_mass) @ across.T
+    assert [flow_into(i, inverse_mass, force) for i in range(4)] == pytest.approx(matrix @ force)
+
+
+def test_nodes_and_cubic():
+    """Quadrature at Radau's nodes is exact to the fourth power; a cubic goes through the values it is given."""
+    weights = np.linalg.solve(np.vander(NODES, increasing=True).T, [1.0, 1.0 / 2.0, 1.0 / 3.0])
+    assert weights @ NODES**3 == pytest.approx(1.0 / 4.0)
+    assert weights @ NODES**4 == pytest.approx(1.0 / 5.0)
+
+    def wanted(x):
+        return 0.3 - 1.1 * x + 0.7 * x**2 + 2.0 * x**3
+
+    for x in (0.0, 0.1, 0.4, 1.0, 1.7):
+        assert cubic(x, wanted(0.0), *(wanted(c) for c in NODES)) == pytest.approx(wanted(x), abs=1e-13)
