@@ -80,11 +80,14 @@ def window() -> Iterator[Report]:
     os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
     from benchmarks import window
 
-    start, frame = window.starts(), window.frames(10.0)
+    start, paused, frame = window.starts(), window.paused(), window.frames(10.0)
     rows = [[name.replace("_", " "), f"{value:.2f}"] for name, value in start.items()]
+    rows += [["paused, per cent of a core", f"{paused:.2f}"]]
     rows += [[name.replace("_", " "), f"{value:.2f}"] for name, value in frame.items() if name.endswith("_ms")]
     note = f"{frame['frames']} frames, driver {frame['driver']}, {frame['late']} later than a sixtieth of a second"
-    yield Report("The window, 50 beads at 1280x720", ["", ""], rows, [note], {"start": start, "frame": frame})
+    yield Report(
+        "The window, 50 beads at 1280x720", ["", ""], rows, [note], {"start": start, "paused": paused, "frame": frame}
+    )
 
 
 def sweeps() -> Iterator[Report]:

@@ -1,4 +1,4 @@
-"""The window: time to the first frame, with and without cached kernels, and the time of the frames of a busy page.
+"""The window: time to the first frame, with and without cached kernels, frames of a busy page, and what a paused one costs.
 
 python -m benchmarks.window [--json] [--seconds 10]
 
@@ -40,6 +40,20 @@ app.frame(1 / 60)
 print("shown", flush=True)
 """
 
+PAUSED = """
+import threading, time
+from softcradle.sandbox.window.app import App
+app, marks = App(start="one-on-four"), []
+app.warmup.complete.wait()
+def mark():
+    marks.append((time.process_time(), time.perf_counter()))
+for seconds, do in ((5.0, mark), (15.0, mark), (15.5, app.quit)):
+    threading.Timer(seconds, do).start()
+app.run()
+(work, began), (worked, ended) = marks
+print(100.0 * (worked - work) / (ended - began))
+"""
+
 
 def main() -> None:
     """Measure and print."""
@@ -50,7 +64,7 @@ def main() -> None:
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("win32", "darwin")):
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
-    found = {"start": starts(), "frame": frames(args.seconds)}
+    found = {"start": starts(), "paused_percent": paused(), "frame": frames(args.seconds)}
     print(json.dumps(found, indent=2) if args.json else _report(found))
 
 
@@ -70,6 +84,12 @@ def _start(environment: dict[str, str]) -> float:
         seconds = perf_counter() - began
         process.kill()
     return seconds
+
+
+def paused() -> float:
+    """Per cent of a core that a scene takes that is open and paused, by the loop of the window, over 10 s."""
+    done = subprocess.run([sys.executable, "-c", PAUSED], stdout=subprocess.PIPE, check=True, text=True)
+    return float(done.stdout.split()[-1])
 
 
 def frames(seconds: float) -> dict[str, Any]:
@@ -122,6 +142,7 @@ def _report(found: dict[str, Any]) -> str:
         (
             f"first frame: {start['cached_seconds']:.2f} s with cached kernels, "
             f"{start['uncached_seconds']:.2f} s without",
+            f"paused: {found['paused_percent']:.1f} % of a core",
             f"frames at 1280x720, 50 beads, plots shown, driver {frame['driver']} ({frame['frames']} of them):",
             f"  median {frame['median_ms']:.1f} ms, 95th percentile {frame['p95_ms']:.1f} ms, "
             f"99th percentile {frame['p99_ms']:.1f} ms, worst {frame['worst_ms']:.1f} ms",

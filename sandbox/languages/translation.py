@@ -128,7 +128,13 @@ def localized(number: str) -> str:
 
 
 class _Filler(string.Formatter):
-    """str.format, but floats take the decimal mark of the language in use."""
+    """str.format, but floats take the decimal mark of the language in use, and no scalar shows that it is NumPy's."""
+
+    def convert_field(self, value: Any, conversion: str | None) -> Any:
+        """The value as text where its form is asked for by !r."""
+        if conversion == "r" and isinstance(value, float):
+            return localized(float.__repr__(value))
+        return super().convert_field(value, conversion)
 
     def format_field(self, value: Any, format_spec: str) -> str:
         """The text of one value."""

@@ -13,6 +13,7 @@ from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 from softcradle.sandbox.window.gallery.sections import SECTIONS
 
 from softcradle import scenes
+from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
 UNDRAWN = ("one-on-four", "galilean")
@@ -136,3 +137,15 @@ def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
     gallery.drag(knob.center, (knob.centerx, track.bottom))
     gallery.release((knob.centerx, track.bottom))
     assert page.place(len(page.names) - 1).bottom <= gallery.app.size[1]
+
+
+def test_a_caption_has_a_title_two_lines_and_a_source(gallery: Driver) -> None:
+    page = gallery.app.page
+    assert isinstance(page, GalleryPage)
+    with drawn_texts(gallery.app.size) as texts:
+        gallery.app.paint()
+    places = [page.place(k) for k in range(len(page.names)) if page.place(k).bottom < gallery.app.size[1]]
+    assert len(places) >= 4
+    counts = [sum(place.collidepoint(one.rect.center) for one in texts) for place in places]
+    assert max(counts) == 4
+    assert min(counts) >= 3  # of a text that is one line long

@@ -1,0 +1,150 @@
+"""What a scene shows beside its beads: the mark of unsaved edits, arrows to beads outside, labels, plots that are scrolled to."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pygame
+import pytest
+from softcradle.sandbox.draw.number_format import MINUS
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
+from softcradle.sandbox.window.scene.pick import Pick
+
+from tests.helpers.drawn_text import colliding, drawn_texts
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+
+def texts_of(driver: Driver) -> list:
+    """The texts of the window as it is now."""
+    driver.page.view.redraw()
+    with drawn_texts(driver.app.size) as texts:
+        driver.app.paint()
+    return texts
+
+
+def has_colour(driver: Driver, points, colour) -> bool:
+    return all(driver.app.surface.get_at((round(x), round(y)))[:3] == tuple(colour) for x, y in points)
+
+
+def test_the_title_marks_unsaved_edits(driver: Driver) -> None:
+    def title() -> str:
+        return next(one.text for one in texts_of(driver) if "One bead on four" in one.text)
+
+    assert title() == "One bead on four"
+    driver.key(pygame.K_a)
+    assert title() == "• One bead on four"
+    driver.page.dialogs.save("save_scene", "mine")
+    assert title() == "One bead on four"
+
+
+def test_arrows_count_the_beads_outside(driver: Driver) -> None:
+    rect = driver.page.view.lanes[0].drawing.rect
+    driver.drag((rect.left + 40, rect.top + 40), (rect.left + 40 - 3 * rect.width, rect.top + 40))
+    driver.release((rect.left, rect.top + 40))
+    driver.frames(2)
+    ground = driver.page.view.lanes[0].drawing.ground
+    found = [one for one in texts_of(driver) if one.text == "5" and abs(one.rect.centery - (ground - 14)) < 4]
+    assert len(found) == 1
+    assert found[0].rect.left < rect.left + 30
+    driver.key(pygame.K_f)
+    assert not [one for one in texts_of(driver) if one.text == "5" and one.rect.left < rect.left + 30]
+
+
+def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.frames(240)
+    driver.key(pygame.K_SPACE)
+    assert len(driver.page.view.lanes[0].drawing.rigid) == 4
+    driver.page.editor.selection = Pick(0, "bead", 4)
+    driver.key(pygame.K_DELETE)
+    driver.frames(2)
+    drawing = driver.page.view.lanes[0].drawing
+    assert drawing.interface == 0
+    assert drawing.rigid == pytest.approx((1.0, 2.0 / 3.0, 1.0 / 3.0))  # of three beads that are pushed, Eq. (4)
+
+
+@pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
+def test_force_labels_of_a_train_have_prefixes_and_room(name: str) -> None:
+    driver = Driver(name)
+    lane = driver.page.view.lanes[0]
+    seen = 0
+    for _ in range(12):
+        driver.session.step_frames(40)
+        driver.frames(2)
+        lane = driver.page.view.lanes[0]
+        texts = [one for one in texts_of(driver) if lane.drawing.rect.collidepoint(one.rect.center)]
+        forces = [one for one in texts if re.fullmatch(rf"{MINUS}?[\d.]+ [kM]", one.text)]
+        seen = max(seen, len(forces))
+        assert not [pair for pair in colliding(texts) if {*pair} & {one.text for one in forces}]
+    assert seen > 2
+    driver.close()
+
+
+def test_seven_plots_of_two_lanes_are_wide_and_scrolled_to() -> None:
+    driver = Driver("beads-against-gear")
+    board, view = driver.page.board, driver.page.view
+    for name in PLOT_KINDS:
+        if name not in board.shown:
+            driver.app.act(name)
+    driver.frames(2)
+    assert len(board.shown) >= 7
+    assert len(board.keys) == 2 * len(board.shown)  # in two rows a lane
+    assert min(plot.area.width for plot in board.plots) > 100
+    assert min(plot.area.height for plot in board.plots) > 20
+    driver.app.scale = 1.5
+    driver.app.rebuild()
+    driver.frames(2)
+    assert len(view.rows) < view.row_count
+    seen = set(board.keys)
+    driver.move(view.plots_area().center)
+    for _ in range(view.row_count):
+        pygame.event.post(pygame.Event(pygame.MOUSEWHEEL, x=0, y=-1, precise_x=0.0, precise_y=-1.0, flipped=False))
+        driver.frames(2)
+        seen |= set(board.keys)
+    assert seen == {(name, lane) for name in board.shown for lane in (0, 1)}
+    driver.close()
+
+
+def test_a_selection_has_the_shape_of_its_body() -> None:
+    driver = Driver("draft-gear-one-on-three")
+    driver.page.editor.selection = Pick(0, "bead", 1)
+    driver.frames(2)
+    lane, gap = driver.page.view.lanes[0], 4
+    rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))
+    assert 2 * corner < rect.width
+    frame = rect.inflate(2 * gap, 2 * gap)
+    assert has_colour(driver, [(frame.centerx, frame.top), (frame.left, frame.centery)], tones.foreground)
+    driver.app.act("law_all")  # power laws are drawn as round beads
+    driver.frames(2)
+    lane = driver.page.view.lanes[0]
+    rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))
+    assert 2 * corner == pytest.approx(rect.width, abs=1)
+    radius = corner + gap - 1
+    round_ones = [
+        (rect.centerx + radius * math.cos(turn), rect.centery + radius * math.sin(turn)) for turn in (-0.8, -1.6, -2.4)
+    ]
+    assert has_colour(driver, round_ones, tones.foreground)
+    driver.close()
+
+
+def test_a_wall_is_made_of_any_bead_and_freed_again(driver: Driver) -> None:
+    driver.click(driver.bead(4))
+    driver.frames(2)
+    for text, mass in (("make it a wall", math.inf), ("free it", 1.0)):
+        button = next(one for one in driver.page.inspector.buttons if one.text == text)
+        driver.click(button.rect.center)
+        driver.frames(2)
+        assert driver.session.lanes[0].chain.mass[4] == mass
+
+
+def test_the_control_in_focus_has_a_ring(driver: Driver) -> None:
+    driver.move((700, 300))
+    for _ in range(4):
+        driver.key(pygame.K_TAB)
+        rect = driver.app.focus.control.rect.inflate(6, 6)
+        edges = (rect.centerx, rect.top), (rect.left, rect.centery), (rect.centerx, rect.bottom - 1)
+        assert has_colour(driver, edges, tones.foreground)

@@ -1,0 +1,80 @@
+"""Messages are for people: full folders, plain numbers, no name of Python."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.sandbox.session.inputs import (
+    Drag,
+    Place,
+    SetDrive,
+    SetFriction,
+    SetGap,
+    SetMass,
+    SetSlow,
+    SetStep,
+    SetVelocity,
+)
+
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+NAN, FAR, NEGATIVE = np.float64("nan"), np.float64(1e13), np.float64(-1.0)
+REFUSED = (
+    SetMass(0, 1, NEGATIVE),
+    SetMass(0, 1, NAN),
+    SetVelocity(0, 1, FAR),
+    SetVelocity(0, 99, FAR),
+    SetGap(0, 0, FAR),
+    SetGap(0, 0, NEGATIVE),
+    SetDrive(0, 0, NAN),
+    SetFriction(0, NEGATIVE),
+    SetStep(0, NEGATIVE),
+    SetSlow(NEGATIVE),
+    Place(0, 1, NAN),
+    Drag(0, 99, FAR),
+)
+PYTHON = re.compile(r"float64|np\.|\w+\(|[a-z]_[a-z]|\w+Error|Traceback|<|None|\bself\b")
+
+
+@pytest.mark.parametrize("item", REFUSED, ids=lambda item: type(item).__name__)
+def test_a_refusal_is_one_sentence_without_names_of_python(driver: Driver, item) -> None:
+    assert not driver.page.editor.apply(item)
+    (text,) = driver.messages
+    assert not PYTHON.search(text), text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "title = 3", 'title = "a"\n[[lanes]]\nbeads = 3', "title = ", "a\0b", '[[lanes]]\nmass = "x"']
+)
+def test_a_file_that_cannot_be_opened_is_told_likewise(driver: Driver, tmp_path: Path, text: str) -> None:
+    (tmp_path / "bad.toml").write_text(text)
+    driver.drop_file(tmp_path / "bad.toml")
+    (message,) = driver.messages
+    assert "bad.toml" in message
+    assert not PYTHON.search(message.replace(str(tmp_path), "")), message
+
+
+def test_a_message_says_the_full_folder(driver: Driver, tmp_path: Path) -> None:
+    (tmp_path / "deep").mkdir()
+    driver.page.dialogs.save("save_scene", "deep/mine")
+    assert driver.messages == [f"saved {tmp_path.resolve() / 'deep' / 'mine.toml'}"]
+    driver.key(pygame.K_F12)
+    assert driver.messages[-1] == f"saved {tmp_path.resolve() / 'one-bead-on-four.png'}"
+
+
+def test_text_that_is_dropped_opens_as_a_scene(driver: Driver, tmp_path: Path) -> None:
+    from softcradle.sandbox.session.shared_text import shared_text
+
+    driver.session.apply(SetMass(0, 1, 2.5))
+    text = shared_text(driver.session.to_scene())
+    driver.session.undo()
+    pygame.event.post(pygame.Event(pygame.DROPTEXT, text=text))
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.mass[1] == 2.5
