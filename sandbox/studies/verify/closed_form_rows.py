@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import partial
+from itertools import pairwise
 
 from softcradle.physics import (
     Chain,
@@ -26,6 +28,7 @@ TOLERANCE = 1e-9
 QUADRUPLE = "Taylor series of order 26 to 36 in quadruple precision"
 GEAR = draft_gear(770.0, 0.0177)  # the paper's, with its mass
 GEAR_MASS = 0.396
+TAPER = 0.95
 FINAL = {  # velocity of the striker after a collision at 1 m/s, unit masses and strengths
     (4, 0.1): -0.56758562476447303918,
     (5, 0.1): -0.59285240054465332785,
@@ -117,6 +120,14 @@ def _gap_rows() -> Iterator[KnownNumber]:
         16 / 9,
         "elastic collisions of two balls, 2 m / (m + M) each",
         lambda: _with_gaps([4.0, 2.0, 1.0]),
+        1e-7,
+    )
+    tapered = [TAPER ** (3 * k) for k in range(10)]  # each diameter 0.95 of the one before
+    yield KnownNumber(
+        "tapered chain of ten, with gaps: last [m/s]",
+        math.prod(2.0 * m / (m + after) for m, after in pairwise(tapered)),
+        "elastic collisions of two balls each",
+        lambda: _with_gaps(tapered),
         1e-7,
     )
 
