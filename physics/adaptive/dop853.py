@@ -32,6 +32,8 @@ KINK = (
     0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
 )
 
+GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
+
 
 @jit
 def accelerate(first, last, chain, mode, overlap, force, acceleration, upper):
@@ -177,9 +179,18 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
     return worst
 
 
+@inlined
+def nearly_opens(h, overlap, rate, end_overlap, end_rate):
+    """Whether a contact comes out and goes in again within a step, and is all but open between: its law is not smooth there."""
+    if not (overlap > 0.0 and end_overlap > 0.0 and rate < 0.0 < end_rate):
+        return False
+    least = overlap + 0.5 * h * rate * rate / (rate - end_rate)
+    return least < GRAZE * max(overlap, end_overlap)
+
+
 @jit
 def error_of_range(h, first, last, chain, motion, trial, force):
-    """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins or ceases to push in it.
+    """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins to push in it, ceases to, or nearly does.
 
     Errors of order 5 and 3 stand in the first two rows of the trial: of rates in its overlaps, of overlaps in its rates.
     """
@@ -190,7 +201,8 @@ def error_of_range(h, first, last, chain, motion, trial, force):
     for i in range(first, last):
         if mode[i] == LOADED and law[i, 2] != 1.0:
             opens = end_overlap[i] < 0.0 < overlap[i]
-            if opens or overlap[i] <= 0.0 < force[i]:
+            grazes = nearly_opens(h, overlap[i], motion.rate[i], end_overlap[i], trial.rate[2, i])
+            if opens or grazes or overlap[i] <= 0.0 < force[i]:
                 if law[i, 2] < 1.0:
                     rough = True
                 else:

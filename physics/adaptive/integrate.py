@@ -16,7 +16,6 @@ from softcradle.physics.adaptive.step_records import (
     AT_ONCE,
     DOP853,
     LAST,
-    LOCAL_ERROR,
     LOCAL_SQUARE,
     NEXT,
     PAST_STEP,
@@ -167,7 +166,6 @@ def integrate(
             continue
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)
         control[AT_ONCE] = 0.0
-        control[LOCAL_ERROR] += error
         control[LOCAL_SQUARE] += error * error
         find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log)
         if steps.time.size:
@@ -180,7 +178,7 @@ def integrate(
         if open_passed(row, event, chain, regime, motion, slow):
             control[LAST] = 0.0
         log_switches(before, time, motion, wanted, scratch, log)
-        grow_errors(chain, motion, scratch)
+        grow_errors(chain, motion, wanted, scratch)
         if row >= 0:
             switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
 

@@ -68,6 +68,7 @@ STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long
 STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times in the duration
 USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
 ERROR_GROWTH = 3.0  # times the sum of all local errors: the error that is stated where nothing makes it grow
+TURN_GROWTH = 1.0 / 16.0  # by each turn of an oscillation, whose phase all errors before it have moved
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
 PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
 PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
@@ -175,9 +176,9 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     larger = larger_log(memory.log)
     if larger:
         return _pass(problem, larger)
-    counter, status, control = memory.log.counter, Status(code), memory.scratch.control
-    growth = 1.0 + control[GROWTH] + memory.scratch.grown.sum()
-    error = ERROR_GROWTH * growth * float(np.sqrt(control[LOCAL_SQUARE]))
+    counter, status, scratch = memory.log.counter, Status(code), memory.scratch
+    growth = 1.0 + scratch.control[GROWTH] + scratch.grown.sum() + TURN_GROWTH * scratch.turns.max()
+    error = ERROR_GROWTH * growth * float(np.sqrt(scratch.control[LOCAL_SQUARE]))
     overlap, rate, anchor, force, absorbed = empty_samples(0, problem.chain.contacts)
     return Record(
         NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),

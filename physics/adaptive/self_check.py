@@ -31,8 +31,11 @@ RATE_SHAKE = (
 
 
 def is_sensitive(problem: Problem, record: Record) -> bool:
-    """True where errors of single steps have grown: by bounces, or where a steady push brings a soft contact back to zero
-    overlap, where a change d of the overlap is one of sqrt(d) in velocity."""
+    """True where errors of single steps have grown, or are not known.
+
+    They grow by bounces and by many oscillations. Where a steady push brings a soft contact back to zero overlap, a change d of
+    the overlap is one of sqrt(d) in velocity.
+    """
     soft = any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.power_laws)
     driven = problem.state.external(problem.chain) is not None
     return record.growth > MOST_GROWN or (driven and soft)

@@ -29,10 +29,9 @@ REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
 CEILING = 7  # longest step soon after a rejection [s]
 PAST_STEP = 8  # length of the last step of radau [s], for the first guess of the next; 0: there is none
 AT_ONCE = 9  # events one after another without a step between them
-LOCAL_ERROR = 10  # sum of the errors of all steps [m/s]
-LOCAL_SQUARE = 11  # sum of their squares
-GROWTH = 12  # by what factor, beside 1, bounces have made errors grow
-CONTROLS = 13
+LOCAL_SQUARE = 10  # sum of the squares of the errors of all steps
+GROWTH = 11  # by what factor, beside 1, bounces have made errors grow
+CONTROLS = 12
 
 STAGES = 12  # of dop853
 WORK_ROWS = 15
@@ -85,6 +84,8 @@ class Scratch(NamedTuple):
     most_grown: (
         Array  # (n,) what that can be at the most: a bounce that is mistimed changes velocities by twice its speed
     )
+    course: Array  # (n,) the last rate of each loaded contact that was above the tolerance; 0 where there is none
+    turns: Array  # (n,) how often that has changed its sign
     along: Array  # (3, n)
     across: Array  # (3, n)
     correction: Array  # (3, n)
@@ -135,6 +136,8 @@ def empty_scratch(contacts: int) -> Scratch:
         lateness=np.zeros(contacts),
         grown=np.zeros(contacts),
         most_grown=np.zeros(contacts),
+        course=np.zeros(contacts),
+        turns=np.zeros(contacts),
         along=np.zeros((3, contacts)),
         across=np.zeros((3, contacts)),
         correction=np.zeros((3, contacts)),

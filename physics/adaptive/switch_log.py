@@ -19,6 +19,7 @@ from softcradle.physics.numerics.switches import log_switch
 BISECTIONS = 50  # of a step, for the root of the quintic
 QUINTIC_GAIN = 100.0  # the quintic of both ends is finer than the cubic through the stages by this factor at least
 OPENING_PART = 0.1  # of a step's error bound times its length: the overlap to which an opening is located
+TURN_RATE = 10.0  # times a step's error bound: the least rate of a contact that has turned
 OPENING_TRIES = 4  # steps of the method that locate one opening
 
 
@@ -46,13 +47,18 @@ def log_switches(before, time, motion, wanted, scratch, log):
 
 
 @inlined
-def grow_errors(chain, motion, scratch):
-    """How the bounces that now go on make errors grow.
+def grow_errors(chain, motion, wanted, scratch):
+    """How the bounces that now go on make errors grow, and how often loaded contacts have turned.
 
     A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
     beads meanwhile, at acceleration a, makes that a velocity error of a T e / u.
     """
     for i in range(motion.mode.size):
+        if motion.mode[i] != LOADED:
+            scratch.course[i] = 0.0
+        elif abs(motion.rate[i]) > TURN_RATE * wanted:
+            scratch.turns[i] += 1.0 if scratch.course[i] * motion.rate[i] < 0.0 else 0.0
+            scratch.course[i] = motion.rate[i]
         if scratch.lateness[i] > 0.0:
             own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
             others = own - flow_into(i, chain.inverse_mass, motion.force)

@@ -10,7 +10,7 @@ from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.modes import find_slides, resolve_modes, stop_bead, stop_beside
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
-from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_ERROR, LOCAL_SQUARE, NEXT, PAST_STEP
+from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_SQUARE, NEXT, PAST_STEP
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import flow_into
@@ -143,11 +143,12 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
             first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), wanted))
     restart_control(scratch.control, first)
-    for k in (PAST_STEP, AT_ONCE, LOCAL_ERROR, LOCAL_SQUARE, GROWTH):
+    for k in (PAST_STEP, AT_ONCE, LOCAL_SQUARE, GROWTH):
         scratch.control[k] = 0.0
     for i in range(motion.mode.size):
         scratch.opened[i] = time if motion.overlap[i] < 0.0 else math.inf
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
+        scratch.course[i] = scratch.turns[i] = 0.0
     log_switches(time, time, motion, wanted, scratch, log)
 
 
