@@ -17,7 +17,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.problem import NO_TIMES, Problem, Record, continued_switches, run_to_end
+from softcradle.physics.problem import (
+    NO_TIMES,
+    Problem,
+    Record,
+    continued_switches,
+    run_to_end,
+    with_samples_of,
+)
 from softcradle.physics.scales import contact_scales
 from softcradle.physics.state import State, from_anchor
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -217,11 +224,39 @@ class _Joined:
         )  # fmt: skip
 
 
+@dataclass
+class _Part:
+    """A piece, the state at its start and the record of its run, which is over."""
+
+    piece: Piece
+    start: State
+    record: Record
+
+
+@dataclass
+class _KeptPieces:
+    """The runs of all pieces, each of which kept what samples are taken from."""
+
+    whole: Problem
+    parts: list[_Part]
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of all of them with its samples at `times`; the last piece goes on beyond its end."""
+        joined = _Joined(self.whole, self.parts[0].start.copy())
+        ends = [*(part.piece.end for part in self.parts[:-1]), math.inf]
+        edges = [0, *np.searchsorted(times, ends)]
+        for part, (first, last) in zip(self.parts, pairwise(edges), strict=True):
+            mine, kept = times[first:last], part.record.kept
+            if kept is not None and mine.size:
+                joined.add(part.piece, part.start, kept.record(part.record, np.maximum(mine, part.piece.start)), mine)
+        return with_samples_of(found, joined.record())
+
+
 def run(problem: Problem, steady: Callable[[Problem], Record]) -> Record:
     """Compute the whole motion of a chain with forces over time; `steady` runs one with steady forces."""
 
     def once(whole: Problem, end: float, times: Array, stop: bool) -> Record:
-        joined = _Joined(whole, whole.state.copy())
+        joined, parts = _Joined(whole, whole.state.copy()), list[_Part]()
         taken = 0
         tolerance = whole.tolerance or FIXED_TOLERANCE
         for piece in pieces_of(whole.chain, whole.state.time, math.inf if stop else end, tolerance, whole.step):
@@ -231,17 +266,15 @@ def run(problem: Problem, steady: Callable[[Problem], Record]) -> Record:
             mine = times[taken:until]
             begin = start.copy()
             begin.absorbed[:], begin.given[:] = 0.0, 0.0
-            part = _problem(whole, piece, begin, None, 2 if math.isinf(piece.end) else NO_TIMES)
-            if not math.isinf(piece.end):
-                part = replace(part, samples=np.clip(mine, piece.start, part.end))
-            record = steady(part)
-            if math.isinf(piece.end):  # its samples are those of a second pass
-                record.time = record.time[:0]
+            part = _problem(whole, piece, begin, None, NO_TIMES)
+            record = steady(replace(part, samples=np.clip(mine, piece.start, part.end), later=whole.keeps))
+            parts.append(_Part(piece, start, replace(record, end=record.end.copy())))
             joined.add(piece, start, record, mine)
             taken = until
             if joined.status.gave_up:
                 break
-        return joined.record()
+        kept = _KeptPieces(whole, parts) if all(part.record.kept for part in parts) else None
+        return replace(joined.record(), kept=kept)
 
     return run_to_end(problem, once)
 

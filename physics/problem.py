@@ -30,6 +30,7 @@ class Problem:
         step: fixed step [s]; 0 for adaptive methods.
         tolerance: wanted error; 0 for fixed steps.
         samples: number of evenly spaced samples, or their times (T,) [s].
+        later: whether the record is to keep the run, for times of samples that are not known yet.
         most_steps: what an adaptive method may take for a frame of live use; None: a whole motion, as long as it takes.
     """
 
@@ -41,6 +42,7 @@ class Problem:
     tolerance: float = 0.0
     samples: int | Array = field(default_factory=lambda: NO_TIMES)
     most_steps: int | None = None
+    later: bool = False
 
     @property
     def end(self) -> float:
@@ -51,6 +53,11 @@ class Problem:
     def ends_alone(self) -> bool:
         """Whether the samples wanted are the start and the end of the run."""
         return isinstance(self.samples, int) and self.samples == 2
+
+    @property
+    def keeps(self) -> bool:
+        """Whether the run has to keep what samples are taken from when it is over."""
+        return self.later or (self.duration is None and not self.ends_alone)
 
     def sample_times(self, end: float) -> Array:
         """(T,) sample times [s] for a run that ends at `end`."""
@@ -161,9 +168,11 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
 
     Samples between are then taken from what the run kept. Where it kept nothing, a second run takes them.
     """
-    if problem.duration is not None:
+    if problem.duration is not None and not problem.later:
         return once(problem, problem.end, problem.sample_times(problem.end), False)
-    found = once(problem, np.inf, NO_TIMES, True)
+    found = once(problem, problem.end, NO_TIMES, problem.duration is None)
+    if problem.later:
+        return found
     times = problem.sample_times(found.end.time)
     if problem.ends_alone:
         return with_ends_as_samples(found, problem.state, times)

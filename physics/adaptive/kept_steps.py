@@ -42,7 +42,7 @@ class KeptSteps:
         """`wanted` [m/s] bounds the error of a step."""
         self.problem, self.wanted, self.tiers = problem, wanted, tiers
         self.ends = problem.duration is None and problem.ends_alone
-        self.known = problem.duration is not None
+        self.known = problem.duration is not None and not problem.later
         self.overflows = False
         self._chunks: list[tuple[Steps, int]] = []
         self._log = empty_log(problem.chain.contacts, 0)

@@ -105,7 +105,9 @@ def run(problem: Problem) -> Record:
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
         record = checked(problem, record, _scale(problem), completed)
-    if record.kept is not None:
+    if problem.later:
+        record.kept = None if isinstance(record.kept, KeptSteps) and record.kept.overflows else record.kept
+    elif record.kept is not None:
         began = perf_counter()
         record = _sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began

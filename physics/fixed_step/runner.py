@@ -121,8 +121,7 @@ def _pass(
     """
     state = problem.state.copy()
     kernel, most = _kernel_and_steps(problem, end - state.time, plain)
-    later = stop and not problem.ends_alone
-    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG, later)
+    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG, problem.keeps)
     began = perf_counter()
     status, state.time = _march_chain(kernel, most, problem, state, end, stop, scratch)
     seconds = perf_counter() - began
@@ -139,7 +138,7 @@ def _pass(
     return Record(
         times[:rows], overlap, rate, anchor, force, *kept_switches(scratch.log), state, int(counter[STEP]),
         int(counter[EVALUATION]), Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds, absorbed,
-        kept=_KeptRun(problem, scratch) if later else None,
+        kept=_KeptRun(problem, scratch) if problem.keeps else None,
     )  # fmt: skip
 
 

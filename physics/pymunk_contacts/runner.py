@@ -157,8 +157,8 @@ def run(problem: Problem) -> Record:
 
 def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
     """One run to `end`, or with `stop` until no contact can close again."""
-    later = stop and not problem.ends_alone
-    return _Run(problem, times, CheckpointList(FIRST_SPACING) if later else None).until(end, stop=stop).record()
+    kept: CheckpointList[State] | None = CheckpointList(FIRST_SPACING) if problem.keeps else None
+    return _Run(problem, times, kept).until(end, stop=stop).record()
 
 
 @dataclass

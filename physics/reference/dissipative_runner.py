@@ -82,9 +82,9 @@ def advance(problem: Problem) -> Status:
     return recorder.status
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
+def _pass(problem: Problem, end: float, times: Array, _stop: bool) -> Record:
     recorder = _recorder(problem)
-    recorder.kept = CheckpointList(1) if stop and not problem.ends_alone else None
+    recorder.kept = CheckpointList(1) if problem.keeps else None
     rows = empty_samples(times.size, problem.chain.contacts)
     for k, time in enumerate(times):
         recorder.until(float(time))

@@ -6,14 +6,14 @@ the located root of the first margin that reaches 0, and the next begins there w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from softcradle.physics.chain import Chain
-from softcradle.physics.problem import Problem, Record
+from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
 from softcradle.physics.reference.phases import (
     LOADED,
     TOUCHING,
@@ -165,17 +165,32 @@ def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
     solved = _Run(problem.chain, problem.state, problem.tolerance, problem.most_steps)
     solved.until(problem.end)
-    times = problem.sample_times(solved.time)
-    if times.size and times[-1] > solved.time and not solved.warnings:
-        solved.until(float(times[-1]))
-    states, forces = solved.samples(times)
-    n = problem.chain.contacts
-    return Record(
-        times, states[:, :n], states[:, n : 2 * n], states[:, 2 * n :], forces,
+    overlap, rate, anchor, force, _ = empty_samples(0, problem.chain.contacts)
+    found = Record(
+        NO_TIMES, overlap, rate, anchor, force,
         np.array([contact for _, contact in solved.switches], dtype=np.int64),
         np.array([time for time, _ in solved.switches]),
-        _end(solved), solved.steps, solved.system.evaluations, solved.status, solved.warnings,
+        _end(solved), solved.steps, solved.system.evaluations, solved.status, solved.warnings, kept=_KeptSolution(solved),
     )  # fmt: skip
+    return found if problem.later else _KeptSolution(solved).record(found, problem.sample_times(solved.time))
+
+
+@dataclass
+class _KeptSolution:
+    """A run whose segments know the motion at every time."""
+
+    solved: _Run
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`; where they lie beyond its end, it goes on to them."""
+        solved, n = self.solved, self.solved.system.n
+        if times.size and times[-1] > solved.time and not solved.warnings:
+            solved.until(float(times[-1]))
+            found = replace(found, end=_end(solved), steps=solved.steps, evaluations=solved.system.evaluations)
+        states, forces = solved.samples(times)
+        rows = {"overlap": states[:, :n], "rate": states[:, n : 2 * n], "anchor": states[:, 2 * n :], "force": forces}
+        sampled: dict[str, Any] = {"time": times, **rows}
+        return replace(found, kept=None, **sampled)
 
 
 def _end(solved: _Run) -> State:
