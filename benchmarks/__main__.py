@@ -97,13 +97,6 @@ def sweeps() -> Iterator[Report]:
     yield from reports()
 
 
-def constants() -> Iterator[Report]:
-    """How far each constant of the adaptive methods can move; takes a quarter of an hour."""
-    from benchmarks.constants import reports
-
-    return reports()
-
-
 def cold_start() -> Iterator[Report]:
     """The first use, with an empty cache of kernels."""
     from benchmarks.cold_start import reports
@@ -121,14 +114,14 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "window": window,
     "sweeps": sweeps,
     "cold-start": cold_start,
-    "constants": constants,
 }
 COMMANDS = {
+    "constants": "benchmarks.constants",
     "scan": "benchmarks.scan.command",
     "mutants": "benchmarks.mutants.command",
     "coverage": "benchmarks.branch_coverage",
+    "conserving": "benchmarks.conserving_scan",
 }
-BY_NAME_ONLY = ("constants",)  # left out where no names are given
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -146,7 +139,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"there is no benchmark {unknown[0]!r}; there are {', '.join(BENCHMARKS)}")
     console = Console()
     found: dict[str, Any] = {"versions": _versions()}
-    for name in args.names or (name for name in BENCHMARKS if name not in BY_NAME_ONLY):
+    for name in args.names or BENCHMARKS:
         data = found.setdefault(name, [])
         for report in BENCHMARKS[name]():
             report.show(console)

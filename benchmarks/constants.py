@@ -6,20 +6,24 @@ tried here moves is either a guard against motions that these cases do not have,
 
 from __future__ import annotations
 
+import argparse
 import ast
-import json
 import os
-import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import track
 from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 
 from benchmarks.reports import Report
@@ -108,15 +112,18 @@ def cases() -> list[tuple[Any, list[float], float | None]]:
     ]
 
 
-def measure() -> dict[str, Any]:
-    """Move every constant by every factor; called in a process of its own whose kernels are plain Python."""
+def measure(constant: Constant) -> dict[str, Any]:
+    """How far `constant` can be moved; called in processes of their own, whose kernels are plain Python."""
+    base, truths = _base()
+    reached = {sign: _reach(constant, sign, base, truths) for sign in (-1, 1)}
+    return {**vars(constant), "least": reached[-1], "most": reached[1], "steps": base.steps, "runs": base.errors.size}
+
+
+@cache
+def _base() -> tuple[Outcome, list[Array]]:
+    """What the constants as they are give, and the truths."""
     truths = [_ends(chain, velocity, duration, 1e-11)[0] for chain, velocity, duration in cases()]
-    base = _outcome(truths)
-    rows = []
-    for constant in constants():
-        reached = {sign: _reach(constant, sign, base, truths) for sign in (-1, 1)}
-        rows.append({**vars(constant), "least": reached[-1], "most": reached[1]})
-    return {"steps": base.steps, "errors": base.errors.tolist(), "constants": rows}
+    return _outcome(truths), truths
 
 
 def _reach(constant: Constant, sign: int, base: Outcome, truths: list[Array]) -> float:
@@ -126,8 +133,11 @@ def _reach(constant: Constant, sign: int, base: Outcome, truths: list[Array]) ->
         value = constant.value * factor**sign
         if isinstance(constant.value, int):
             value = max(round(value), 1)
-        with _replaced(constant, value):
-            found = _outcome(truths)
+        try:
+            with _replaced(constant, value):
+                found = _outcome(truths)
+        except (ArithmeticError, IndexError, ValueError):  # plain Python raises what machine code computes on with
+            break
         if (found.errors > np.maximum(PROMISED, base.errors)).any() or found.steps > MORE_WORK * base.steps:
             break
         reached = factor**sign
@@ -181,28 +191,42 @@ def _ends(chain: Any, velocity: list[float], duration: float | None, tolerance: 
     return ends, found.velocity_error, found.steps
 
 
-def reports() -> Iterator[Report]:
-    """The table of all constants."""
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    command = [
-        sys.executable,
-        "-c",
-        "import json; from benchmarks.constants import measure; print(json.dumps(measure()))",
+def report(rows: list[dict[str, Any]]) -> Report:
+    """The table of constants."""
+    table = [
+        [f"{one['module']}.{one['name']}", f"{one['value']:g}", _shown(one["least"]), _shown(one["most"]), one["what"]]
+        for one in rows
     ]
-    told = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-    data = json.loads(told.stdout.splitlines()[-1])
-    rows = [
-        [f"{one['module']}.{one['name']}", f"{one['value']:g}", _shown(one["least"]), _shown(one["most"])]
-        for one in data["constants"]
-    ]
-    idle = [one for one in data["constants"] if one["least"] == 1.0 / FACTORS[-1] and one["most"] == FACTORS[-1]]
+    idle = [one["name"] for one in rows if one["least"] == 1.0 / FACTORS[-1] and one["most"] == FACTORS[-1]]
     notes = [
-        f"{len(rows)} constants, {len(data['errors'])} runs of {data['steps']} steps in all; factors up to which errors stay "
+        f"{len(rows)} constants, {rows[0]['runs']} runs of {rows[0]['steps']} steps in all; factors up to which errors stay "
         f"within what is stated and {PROMISED:g} tolerances, and steps below {MORE_WORK:g} times as many",
-        f"{len(idle)} that no factor tried moves: {', '.join(one['name'] for one in idle)}",
+        f"{len(idle)} that no factor tried moves, guards against motions that these cases do not have: {', '.join(idle)}",
+        "made by `python -m benchmarks constants`",
     ]
-    yield Report("Constants of the adaptive methods", ["", "value", "down to", "up to"], rows, notes, data)
+    return Report(
+        "Constants of the adaptive methods", ["", "value", "down to", "up to", "what it is"], table, notes, rows
+    )
 
 
 def _shown(factor: float) -> str:
     return f"x {factor:g}" if factor >= 1.0 else f"/ {1.0 / factor:g}"
+
+
+def main(arguments: list[str]) -> int:
+    """Move every constant, on all cores; print the table, and write it if wanted."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks constants", description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "--markdown", type=Path, metavar="FILE", help="write the table there too, for the documentation"
+    )
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default %(default)s)")
+    args = parser.parse_args(arguments)
+    os.environ["NUMBA_DISABLE_JIT"] = "1"  # for the processes
+    wanted = constants()
+    with ProcessPoolExecutor(args.jobs, mp_context=get_context("spawn")) as processes:
+        rows = list(track(processes.map(measure, wanted), "constants", total=len(wanted)))
+    found = report(rows)
+    found.show(Console())
+    if args.markdown:
+        args.markdown.write_text(found.markdown(), encoding="utf-8")
+    return 0
