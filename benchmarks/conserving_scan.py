@@ -56,9 +56,8 @@ def run(number: int) -> Found:
         found = solve(chain, velocity, duration, "conserving", step=step, samples=20)
     codes = {warning.code for warning in found.warnings}
     mass = chain.finite_mass
-    worked = np.abs(found.position * (chain.drive_force if chain.drive else 0.0)).sum(
-        axis=1
-    )  # of each bead by its own force
+    force = np.abs(chain.drive_force).sum() if chain.drive else 0.0
+    worked = force * np.abs(found.position).max(axis=1)  # the ledger tells work by positions, to round-off of this
     free = not chain.friction and not chain.walls
     moved = found.velocity @ mass - found.impulse if free else np.zeros(1)
     most = float(np.abs(found.velocity * mass).sum(axis=1).max()) or 1.0

@@ -1,0 +1,38 @@
+"""The scan of `conserving`: a part of it in every run of the tests."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks import __main__ as command
+from benchmarks.conserving_scan import FAMILIES, report, run
+
+COUNT = 30 * len(FAMILIES)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return [run(number) for number in range(COUNT)]
+
+
+def test_every_step_converges_and_conserves(found):
+    assert not [one for one in found if one.unconverged or one.gave_up]
+    assert max(one.momentum for one in found) < 1e-9
+    assert max(one.energy for one in found) < 1e-9
+    assert sum(one.steps for one in found) > 100 * COUNT
+
+
+def test_the_table_names_the_seeds_that_fail(found):
+    failed = replace(found[3], unconverged=True)
+    table = report([failed, *found[:20]])
+    row = next(row for row in table.rows if row[0] == failed.family)
+    assert row[3] == "1"
+    assert row[-1] == str(failed.seed)
+    assert table.rows[-1][:2] == ["all", "21"]
+
+
+def test_the_command_writes_its_table(tmp_path, capsys):
+    assert command.main(["conserving", "--count", "10", "--jobs", "1", "--markdown", str(tmp_path / "table.md")]) == 0
+    assert "| all | 10 |" in (tmp_path / "table.md").read_text()
