@@ -185,6 +185,8 @@ class ScenePage:
         """Let what is drawn be of the present lanes."""
         if self.session.setup is not self._setup:
             self._notice_edit(self._setup, self.session.setup)
+        elif self.view.setup is not self.session.setup:
+            self.view.rebuild()  # it was made of an edit that is undone by now
 
     def _notice_edit(self, before: Setup, now: Setup) -> None:
         """Follow another setup: after an edit, or at a frame from before one."""
@@ -193,6 +195,7 @@ class ScenePage:
             self.board.follow_slow_motion()
             self.view.redraw()
         self.editor.check_kernels()  # an edit may have brought friction or loss, which take kernels of their own
+        self.view.setup = now
         old, new = ([(lane.chain, lane.locked) for lane in setup.lanes] for setup in (before, now))
         if old != new:
             self.view.rebuild()

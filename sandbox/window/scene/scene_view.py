@@ -29,6 +29,7 @@ class SceneView:
     """What is shown of a session, apart from widgets.
 
     Attributes:
+        setup: what was made last was made of it.
         scales: of beads and plots.
         follower: lets scales follow edits.
         camera: which part of the line is shown.
@@ -45,6 +46,7 @@ class SceneView:
         self, host: Host, session: Session, editor: SceneEditor, board: PlotBoard, inspector: Inspector
     ) -> None:
         self.host, self.session, self.editor, self.board, self.inspector = host, session, editor, board, inspector
+        self.setup = session.setup
         self.lanes: list[LaneView] = []
         self.panel_shown, self.plots_covered, self.title_room = True, False, 0.0
         self.first_row = self.row_count = 0
@@ -164,6 +166,7 @@ class SceneView:
     def rebuild(self) -> None:
         """Make beads and plots anew: scales, camera, lanes or places have changed."""
         lanes, unit, places = self.session.lanes, self.host.unit, self.places
+        self.setup = self.session.setup
         self.scales.reset_lanes(lanes)
         scales = self.camera.window(self.scales.scales)
         drawn = SessionLanes.of(self.session)
