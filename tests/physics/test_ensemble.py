@@ -14,7 +14,7 @@ STARTS = [[1.0] + [0.0] * chain.contacts for chain in CHAINS]
 
 
 @pytest.mark.parametrize("method", ["accurate", "conserving", "scipy"])
-@pytest.mark.parametrize("workers", [1, 3])
+@pytest.mark.parametrize("workers", [1, 3, 16])
 def test_each_chain_moves_as_it_would_alone(method, workers):
     found = ensemble(CHAINS, STARTS, method=method, tolerance=1e-6, workers=workers)
     assert len(found) == len(CHAINS)
