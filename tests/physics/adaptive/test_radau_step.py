@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.radau import MOST_NEWTON, radau_step
 from softcradle.physics.adaptive.radau_error import RATIO, compliance, embedded_error
 from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, NO_GUESS, first_guess, set_pushed, time_since_onset
@@ -262,3 +262,105 @@ def test_a_contact_at_rest_is_pushed_by_its_neighbour():
     assert overlap[2, 1] == pytest.approx(1.44)
     set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 0, 1, 0.0, overlap, force)
     assert force[0, 1] == 0.0
+
+
+def test_a_touching_contact_goes_on_with_the_cubic_of_its_force():
+    chain = Chain([1.0, 1.0], draft_gear(2.0, 0.4))
+    state = State.at_start(chain, [0.0, 0.0])
+
+    def force(x):
+        return 0.3 + 0.2 * x - 0.1 * x**2 + 0.05 * x**3
+
+    past = np.zeros((8, 1))
+    past[:4, 0] = [force(0.0), *(force(c) for c in NODES)]
+    state.force[0] = force(1.0)
+    found = guessed(chain, state, [TOUCHING], 0.2, 0.1, AFTER, past)
+    assert found.force[:, 0] == pytest.approx(force(1.0 + 2.0 * NODES))
+    assert (guessed(chain, state, [TOUCHING], 0.4, 0.1, AFTER, past).force == force(1.0)).all()  # too long a step
+
+
+def soft_state(overlap, rate):
+    """Two beads on a contact of 2 sqrt(d)."""
+    chain = Chain([1.0, 1.0], power_law(2.0, 0.5))
+    state = State.at_start(chain, [rate, 0.0])
+    state.overlap[:], state.force[:] = overlap, 2.0 * math.sqrt(overlap)
+    return chain, state
+
+
+def test_a_soft_contact_follows_the_cubic_of_its_force_if_that_is_near():
+    chain, state = soft_state(0.25, 0.5)
+    past = np.zeros((8, 1))
+    past[:4, 0] = [0.9, *(0.9 + 0.1 * NODES)]
+    found = guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past)
+    assert found.force[:, 0] == pytest.approx(1.0 + 0.1 * NODES)
+    assert found.overlap[:, 0] == pytest.approx((0.5 + 0.05 * NODES) ** 2)
+    past[:4, 0] = [0.9, *(0.9 - 1.5 * NODES)]  # to less than a third: it keeps its force
+    found = guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past)
+    assert (found.force == 1.0).all()
+    past[:4, 0] = [0.9, *(0.9 + 5.0 * NODES)]  # to more than three times
+    assert (guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past).force == 1.0).all()
+
+
+def test_a_sudden_soft_contact_goes_by_its_power_though_there_is_a_step_before():
+    """A step of a fifth of the time since the onset is sudden; a shorter one follows the cubic."""
+    chain, state = soft_state(0.25, 0.5)  # onset 0.5 s ago
+    past = np.zeros((8, 1))
+    past[:4, 0] = [0.9, *(0.9 + 0.1 * NODES)]
+    for h, sudden in ((0.11, True), (0.09, False)):
+        found = guessed(chain, state, [LOADED], h, h, AFTER, past)
+        wanted = 0.25 * (1.0 + 2.0 * h * NODES) if sudden else (0.5 + 0.05 * NODES) ** 2
+        assert found.overlap[:, 0] == pytest.approx(wanted)
+    found = guessed(chain, state, [LOADED], 0.11, 0.11, INSIDE, past)
+    assert found.force[:, 0] == pytest.approx(0.9 + 0.1 * NODES)
+
+
+def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
+    chain, state = soft_state(1e-4, -0.5)
+    found = guessed(chain, state, [LOADED], 1e-3)
+    flown = 1e-4 - 0.5e-3 * NODES
+    apart = flown <= 0.0
+    assert found.overlap[apart, 0] == pytest.approx(flown[apart])
+    assert (found.force[apart, 0] == 0.0).all()
+    assert found.overlap[~apart, 0] == pytest.approx(flown[~apart])
+    assert found.force[~apart, 0] == pytest.approx(2.0 * np.sqrt(flown[~apart]))
+    gear = Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1))
+    state = State.at_start(gear, [-9.0, 0.0])
+    state.overlap[:], state.force[:] = 1e-4, 1.0 + 2.0 * 1e-4**0.1
+    found = guessed(gear, state, [LOADED], 1e-3)
+    assert found.overlap[2, 0] == pytest.approx(1e-6)  # a hundredth is left
+    assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-6**0.1)
+
+
+def test_a_guessed_force_grows_threefold_at_the_most():
+    chain, state = soft_state(0.25, 100.0)
+    found = guessed(chain, state, [LOADED], 0.2)
+    assert found.force[:, 0] == pytest.approx(3.0)
+    assert found.overlap[:, 0] == pytest.approx(0.25 * 9.0)
+
+
+@pytest.mark.parametrize("first", [0, 2])
+def test_contacts_at_rest_are_pushed_one_after_another(first):
+    """The bead between two contacts flies under the force of the one that is loaded, from the left or from the right."""
+    chain = Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0))
+    state = State.at_start(chain, [0.0] * 4)
+    state.overlap[first], state.force[first] = 0.3, chain.contact[0].force(0.3)
+    h = 0.1
+    found = guessed(chain, state, [LOADED] * 3, h)
+    loaded = state.force[first]
+    assert found.overlap[:, first] == pytest.approx(0.3)
+    assert found.force[:, first] == pytest.approx(loaded)
+    flown = 0.5 * (h * NODES) ** 2 * 0.5 * loaded
+    assert found.overlap[:, 1] == pytest.approx(flown)
+    assert found.force[:, 1] == pytest.approx(5.0 * flown**1.5)
+    further = 0.5 * (h * NODES) ** 2 * 0.5 * found.force[:, 1]
+    assert found.overlap[:, 2 - first] == pytest.approx(further)
+
+
+def test_beads_at_rest_are_pushed_by_a_force_from_outside():
+    for sign in (1.0, -1.0):
+        chain = Chain([1.0, 3.0, 1.0], hertz(5.0), drive=[2.0 * sign, -3.0 * sign, 0.0])
+        found = guessed(chain, State.at_start(chain, [0.0] * 3), [LOADED] * 2, 0.1)
+        push = (2.0 + 1.0) / (1.0 + 1.0 / 3.0)
+        flown = 0.5 * (0.1 * NODES) ** 2 * push / 3.0
+        assert found.overlap[:, 0] == pytest.approx(flown if sign > 0.0 else 0.0)
+        assert found.force[:, 0] == pytest.approx(5.0 * flown**1.5 if sign > 0.0 else 0.0)
