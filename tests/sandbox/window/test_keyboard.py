@@ -8,7 +8,7 @@ import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.slider import Slider
+from softcradle.sandbox.window.slider import KEYS, Slider
 
 from tests.helpers.windows import Driver
 
@@ -89,3 +89,16 @@ def test_tab_reaches_every_control_and_comes_back(name: str) -> None:
     driver.click((400, 300))
     assert driver.app.focus.control is None
     driver.close()
+
+
+@pytest.mark.parametrize(("key", "by"), KEYS.items(), ids=[pygame.key.name(key) for key in KEYS])
+def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
+    driver.click(driver.bead(2))
+    slider = driver.page.inspector.controls["velocity"].slider
+    focus(driver, lambda one: one is slider)
+    driver.key(pygame.K_UP)  # away from its middle, at which a value is 0
+    before, speed = slider.get_current_value(), driver.session.lanes[0].velocity[2]
+    driver.key(key)
+    driver.frames(2)
+    assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
+    assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
