@@ -108,6 +108,18 @@ def test_kernels_have_the_same_law(contact, overlap):
         assert kernel.energy(*row(contact), d) == pytest.approx(contact.energy(d), rel=2e-15)
 
 
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+@pytest.mark.parametrize("stiffness", [1.0, 2.0])
+def test_kernels_take_no_exponent_and_no_stiffness_for_another(stiffness, exponent):
+    """Some exponents, and a stiffness of 0, are computed in a way of their own."""
+    for overlap in (0.25, 1.0, 4.0):
+        assert kernel.power(overlap, exponent) == pytest.approx(overlap**exponent, rel=1e-15)
+        assert kernel.force(0.5, stiffness, exponent, overlap) == pytest.approx(0.5 + stiffness * overlap**exponent)
+        stored = 0.5 * overlap + stiffness * overlap ** (1.0 + exponent) / (1.0 + exponent)
+        assert kernel.energy(0.5, stiffness, exponent, overlap) == pytest.approx(stored)
+    assert kernel.force(0.5, 0.0, exponent, 4.0) == 0.5
+
+
 def test_named_constructors():
     assert row(power_law(2.0, 0.1)) == (0.0, 2.0, 0.1)
     assert row(draft_gear(770.0, 0.0177)) == (770.0 * 0.0177, 770.0, 1.0)

@@ -21,8 +21,8 @@ from softcradle.physics.numerics.law_curve import (
 LAWS = [
     (preload, stiffness, exponent)
     for preload in (0.0, 0.3, 2.0)
-    for stiffness in (0.5, 40.0)
-    for exponent in (1 / 30, 0.1, 0.5, 1.0, 1.5, 3.0)
+    for stiffness in (1.0, 40.0)
+    for exponent in (1 / 30, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0)
 ]
 
 
