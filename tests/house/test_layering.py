@@ -33,6 +33,7 @@ PHYSICS = (
         "compile_log",
         "kernel_tiers",
         "kernel_records",
+        "checkpoint_list",
         "fixed_step",
         "adaptive",
         "reference",

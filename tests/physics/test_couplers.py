@@ -201,7 +201,7 @@ def test_methods_that_take_no_couplers_say_so(method):
 
 
 def test_the_page_of_scenes_says_which_methods_take_couplers():
-    text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/scenes.md").read_text(encoding="utf-8")
     carried, refused = (
         re.findall(r"`(\w+)`", part)
         for part in re.search(r"Methods (.*?) carry couplers; (.*?) refuse", text, re.S).groups()
