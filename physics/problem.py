@@ -30,6 +30,7 @@ class Problem:
         step: fixed step [s]; 0 for adaptive methods.
         tolerance: wanted error; 0 for fixed steps.
         samples: number of evenly spaced samples, or their times (T,) [s].
+        budget: steps after which an adaptive run rattles more than it determines; None: what its chain and tolerance tell.
         later: whether the record is to keep the run, for times of samples that are not known yet.
         most_steps: what an adaptive method may take for a frame of live use; None: a whole motion, as long as it takes.
     """
@@ -42,6 +43,7 @@ class Problem:
     tolerance: float = 0.0
     samples: int | Array = field(default_factory=lambda: NO_TIMES)
     most_steps: int | None = None
+    budget: int | None = None
     later: bool = False
 
     @property

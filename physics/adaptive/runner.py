@@ -147,6 +147,8 @@ def step_budget(problem: Problem) -> int:
         return problem.most_steps
     if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
         return MOST_STEPS
+    if problem.budget is not None:
+        return problem.budget
     n = problem.chain.contacts
     budget = CONTACT_STEPS / n + STEPS_A_CONTACT * (n + 16)
     if problem.duration is not None:

@@ -21,6 +21,8 @@ LEAST_PROMISED = (
     1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
 )
 DOUBT = 2.0  # times the difference between two runs: the error that is stated
+MOST_MORE = 4.0  # times the steps of a run: a finer one that takes more than this and
+LEAST_BUDGET = 500  # more rattles where the other did not
 MOST_CHECKING = 20_000  # steps of all runs of one motion, before no finer run is tried
 FORCE_SHAKE = (
     0.1  # of the tolerance of a finer run: the relative change of its forces, for runs of like steps err alike
@@ -52,7 +54,8 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
         tolerance, runs = max(tolerance / FINER, FINEST), runs + 1
         chain, state = _shaken(problem.chain, FORCE_SHAKE * tolerance), problem.state.copy()
         state.rate *= _up_and_down(runs * RATE_SHAKE, state.rate.size)
-        finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state))
+        budget = LEAST_BUDGET + int(MOST_MORE * record.steps)
+        finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))
         apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
         error = DOUBT * apart + confirmed_error(finer)
         if finer.status == Status.UNDETERMINED:
