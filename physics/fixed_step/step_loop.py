@@ -19,7 +19,7 @@ from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_dis
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.joints import crossed_overlap, settle_joint_forces
-from softcradle.physics.numerics.meeting import flight_time, meets_again
+from softcradle.physics.numerics.meeting import flight_time, meets_again, pushes_no_more
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
@@ -42,6 +42,9 @@ SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
 
 GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
 STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
+FIRST_LOOK = (
+    256  # steps after which a run looks whether contacts that are closed still push; then twice as many, and so on
+)
 MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
@@ -103,7 +106,8 @@ def march(
     between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
     rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
     settle_joint_forces(chain.joints, motion)
-    closed, rests, time, flown = log_switches(start, start, chain.joints, motion, log), False, start, ZERO
+    closed, rests, time = log_switches(start, start, chain.joints, motion, log), False, start
+    flown, look = ZERO, FIRST_LOOK
     while True:
         sampling = counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
         most, length, last = ONE, 0.0, False
@@ -116,7 +120,10 @@ def march(
             if counter[STEP] >= kept.plan[DUE]:
                 keep_checkpoint(time, motion, kept, counter)
             free = closed == 0 and chain.push.size == 0
-            if stop and (rests or (free and not meets_again(chain, brakes, motion, still, beads[0]))):
+            over = free
+            if stop and not bed and counter[STEP] >= look:
+                over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
+            if stop and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0]))):
                 return SEPARATED, time
             if counter[STEP] - flown >= most_steps:
                 return OUT_OF_STEPS, time

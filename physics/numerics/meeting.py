@@ -1,10 +1,11 @@
-"""Whether beads that are apart will meet again if no contact pushes."""
+"""Whether a collision is over: no contact pushes beads apart any more, and none that are apart will meet again."""
 
 from __future__ import annotations
 
 import math
 
 from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.jit import inlined, jit
 
 
@@ -18,6 +19,20 @@ def flight_time(joints, overlap, rate, still):
         elif joints is not None and rate[i] < -still:
             first = min(first, (joints.pulls_below[i] - overlap[i]) / rate[i])
     return first
+
+
+@inlined
+def pushes_no_more(chain, motion, still):
+    """Whether closed contacts can change no velocity by more than `still`; of laws of one's own and couplers it is not known."""
+    if chain.own is not None or chain.joints is not None or chain.push.size:
+        return False
+    for i in range(motion.overlap.size):
+        if motion.overlap[i] > 0.0:
+            stored = energy(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], motion.overlap[i])
+            compliance = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+            if abs(motion.rate[i]) > still or 2.0 * stored * compliance > still * still:
+                return False
+    return True
 
 
 @jit

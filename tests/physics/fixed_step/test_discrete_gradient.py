@@ -9,10 +9,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, power_law, simulate, step_force
+from softcradle.physics.fixed_step import runner
 from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_solve import SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.resolvent import resolvent
+from softcradle.physics.problem import Problem
 from softcradle.physics.scales import contact_scales
+from softcradle.physics.status import Status
 
 from softcradle import scenes
 from tests.helpers.random_chains import random_collision
@@ -206,3 +209,26 @@ def test_round_off_adds_up_to_less_than_one_rounding_a_step():
     advance(chain, state, 0.1 * steps, "conserving", 0.1)
     stored = 0.5 * (state.overlap**2).sum()
     assert stored + kinetic_energy(chain, state.velocity(chain)) == pytest.approx(1.25, rel=steps * EPSILON)
+
+
+@pytest.mark.parametrize("part", [1.0, 0.83, 0.61, 0.5])
+def test_contacts_that_push_no_more_end_a_run(part):
+    """The end of a deep cluster: beads that all but rest pressed on each other by 1e-24 N, for 1e21 s while steps doubled."""
+    chain = one_on(23, power_law(1.0, 0.006365575522831995))
+    state = State.at_start(chain, np.zeros(24))
+    state.anchor[:] = 0.07670204, -0.91665623
+    state.overlap[:8] = (
+        -0.004191335301931757, 6.675828519511752e-09, 1.6348565457391703e-11, 5.208317002327975e-13,
+        1.7099451195008116e-16, 5.89541786636609e-18, 4.657920823489565e-19, -3.0468881577652276e-20,
+    )  # fmt: skip
+    state.rate[:8] = (
+        -0.995521032108915, -0.004675952919923563, 4.889672115806466e-06, 1.286820299751061e-07,
+        4.614006087277963e-09, -1.4882406697296725e-09, -9.276858235356626e-10, -5.540936353237231e-11,
+    )  # fmt: skip
+    found = simulate_from(chain, state, part * 0.0012914996776155548)
+    assert found.status == Status.SEPARATED
+    assert found.steps < 3000
+
+
+def simulate_from(chain, state, step):
+    return runner.run(Problem(chain, state, "conserving", None, step, samples=2, most_steps=20_000))
