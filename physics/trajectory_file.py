@@ -72,7 +72,7 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
     metadata = {"format": FORMAT, "versions": versions(), "chain": chain, "warnings": warnings, **plain}
     arrays["metadata"] = np.array(json.dumps(metadata))
     with output_file(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
+        np.savez_compressed(file, **arrays)
 
 
 def load_motion(path: Path) -> dict[str, Any]:

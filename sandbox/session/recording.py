@@ -93,7 +93,7 @@ class Recording:
         }
         hashes = np.array(self.hashes, dtype=np.uint64)
         with output_file(path) as temporary, temporary.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, metadata=np.array(json.dumps(metadata)), hashes=hashes)
+            np.savez_compressed(file, metadata=np.array(json.dumps(metadata)), hashes=hashes)
 
 
 def load_recording(path: Path) -> tuple[Recording, Scene]:

@@ -212,7 +212,7 @@ def _body(chunk: Chunk) -> bytes:
         REASONS: np.array(list(chunk.reasons.values()), dtype=str),
     }
     columns = {COLUMN + name: column for name, column in chunk.columns.items()}
-    np.savez(buffer, allow_pickle=False, **columns, **(more if chunk.reasons else {}))
+    np.savez(buffer, **columns, **(more if chunk.reasons else {}))
     return buffer.getvalue()
 
 
