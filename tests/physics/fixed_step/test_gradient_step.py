@@ -9,8 +9,15 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, Coupler, State, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS, first_event, gradient_step, single_step
+from softcradle.physics.fixed_step.discrete_gradient import (
+    WORK_ROWS,
+    first_event,
+    gradient_step,
+    gradient_steps,
+    single_step,
+)
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
 
 from tests.helpers.plain_kernels import only_plain, records_of
 
@@ -231,3 +238,21 @@ def test_a_step_in_parts_keeps_the_ledger(seed):
             assert state.energy(chain) + state.absorbed.sum() == pytest.approx(
                 before.energy(chain), abs=1e-10 * scale
             ), k
+
+
+@pytest.mark.parametrize(
+    ("friction", "most", "taken_until"), [(0.0, 100, 8), (0.0, 5, 5), (0.01, 100, 8), (0.2, 100, 6)]
+)
+def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, taken_until):
+    """At 1 m/s over 0.75 m in steps of 0.1 s the contact closes in the eighth; a brake of 0.2 g ends the motion in the sixth."""
+    chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
+    state = State.at_start(chain, [1.0, 0.0])
+    data, dissipation, motion = records_of(chain, state)
+    counter, closed = np.zeros(COUNTERS, dtype=np.int64), np.zeros(1, dtype=np.int8)
+    beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
+    steps = gradient_steps(most, 0.1, data, dissipation, motion, closed, beads, work, counter)
+    assert steps == taken_until
+    assert counter[EVALUATION] >= steps
+    assert counter[UNCONVERGED] == 0
+    assert (motion.overlap[0] > 0.0) == (steps == 8)
+    assert (motion.rate[0] == 0.0) == (friction == 0.2)
