@@ -39,6 +39,13 @@ def chain_lengths() -> Iterator[Report]:
     return reports()
 
 
+def lockstep() -> Iterator[Report]:
+    """Very many short chains at once, side by side."""
+    from benchmarks.lockstep import reports
+
+    return reports()
+
+
 def work_precision() -> Iterator[Report]:
     """Time to reach an error, of our methods and of the peers."""
     from benchmarks.work_precision import reports
@@ -107,6 +114,7 @@ def cold_start() -> Iterator[Report]:
 BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "steps": steps,
     "chain-lengths": chain_lengths,
+    "lockstep": lockstep,
     "work-precision": work_precision,
     "tolerances": tolerances,
     "callbacks": callbacks,

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from softcradle.physics.advice.explicit_limits import stable_step as stable_step
+    from softcradle.physics.batch.batch_ends import EnsembleEnds as EnsembleEnds
+    from softcradle.physics.batch.batch_ends import ensemble_ends as ensemble_ends
+    from softcradle.physics.batch.chain_batch import ChainBatch as ChainBatch
     from softcradle.physics.chain import Chain as Chain
     from softcradle.physics.chain import cluster_on_cluster as cluster_on_cluster
     from softcradle.physics.chain import one_on as one_on
@@ -45,6 +48,9 @@ _HOME = {
     "State": "state",
     "simulate": "simulation",
     "ensemble": "chain_ensemble",
+    "ChainBatch": "batch.chain_batch",
+    "ensemble_ends": "batch.batch_ends",
+    "EnsembleEnds": "batch.batch_ends",
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",

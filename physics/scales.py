@@ -109,7 +109,7 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
     """
     preload, stiffness, exponent = chain.law_rows.T
     speed = speed_scale(chain, velocity)
-    energy = 0.5 * speed**2 / chain.inverse_reduced_mass
+    energy = 0.5 * speed * speed / chain.inverse_reduced_mass
     with np.errstate(divide="ignore"):
         by_power = ((1.0 + exponent) * energy / stiffness) ** (1.0 / (1.0 + exponent))
         depth = np.minimum(energy / preload, by_power)

@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from softcradle.physics import METHODS as METHODS
     from softcradle.physics import Chain as Chain
+    from softcradle.physics import ChainBatch as ChainBatch
     from softcradle.physics import Contact as Contact
     from softcradle.physics import Coupler as Coupler
+    from softcradle.physics import EnsembleEnds as EnsembleEnds
     from softcradle.physics import OwnLaw as OwnLaw
     from softcradle.physics import SoftChain as SoftChain
     from softcradle.physics import SoftContact as SoftContact
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from softcradle.physics import cluster_on_cluster as cluster_on_cluster
     from softcradle.physics import draft_gear as draft_gear
     from softcradle.physics import ensemble as ensemble
+    from softcradle.physics import ensemble_ends as ensemble_ends
     from softcradle.physics import hertz as hertz
     from softcradle.physics import hooke as hooke
     from softcradle.physics import one_on as one_on

@@ -10,24 +10,21 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from softcradle.physics.fixed_step.checkpoints import COUNT, DUE, Checkpoints, keep_checkpoint
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
+from softcradle.physics.fixed_step.next_steps import FIRST_LOOK, FLOWN, GRID_TOLERANCE, RUNNING, look_ahead, seems_over
 from softcradle.physics.fixed_step.splitting import split_steps
 from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
 from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.joints import crossed_overlap, settle_joint_forces
-from softcradle.physics.numerics.meeting import flight_time, meets_again, pushes_no_more
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
     NO,
     ONE,
-    OUT_OF_STEPS,
     SAMPLE,
-    SEPARATED,
     STEP,
     ZERO,
     ChainData,
@@ -40,12 +37,7 @@ from softcradle.physics.numerics.switches import copy_motion, is_closed, log_swi
 # kinds of step
 SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
 
-GRID_TOLERANCE = 1e-9  # of a step: a sample this near to the grid is taken from the grid
 STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
-FIRST_LOOK = (
-    256  # steps after which a run looks whether contacts that are closed still push; then twice as many, and so on
-)
-MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
 
 
 @inlined
@@ -78,14 +70,6 @@ def largest(values):
     return found
 
 
-@inlined
-def fly(steps, h, motion):
-    """Take whole steps of free flight at once."""
-    for i in range(motion.overlap.size):
-        motion.overlap[i] += steps * h * motion.rate[i]
-    motion.anchor[0] += steps * h * motion.anchor[1]
-
-
 @jit
 def march(
     kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
@@ -115,35 +99,21 @@ def march(
             copy_motion(spare, motion)
             length = wanted[counter[SAMPLE]] - time
         else:
-            if time > end - h * GRID_TOLERANCE:
-                return DONE, end
-            if counter[STEP] >= kept.plan[DUE]:
+            if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= kept.plan[DUE]:
                 keep_checkpoint(time, motion, kept, counter)
-            free = closed == 0 and chain.push.size == 0
-            over = free
-            if stop and not bed and counter[STEP] >= look:
-                over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
-            if stop and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0]))):
-                return SEPARATED, time
-            if counter[STEP] - flown >= most_steps:
-                return OUT_OF_STEPS, time
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
-            ahead = until - time
-            if rests or free:
-                flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
-                whole = 0.0 if bed and not rests else math.floor(min(flight, ahead) / h) - 1.0
-                if whole >= 1.0:
-                    fly(whole, h, motion)
-                    counter[STEP] += int(whole)
-                    flown += int(whole)
-                    time = start + counter[STEP] * h
-                    continue
-                # A contact may close and open within one step, where no flag tells of it.
-                ahead = min(ahead, flight + h)
-            last = end - time < h * (1.0 - GRID_TOLERANCE)
-            length = end - time if last else h
+            over, look = seems_over(stop and not bed, closed, look, still, chain, motion, counter)
+            status, most, length, last = look_ahead(
+                time, end, until, stop, h, most_steps + flown, closed, over, rests, still, chain, brakes, motion, counter,
+                beads[0],
+            )  # fmt: skip
+            if status == FLOWN:
+                flown += most
+                time = start + counter[STEP] * h
+                continue
+            if status != RUNNING:
+                return status, end if status == DONE else time
             if not last:
-                most = np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps + flown - counter[STEP]))
                 most = min(most, kept.plan[DUE] - counter[STEP])
             rests = bed and at_rest(motion)
         taken = ZERO

@@ -11,7 +11,7 @@ from softcradle.physics import State
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import chain_lengths, steps, sweep_cost
+from benchmarks import chain_lengths, lockstep, steps, sweep_cost
 from benchmarks.reports import at_least, at_most
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
@@ -67,6 +67,12 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
     assert report.rows[0][3] == "- (0.7) missed"
     assert json.loads(json.dumps(report.data))["case"] == case.label
     assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
+
+
+def test_chains_in_lockstep_are_measured_beside_the_same_alone():
+    found = lockstep.measure(lockstep.CASES["Hertz"], "verlet", chains=3, alone=3)
+    assert found["ratio"] == pytest.approx(found["ensemble"] / found["ends"])
+    assert found["ends"] > 0.0
 
 
 def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():

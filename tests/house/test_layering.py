@@ -49,6 +49,7 @@ PHYSICS = (
         "simulation",
         "warm_up",
         "chain_ensemble",
+        "batch",
         "analysis",
     ),
 )

@@ -15,8 +15,10 @@ from tests.helpers.paths import ROOT
 
 PUBLIC = [
     "Chain",
+    "ChainBatch",
     "Contact",
     "Coupler",
+    "EnsembleEnds",
     "METHODS",
     "OwnLaw",
     "SoftChain",
@@ -28,6 +30,7 @@ PUBLIC = [
     "cluster_on_cluster",
     "draft_gear",
     "ensemble",
+    "ensemble_ends",
     "hertz",
     "hooke",
     "one_on",

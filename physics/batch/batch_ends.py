@@ -1,0 +1,246 @@
+"""`ensemble_ends`: how very many short chains of one shape end, as arrays; no chain costs Python anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.batch import adaptive_batch, fixed_batch
+from softcradle.physics.batch.batch_parts import LEAST_AT_ONCE, BatchRun, Part, parts_of
+from softcradle.physics.batch.batch_scales import (
+    closing_scales,
+    contact_times,
+    default_steps,
+    start_of,
+    velocities_of,
+)
+from softcradle.physics.batch.chain_batch import ChainBatch
+from softcradle.physics.batch.run_each import integrate_each
+from softcradle.physics.chain_ensemble import cores
+from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown, whole_number
+from softcradle.physics.compile_log import log_compilation
+from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.methods import Family, Method, find_method, refusal_of
+from softcradle.physics.numerics.records import EVALUATION, STEP
+from softcradle.physics.simulation import LEAST_TOLERANCE, solve
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class EnsembleEnds:
+    """How C chains of n+1 beads ended, a row a chain.
+
+    Attributes
+    ----------
+    final_velocity : ndarray, shape (C, n+1)
+        Bead velocities [m/s] at the end.
+    velocity_error : ndarray, shape (C, n+1)
+        Estimated error of these [m/s]; nan for methods of fixed steps, which state none.
+    time : ndarray, shape (C,)
+        When the run ended [s].
+    status : ndarray, shape (C,)
+        How it ended: the number of a :class:`~softcradle.physics.status.Status`.
+    steps : ndarray, shape (C,)
+        Number of steps taken.
+    evaluations : ndarray, shape (C,)
+        How often all contact forces were evaluated for these steps.
+    """
+
+    final_velocity: Array
+    velocity_error: Array
+    time: Array
+    status: NDArray[np.int64]
+    steps: NDArray[np.int64]
+    evaluations: NDArray[np.int64]
+
+
+def ensemble_ends(
+    batch: ChainBatch,
+    velocity: ArrayLike,
+    duration: ArrayLike | None = None,
+    method: str = "accurate",
+    step: ArrayLike | None = None,
+    tolerance: float = 1e-8,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> EnsembleEnds:
+    """Let very many short chains of one shape move, each as `simulate` would, to the last digit; their ends as arrays.
+
+    Explicit steps are taken by several chains side by side, in the lanes of vector code; the other methods run one chain after
+    the other in compiled code, on all cores. Chains whose motion takes more than one run, because they rattle or errors have
+    grown, are run by `simulate`. There are no warnings: look at `status` and `velocity_error`, and run a doubtful chain,
+    ``batch.chain(k)``, by `simulate`.
+
+    Parameters
+    ----------
+    batch : ChainBatch
+        The C chains of n+1 beads.
+    velocity : array_like, shape (C, n+1) or (n+1,)
+        Start velocities [m/s].
+    duration : float or array_like, shape (C,), optional
+        Time to run [s], as for `simulate`, one for all or C of them.
+    method : str, optional
+        One of euler, verlet, yoshida4, conserving, radau, dop853 and accurate.
+    step : float or array_like, shape (C,), optional
+        Step [s] of a fixed-step method, one for all or C of them; None takes the default of each chain.
+    tolerance : float, optional
+        Wanted error of velocities, relative to the closing speed, for adaptive methods.
+    workers : int, optional
+        Number of threads; None takes one for each core that this process may use.
+    progress : callable, optional
+        Called from the calling thread with the number of chains that have been done since the last call.
+
+    Returns
+    -------
+    EnsembleEnds
+        Final velocities, statuses and errors.
+
+    Raises
+    ------
+    ValueError
+        Shapes that do not fit, or what `simulate` raises for one of the chains.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from softcradle import ChainBatch, ensemble_ends
+    >>> batch = ChainBatch(np.ones((3, 3)), 0.0, 1.0, np.array([[1.0], [0.5], [0.1]]))
+    >>> ensemble_ends(batch, [1, 0, 0]).final_velocity[:, 0].round(3)
+    array([-0.13 , -0.203, -0.333])
+    """
+    require_kind("batch", batch, ChainBatch)
+    chosen = _method(method, batch)
+    if workers is not None and whole_number("workers", workers) < 1:
+        raise ValueError(f"workers must be at least 1, not {shown(workers)}")
+    _require_end(batch, duration)
+    start = start_of(batch, _velocities(batch, velocity))
+    durations = np.full(batch.chains, np.inf) if duration is None else _each("duration", duration, batch.chains, True)
+    times = contact_times(batch, start.velocity)
+    log_compilation()
+    if chosen.adaptive:
+        if step is not None:
+            raise ValueError(f"method {method!r} chooses its own steps: give a tolerance instead of a step")
+        if not LEAST_TOLERANCE <= tolerance <= LARGEST:
+            raise ValueError(f"tolerance must be from {LEAST_TOLERANCE:g} to {LARGEST:g}, not {shown(tolerance)}")
+        run = BatchRun.of(batch, start, np.zeros(batch.chains), durations, duration is None)
+        scale = closing_scales(batch, start, durations)
+        accuracy = adaptive_batch.accuracy_of(batch, method, float(tolerance), scale, times, durations)
+        move: Any = partial(adaptive_batch.run_part, KERNELS["adaptive"].of(integrate_each, np.inf), accuracy, run)
+    else:
+        steps = default_steps(batch, start.velocity, times) if step is None else _each("step", step, batch.chains)
+        run = BatchRun.of(batch, start, steps, durations, duration is None)
+        kernel = fixed_batch.kernel_of(method, batch.contacts)
+        move = partial(fixed_batch.run_part, _tier(method, batch).of(kernel, np.inf), method, run)
+    least = fixed_batch.LEAST_AT_ONCE if fixed_batch.in_lockstep(method, batch.contacts) else LEAST_AT_ONCE
+    _move_all(move, list(parts_of(batch, workers or cores(), least)), workers or cores(), progress)
+    moving = run.moving
+    ends = EnsembleEnds(
+        velocities_of(batch, moving.rate, moving.anchor), np.full(batch.mass.shape, np.nan), moving.time, moving.status,
+        moving.counter[:, STEP].copy(), moving.counter[:, EVALUATION].copy(),
+    )  # fmt: skip
+    if chosen.adaptive:
+        error, growth = adaptive_batch.errors(accuracy)
+        ends.velocity_error[:] = error[:, None]
+        again = np.flatnonzero(adaptive_batch.needs_another_run(batch, ends.status, growth))
+        _run_again(batch, start.velocity, again, durations, method, float(tolerance), ends, workers or cores())
+    return ends
+
+
+def _move_all(
+    move: Callable[[Part], None], parts: list[Part], threads: int, progress: Callable[[int], None] | None
+) -> None:
+    """Move all parts of a batch in threads."""
+    with ThreadPoolExecutor(threads) as pool:
+        for part, _ in zip(parts, pool.map(move, parts), strict=True):
+            if progress is not None:
+                progress(part.chains.size)
+
+
+def _run_again(
+    batch: ChainBatch, velocity: Array, which: NDArray[np.int64], durations: Array, method: str, tolerance: float,
+    ends: EnsembleEnds, threads: int,
+) -> None:  # fmt: skip
+    """Run the chains `which` one by one, and put their ends into `ends`."""
+
+    def one(k: int) -> None:
+        limit = float(durations[k]) if np.isfinite(durations[k]) else None
+        found = solve(batch.chain(k), velocity[k], limit, method, samples=2, tolerance=tolerance)
+        ends.final_velocity[k], ends.velocity_error[k] = found.final_velocity, found.velocity_error
+        ends.time[k], ends.status[k] = found.time[-1], found.status
+        ends.steps[k], ends.evaluations[k] = found.steps, found.evaluations
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(one, which.tolist()))
+
+
+def _method(name: str, batch: ChainBatch) -> Method:
+    """The method, if it moves such batches."""
+    if name == "auto":
+        raise ValueError(
+            "ensemble_ends takes the name of a method; 'auto' is for simulate, which chooses for one chain"
+        )
+    chosen = find_method(name)
+    if chosen.family not in (Family.FIXED_STEP, Family.ADAPTIVE):
+        raise ValueError(f"ensemble_ends takes methods of fixed steps and adaptive ones, not {name!r}: take ensemble")
+    if batch.dissipative.any() and not chosen.dissipative:
+        raise ValueError(refusal_of(name, batch.chain(int(np.argmax(batch.dissipative)))))
+    return chosen
+
+
+def _require_end(batch: ChainBatch, duration: ArrayLike | None) -> None:
+    """Raise ValueError where a chain may never come apart and there is no duration."""
+    if duration is not None:
+        return
+    if (np.isinf(batch.mass).sum(axis=1) > 1).any():
+        raise ValueError("a chain with two walls may never come apart: give a duration")
+    if batch.driven.any():
+        raise ValueError("a driven chain may never come apart: give a duration")
+
+
+def _velocities(batch: ChainBatch, velocity: ArrayLike) -> Array:
+    speeds = number_array("velocity", velocity)
+    if speeds.shape not in (batch.mass.shape, batch.mass.shape[1:]):
+        count, beads = batch.mass.shape
+        raise ValueError(f"{count} chains of {beads} beads need velocities of shape {batch.mass.shape} or ({beads},)")
+    if not (np.abs(speeds) <= LARGEST).all():
+        raise ValueError(f"every velocity must be a finite number of at most {LARGEST:g} m/s")
+    return np.broadcast_to(speeds, batch.mass.shape).copy()
+
+
+def _each(name: str, value: ArrayLike, count: int, zero: bool = False) -> Array:
+    found = number_array(name, value)
+    if found.shape not in ((), (count,)):
+        raise ValueError(f"{count} chains need {count} {name}s or one for all, not {shown(value)}")
+    if not (((found > 0.0) | (zero & (found == 0.0))) & (found <= LARGEST)).all():
+        raise ValueError(f"every {name} must be a finite number {'>=' if zero else '>'} 0, not {shown(value)}")
+    return np.broadcast_to(found, (count,)).copy()
+
+
+def _tier(method: str, batch: ChainBatch) -> KernelTiers:
+    """The kernels of a method of fixed steps for such chains."""
+    if fixed_batch.in_lockstep(method, batch.contacts):
+        return KERNELS["lockstep"]
+    return KERNELS["march-dissipative" if batch.dissipative.any() else "march"]
+
+
+def _call_kernels(method: str, friction: float) -> None:
+    """Call the kernels once."""
+    ensemble_ends(ChainBatch(np.ones((2, 3)), 0.0, 1.0, 0.1, friction=friction), [1.0, 0.0, 0.0], 1e-3, method)
+
+
+KERNELS = {
+    name: KernelTiers(f"batch-{name}", __name__, partial(_call_kernels, method, friction))
+    for name, method, friction in (
+        ("lockstep", "verlet", 0.0),
+        ("march", "conserving", 0.0),
+        ("march-dissipative", "conserving", 0.1),
+        ("adaptive", "accurate", 0.0),
+    )
+}
+TIERS = {kernels.name: kernels for kernels in KERNELS.values()}

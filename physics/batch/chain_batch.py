@@ -1,0 +1,247 @@
+"""ChainBatch: very many chains of one shape as arrays, a row a chain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.chain import GRAVITY, Chain
+from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown
+from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChainBatch:
+    """C chains of n+1 masses and n contacts each, as arrays: what `ensemble_ends` moves.
+
+    Every argument is broadcast to its shape, so one number, or one row, may stand for all chains. The force of a contact is
+    ``preload + stiffness * overlap**exponent``, as that of a :class:`Contact`; the rest is as for a :class:`Chain`.
+
+    Parameters
+    ----------
+    mass : array_like, shape (C, n+1)
+        Masses [kg]; ``math.inf`` is a wall.
+    preload, stiffness, exponent : array_like, shape (C, n)
+        Law of each contact, [N], [N/m**exponent] and a number.
+    gap : array_like, shape (C, n), optional
+        Distances [m] at the start; below 0 the contact is pressed.
+    loss : array_like, shape (C, n), optional
+        Part of its energy that each contact keeps as it comes out.
+    drive : array_like, shape (C, n+1), optional
+        Steady external force on each bead [N].
+    friction : array_like, shape (C,), optional
+        Coulomb coefficient of the bed.
+
+    Raises
+    ------
+    ValueError
+        A number out of range, shapes that do not fit, or two walls side by side.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> exponents = np.linspace(0.05, 0.5, 1000)[:, None]
+    >>> batch = ChainBatch(np.ones((1000, 5)), 0.0, 1.0, exponents)
+    >>> batch.chains, batch.contacts
+    (1000, 4)
+    """
+
+    mass: Array
+    preload: Array
+    stiffness: Array
+    exponent: Array
+    gap: Array
+    loss: Array
+    drive: Array
+    friction: Array
+
+    def __init__(
+        self,
+        mass: ArrayLike,
+        preload: ArrayLike,
+        stiffness: ArrayLike,
+        exponent: ArrayLike,
+        gap: ArrayLike = 0.0,
+        loss: ArrayLike = 0.0,
+        drive: ArrayLike = 0.0,
+        friction: ArrayLike = 0.0,
+    ) -> None:
+        masses = number_array("mass", mass)
+        if masses.ndim != 2 or masses.shape[1] < 2:
+            raise ValueError(f"the masses of a batch must be of shape (chains, beads), not {masses.shape}")
+        count, beads = masses.shape
+        per_contact = {"preload": preload, "stiffness": stiffness, "exponent": exponent, "gap": gap, "loss": loss}
+        rows = {name: _rows(name, value, (count, beads - 1)) for name, value in per_contact.items()}
+        rows |= {"mass": _rows("mass", masses, (count, beads)), "drive": _rows("drive", drive, (count, beads))}
+        rows["friction"] = _rows("friction", friction, (count,))
+        for name, value in rows.items():
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+        self._check()
+
+    @classmethod
+    def of(cls, chains: Sequence[Chain]) -> ChainBatch:
+        """The batch of these chains.
+
+        Parameters
+        ----------
+        chains : sequence of Chain
+            All of one length.
+
+        Raises
+        ------
+        ValueError
+            Chains of different lengths, or one with couplers, laws of one's own or forces over time.
+
+        Examples
+        --------
+        >>> from softcradle import ChainBatch, hertz, one_on
+        >>> ChainBatch.of([one_on(4, hertz(k)) for k in (1.0, 2.0)]).chains
+        2
+        """
+        for chain in chains:
+            require_kind("every chain", chain, Chain)
+            _require_plain(chain)
+        if not chains:
+            raise ValueError("a batch needs at least one chain")
+        lengths = sorted({chain.contacts for chain in chains})
+        if len(lengths) > 1:
+            raise ValueError(
+                f"the chains of a batch must be of one length, not of {lengths[0]} and {lengths[-1]} contacts"
+            )
+        law = np.array([chain.law_rows for chain in chains])
+        beads = lengths[0] + 1
+        drive = np.array([np.zeros(beads) if chain.drive is None else chain.drive for chain in chains])
+        friction = [chain.friction for chain in chains]
+        mass, gap, loss = ([getattr(chain, name) for chain in chains] for name in ("mass", "gap", "loss"))
+        return cls(mass, law[..., 0], law[..., 1], law[..., 2], gap, loss, drive, friction)
+
+    def __repr__(self) -> str:
+        return f"ChainBatch({self.chains} chains of {self.contacts} contacts)"
+
+    @property
+    def chains(self) -> int:
+        """Number C of chains."""
+        return self.mass.shape[0]
+
+    @property
+    def contacts(self) -> int:
+        """Number n of contacts of each."""
+        return self.mass.shape[1] - 1
+
+    def chain(self, index: int) -> Chain:
+        """One of the chains.
+
+        Parameters
+        ----------
+        index : int
+            Which.
+        """
+        rows = zip(self.preload[index], self.stiffness[index], self.exponent[index], self.loss[index], strict=True)
+        contacts = [Contact(*map(float, row)) for row in rows]
+        drive = self.drive[index] if self.drive[index].any() else None
+        return Chain(self.mass[index], contacts, self.gap[index], drive, float(self.friction[index]))
+
+    @cached_property
+    def law_rows(self) -> Array:
+        """(C, n, 3) preload, stiffness, exponent of each contact."""
+        return np.stack([self.preload, self.stiffness, self.exponent], axis=-1)
+
+    @cached_property
+    def inverse_mass(self) -> Array:
+        """(C, n+1) [1/kg]; 0 for a wall."""
+        found: Array = 1.0 / self.mass
+        return found
+
+    @cached_property
+    def bed(self) -> Array:
+        """(C, n+1) deceleration [m/s²] of a bead that slides; 0 for a wall, and without friction."""
+        found: Array = np.where(np.isfinite(self.mass), (self.friction * GRAVITY)[:, None], 0.0)
+        return found
+
+    @cached_property
+    def anchor(self) -> NDArray[np.int64]:
+        """(C,) index of the heaviest bead of each chain."""
+        return np.argmax(self.mass, axis=1)
+
+    @cached_property
+    def driven(self) -> NDArray[np.bool_]:
+        """(C,) whether a force from outside acts."""
+        found: NDArray[np.bool_] = np.asarray(self.drive.any(axis=1))
+        return found
+
+    @cached_property
+    def on_bed(self) -> NDArray[np.bool_]:
+        """(C,) whether beads are braked as they slide."""
+        return self.friction > 0.0
+
+    @cached_property
+    def lossy(self) -> NDArray[np.bool_]:
+        """(C,) whether a contact has loss."""
+        found: NDArray[np.bool_] = np.asarray(self.loss.any(axis=1))
+        return found
+
+    @cached_property
+    def dissipative(self) -> NDArray[np.bool_]:
+        """(C,) whether beads are braked or a contact has loss."""
+        found: NDArray[np.bool_] = np.asarray(np.any([self.on_bed, self.lossy], axis=0))
+        return found
+
+    def _check(self) -> None:
+        """Raise ValueError where a number is out of the range that a Chain takes."""
+        wall = np.isinf(self.mass) & (self.mass > 0.0)
+        _require(
+            "every mass (inf is a wall)", self.mass, wall | _within(self.mass), f"from {SMALLEST:g} to {LARGEST:g}"
+        )
+        if (wall[:, :-1] & wall[:, 1:]).any():
+            raise ValueError("two walls side by side: a contact between them could never be solved")
+        for name in ("preload", "stiffness", "friction"):
+            value = getattr(self, name)
+            _require(name, value, (value == 0.0) | _within(value), f"0 or from {SMALLEST:g} to {LARGEST:g}")
+        limits = f"from {LEAST_EXPONENT:g} to {MOST_EXPONENT:g}"
+        _require(
+            "exponent", self.exponent, (self.exponent >= LEAST_EXPONENT) & (self.exponent <= MOST_EXPONENT), limits
+        )
+        _require("loss", self.loss, (self.loss >= 0.0) & (self.loss < 1.0), ">= 0 and below 1")
+        for name in ("gap", "drive"):
+            _require(name, getattr(self, name), np.abs(getattr(self, name)) <= LARGEST, f"up to {LARGEST:g}")
+        if not (self.preload + self.stiffness > 0.0).all():
+            raise ValueError("contact preload and stiffness are both 0: the contact would never push")
+
+
+def _require_plain(chain: Chain) -> None:
+    """Raise ValueError where arrays of a batch have no room for what a chain has."""
+    for found, what in (
+        (chain.couplers, "couplers"),
+        (chain.own_laws, "laws of your own"),
+        (chain.timed, "forces over time"),
+    ):
+        if found:
+            raise ValueError(f"a batch takes chains of preloaded power laws, not {what}: take ensemble")
+    if chain.brakes:
+        raise ValueError("a batch takes chains on a bed with one friction, not brakes: take ensemble")
+
+
+def _within(value: Array) -> NDArray[np.bool_]:
+    return (value >= SMALLEST) & (value <= LARGEST)
+
+
+def _rows(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """`value` broadcast to `shape`, an array of its own."""
+    found = number_array(name, value)
+    try:
+        return np.broadcast_to(found, shape).copy()
+    except ValueError:
+        raise ValueError(f"{name} must fit the shape {shape} of this batch, not {found.shape}") from None
+
+
+def _require(name: str, value: Array, allowed: NDArray[np.bool_], limits: str) -> None:
+    if not allowed.all():
+        wrong = value[~allowed].flat[0]
+        raise ValueError(f"{name} must be {limits}, not {shown(wrong if not math.isnan(wrong) else math.nan)}")

@@ -1,0 +1,184 @@
+"""The ends of very many chains: to the last digit those of `simulate`, whatever shares the lanes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import (
+    Chain,
+    ChainBatch,
+    Coupler,
+    OwnLaw,
+    TimedForce,
+    ensemble_ends,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    step_force,
+)
+from softcradle.physics.simulation import solve
+from softcradle.physics.status import Status
+
+from tests.helpers.random_chains import random_collision, random_dissipative
+
+CHAINS = 80  # more than there are lanes, so that lanes take chain after chain
+STEP = 1e-2  # s: some chains chatter, some blow up
+DURATION = 2.0  # s, of chains with friction, loss and drives
+
+
+def chains_of(maker, contacts, count=CHAINS):
+    """The first `count` random chains with so many contacts, and their start velocities."""
+    found, seed = [], 0
+    while len(found) < count:
+        chain, velocity = maker(seed, 4)
+        seed += 1
+        if chain.contacts == contacts:
+            found.append((chain, velocity))
+    return [chain for chain, _ in found], np.array([velocity for _, velocity in found])
+
+
+def require_same(chains, velocities, ends, **settings):
+    for k, chain in enumerate(chains):
+        own = {name: value[k] if isinstance(value, np.ndarray) else value for name, value in settings.items()}
+        alone = solve(chain, velocities[k], samples=2, **own)
+        assert np.array_equal(ends.final_velocity[k], alone.final_velocity), k
+        assert np.array_equal(ends.velocity_error[k], alone.velocity_error, equal_nan=True), k
+        assert (ends.status[k], ends.time[k]) == (alone.status, alone.time[-1]), k
+        assert ends.steps[k] == alone.steps, k
+        if "duration" not in own:  # a sample at the end evaluates contacts, too
+            assert ends.evaluations[k] == alone.evaluations, k
+
+
+@pytest.mark.parametrize("contacts", [1, 3, 4])
+@pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "conserving"])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_collisions_end_as_they_would_alone(method, contacts):
+    chains, velocities = chains_of(random_collision, contacts)
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, method=method, step=STEP)
+    require_same(chains, velocities, ends, method=method, step=STEP)
+
+
+@pytest.mark.parametrize("contacts", [1, 3, 4])
+@pytest.mark.parametrize("method", ["euler", "verlet", "conserving"])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_chains_with_beds_losses_walls_and_drives_end_as_they_would_alone(method, contacts):
+    chains, velocities = chains_of(random_dissipative, contacts)
+    assert any(chain.drive for chain in chains)
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, DURATION, method, STEP)
+    require_same(chains, velocities, ends, duration=DURATION, method=method, step=STEP)
+
+
+@pytest.mark.parametrize("contacts", [1, 3])
+def test_adaptive_methods_end_as_they_would_alone(contacts):
+    """Some of these rattle, or errors grow in them: more than one run decides."""
+    chains, velocities = chains_of(random_collision, contacts, 30)
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6)
+    require_same(chains, velocities, ends, tolerance=1e-6)
+    chains, velocities = chains_of(random_dissipative, contacts, 12)
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, DURATION, tolerance=1e-6)
+    require_same(chains, velocities, ends, duration=DURATION, tolerance=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_default_steps_and_durations_are_those_of_each_chain():
+    chains, velocities = chains_of(random_collision, 2, 20)
+    durations = np.linspace(0.0, 1.0, len(chains))
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, durations, "verlet")
+    require_same(chains, velocities, ends, duration=durations, method="verlet")
+    pressed = [Chain([1.0, 1.0, 2.0], hertz(k), [-0.1, 0.2], friction=0.1) for k in (1.0, 2.0)]
+    ends = ensemble_ends(ChainBatch.of(pressed), [1.0, 0.0, 0.0], method="verlet")
+    require_same(pressed, [[1.0, 0.0, 0.0]] * 2, ends, method="verlet")
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_contact_that_no_step_shows_ends_a_lane_as_it_ends_a_chain():
+    chains = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]
+    ends = ensemble_ends(ChainBatch.of(chains), [1.0, 0.0], method="verlet", step=0.1)
+    require_same(chains, [[1.0, 0.0]] * 3, ends, method="verlet", step=0.1)
+    assert (ends.status == Status.SEPARATED).all()
+    assert ends.steps.max() < 50
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_long_chains_take_the_vector_code_that_they_take_alone():
+    chains = [one_on(70, power_law(1.0, alpha)) for alpha in (0.5, 0.6)]
+    velocity = np.eye(1, 71)[0]
+    ends = ensemble_ends(ChainBatch.of(chains), velocity, 0.5, "verlet", 1e-2)
+    require_same(chains, [velocity] * 2, ends, duration=0.5, method="verlet", step=1e-2)
+
+
+def test_threads_and_neighbours_change_nothing_and_progress_counts_every_chain():
+    exponents = np.linspace(0.3, 1.5, 1500)
+    batch, told = ChainBatch(np.ones((1500, 4)), 0.0, 1.0, exponents[:, None]), []
+    start = [1.0, 0.0, 0.0, 0.0]
+    some = ensemble_ends(batch, start, method="verlet", step=1e-2, workers=3, progress=told.append)
+    back = ChainBatch(np.ones((1500, 4)), 0.0, 1.0, exponents[::-1, None])
+    other = ensemble_ends(back, start, method="verlet", step=1e-2, workers=1)
+    assert np.array_equal(some.final_velocity, other.final_velocity[::-1])
+    assert sum(told) == 1500
+    assert len(told) > 2
+
+
+def test_a_batch_is_its_chains():
+    chains, _ = chains_of(random_dissipative, 3)
+    batch = ChainBatch.of(chains)
+    assert [batch.chain(k) for k in range(len(chains))] == chains
+    assert (batch.chains, batch.contacts) == (CHAINS, 3)
+    assert repr(batch) == "ChainBatch(80 chains of 3 contacts)"
+
+
+ONES = np.ones((3, 3))
+GEAR = Coupler(hooke(1.0), hooke(1.0))
+BATCH = ChainBatch(ONES, 0.0, 1.0, 0.5)
+REFUSED = {
+    "couplers": (lambda: ChainBatch.of([Chain([1, 1], GEAR)]), "not couplers: take ensemble"),
+    "own laws": (lambda: ChainBatch.of([Chain([1, 1], OwnLaw(lambda d: d))]), "not laws of your own: take ensemble"),
+    "forces": (lambda: ChainBatch.of([Chain([1, 1], hertz(1), forces=TimedForce(0, [0, 1], [0, 1]))]), "forces over time"),
+    "brakes": (lambda: ChainBatch.of([Chain([1, 1], hertz(1), brakes=TimedForce(0, 0, 1))]), "not brakes: take ensemble"),
+    "lengths": (lambda: ChainBatch.of([one_on(1, hertz(1)), one_on(2, hertz(1))]), "of one length, not of 1 and 2"),
+    "no chains": (lambda: ChainBatch.of([]), "at least one chain"),
+    "one row": (lambda: ChainBatch([1, 1], 0, 1, 1), r"of shape \(chains, beads\), not \(2,\)"),
+    "a shape": (lambda: ChainBatch(ONES, 0, [1, 2, 3, 4], 1), r"stiffness must fit the shape \(3, 2\)"),
+    "no number": (lambda: ChainBatch(ONES, 0, math.nan, 1), "stiffness must be 0 or from 1e-30 to 1e"),
+    "no force": (lambda: ChainBatch(ONES, 0, 0, 1), "would never push"),
+    "an exponent": (lambda: ChainBatch(ONES, 0, 1, 11), "exponent must be from 1e-06 to 10, not 11.0"),
+    "a mass": (lambda: ChainBatch(0 * ONES, 0, 1, 1), "every mass"),
+    "two walls": (lambda: ChainBatch(math.inf * ONES, 0, 1, 1), "two walls side by side"),
+    "a loss": (lambda: ChainBatch(ONES, 0, 1, 1, loss=1), "loss must be >= 0 and below 1, not 1.0"),
+    "no batch": (lambda: ensemble_ends([one_on(2, hertz(1))], [1, 0, 0]), "batch must be a ChainBatch"),
+    "auto": (lambda: ensemble_ends(BATCH, [1, 0, 0], method="auto"), "'auto' is for simulate"),
+    "pymunk": (lambda: ensemble_ends(BATCH, [1, 0, 0], method="pymunk"), "not 'pymunk': take ensemble"),
+    "a step": (lambda: ensemble_ends(BATCH, [1, 0, 0], step=1.0), "chooses its own steps"),
+    "steps": (lambda: ensemble_ends(BATCH, [1, 0, 0], None, "verlet", [1, 2]), "3 chains need 3 steps or one"),
+    "no step": (lambda: ensemble_ends(BATCH, [1, 0, 0], None, "verlet", 0.0), "every step must be a finite number > 0"),
+    "a tolerance": (lambda: ensemble_ends(BATCH, [1, 0, 0], tolerance=0.0), "tolerance must be from 1e-16"),
+    "velocities": (lambda: ensemble_ends(BATCH, [1, 0]), r"3 chains of 3 beads need velocities of shape \(3, 3\) or \(3,\)"),
+    "a velocity": (lambda: ensemble_ends(BATCH, [1, 0, math.nan]), "every velocity must be a finite number"),
+    "workers": (lambda: ensemble_ends(BATCH, [1, 0, 0], workers=0), "workers must be at least 1, not 0"),
+    "friction": (
+        lambda: ensemble_ends(ChainBatch(ONES, 0, 1, 1, friction=0.1), [1, 0, 0], method="yoshida4"), "carries neither bed"
+    ),
+    "a drive": (
+        lambda: ensemble_ends(ChainBatch(ONES, 0, 1, 1, drive=[1, 0, 0]), [1, 0, 0]), "a driven chain may never come apart"
+    ),
+    "walls": (
+        lambda: ensemble_ends(ChainBatch([[math.inf, 1, math.inf]], 0, 1, 1), [0, 1, 0]), "two walls may never come apart"
+    ),
+    "a depth": (lambda: ensemble_ends(ChainBatch(ONES, 0, 1e-30, 1e-3), [1e30, 0, 0]), "would be pressed by about"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("wrong", "sentence"), REFUSED.values(), ids=REFUSED)
+def test_what_no_batch_holds_is_refused_in_a_sentence(wrong, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        wrong()
+
+
+def test_step_forces_take_no_power():
+    """Their rows have the exponent 1 in common with Hooke's, and stiffness 0."""
+    chains = [Chain([1.0, 2.0], step_force(f0)) for f0 in (1.0, 2.0)] + [Chain([1.0, 2.0], hooke(3.0))]
+    ends = ensemble_ends(ChainBatch.of(chains), [1.0, 0.0], 1.0, "verlet", 1e-2)
+    require_same(chains, [[1.0, 0.0]] * 3, ends, duration=1.0, method="verlet", step=1e-2)
