@@ -65,7 +65,8 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
             f"{path}: a trajectory with a law of your own, {name!r}, cannot be read back from an .npz file: "
             "save a .csv by to_csv(), or the Dataset of to_xarray()"
         )
-    arrays = {name: value for name, value in {**values, **extra}.items() if isinstance(value, np.ndarray)}
+    both = {**values, **extra}
+    arrays: dict[str, Any] = {name: value for name, value in both.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in values.items() if name not in arrays}
     arrays["contact_intervals"] = _interval_rows(plain.pop("contact_intervals"))
     chain, warnings = asdict(plain.pop("chain")), [_stored_warning(warning) for warning in plain.pop("warnings")]

@@ -207,11 +207,11 @@ def _head(line: bytes) -> Any:
 def _body(chunk: Chunk) -> bytes:
     """The arrays of a chunk as an .npz."""
     buffer = io.BytesIO()
-    more = {
+    more: dict[str, Any] = {
         REASON_AT: np.array(list(chunk.reasons), dtype=np.int64),
         REASONS: np.array(list(chunk.reasons.values()), dtype=str),
     }
-    columns = {COLUMN + name: column for name, column in chunk.columns.items()}
+    columns: dict[str, Any] = {COLUMN + name: column for name, column in chunk.columns.items()}
     np.savez(buffer, **columns, **(more if chunk.reasons else {}))
     return buffer.getvalue()
 
