@@ -46,6 +46,13 @@ def lockstep() -> Iterator[Report]:
     return reports()
 
 
+def long_chains() -> Iterator[Report]:
+    """A collision with a thousand beads, and a pulse that crosses as many."""
+    from benchmarks.long_chains import reports
+
+    return reports()
+
+
 def work_precision() -> Iterator[Report]:
     """Time to reach an error, of our methods and of the peers."""
     from benchmarks.work_precision import reports
@@ -115,6 +122,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "steps": steps,
     "chain-lengths": chain_lengths,
     "lockstep": lockstep,
+    "long-chains": long_chains,
     "work-precision": work_precision,
     "tolerances": tolerances,
     "callbacks": callbacks,
