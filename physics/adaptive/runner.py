@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.adaptive.effective_chain import chain_and_regime
 from softcradle.physics.adaptive.integrate import TOLERANCE_PART, integrate
 from softcradle.physics.adaptive.kept_steps import KeptSteps
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
@@ -21,7 +22,6 @@ from softcradle.physics.adaptive.step_records import (
     Scratch,
     Steps,
     Trial,
-    chain_and_regime,
     empty_scratch,
     empty_steps,
     empty_trial,

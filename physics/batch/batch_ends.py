@@ -112,7 +112,7 @@ def ensemble_ends(
     >>> from softcradle import ChainBatch, ensemble_ends
     >>> batch = ChainBatch(np.ones((3, 3)), 0.0, 1.0, np.array([[1.0], [0.5], [0.1]]))
     >>> ensemble_ends(batch, [1, 0, 0]).final_velocity[:, 0].round(3)
-    array([-0.13 , -0.203, -0.333])
+    array([-0.13 , -0.238, -0.333])
     """
     require_kind("batch", batch, ChainBatch)
     chosen = _method(method, batch)
