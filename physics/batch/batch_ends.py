@@ -45,7 +45,7 @@ class EnsembleEnds:
     time : ndarray, shape (C,)
         When the run ended [s].
     status : ndarray, shape (C,)
-        How it ended: the number of a :class:`~softcradle.physics.status.Status`.
+        How it ended, as in ``Trajectory.status``: 0 done, 1 separated, 2 and 3 gave up, 4 undetermined.
     steps : ndarray, shape (C,)
         Number of steps taken.
     evaluations : ndarray, shape (C,)
