@@ -29,6 +29,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 Array = NDArray[np.float64]
 
 MOST_STEPS = 20_000_000  # some minutes
+MOST_REACH = 2.0**90  # [m] of the anchors
 FIRST_SPACING = 4  # steps between two checkpoints at first
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
 
@@ -125,8 +126,11 @@ class Row:
         for contact, overlap in zip(self.contacts, overlaps, strict=True):
             contact._take_overlap(overlap)
         self.closed = [overlap > 0.0 for overlap in overlaps]
-        if max(overlaps) > 0.5 * self.reach:
-            self.reach = _power_of_two(8.0 * max(overlaps))
+        deepest = max(overlaps)
+        if (
+            deepest > 0.5 * self.reach and self.reach < MOST_REACH
+        ):  # beyond, steps that are too long have blown the motion up
+            self.reach = min(_power_of_two(8.0 * min(deepest, MOST_REACH)), MOST_REACH)
             for contact in self.contacts:
                 contact.anchor_b = self.reach, 0.0
                 contact.touching_distance = self.reach

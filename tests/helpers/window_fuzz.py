@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pygame
+from softcradle.physics import warm
 from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
 from softcradle.sandbox.window.scene.scene_page import ScenePage
 
@@ -164,6 +165,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)  # random clicks also press the buttons that write files
         os.environ["SOFTCRADLE_CONFIG"] = folder  # keys change settings
+        warm()  # kernels that are loaded later would count as growth
         growth = run(Fuzz(args.seed, Path(folder)), round(args.minutes * 60.0 / FRAME))
         os.chdir("/")
     print(f"growth after warm-up {growth:.1f} MB")
