@@ -149,13 +149,23 @@ def step_budget(problem: Problem) -> int:
         return MOST_STEPS
     if problem.budget is not None:
         return problem.budget
-    n = problem.chain.contacts
-    budget = CONTACT_STEPS / n + STEPS_A_CONTACT * (n + 16)
+    passes = 0.0
     if problem.duration is not None:
         longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
-        budget += STEPS_A_CONTACT_TIME * problem.duration / longest
-    finer = max(USUAL_TOLERANCE / problem.tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
-    return int(min(budget * finer, MOST_STEPS))
+        passes = problem.duration / longest
+    return int(usual_budget(problem.chain.contacts, problem.tolerance, passes))
+
+
+def usual_budget(contacts: int, tolerance: float, passes: Any) -> Any:
+    """Steps of motions whose durations are `passes` times their longest contact times, a number or (C,); 0 without duration."""
+    budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16) + STEPS_A_CONTACT_TIME * passes
+    finer = max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
+    return np.minimum(budget * finer, MOST_STEPS)
+
+
+def error_growth(before: Any, grown: Array, turns: Array) -> Any:
+    """The factor by which errors have grown: by bounces `before`, by the last ones and by the turns of contacts (..., n)."""
+    return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
 
 
 def advance(problem: Problem) -> Status:
@@ -181,7 +191,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     if larger:
         return _pass(problem, larger)
     counter, status, scratch = memory.log.counter, Status(code), memory.scratch
-    growth = 1.0 + scratch.control[GROWTH] + scratch.grown.sum() + TURN_GROWTH * scratch.turns.max()
+    growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
     error = ERROR_GROWTH * growth * float(np.sqrt(scratch.control[LOCAL_SQUARE]))
     overlap, rate, anchor, force, absorbed = empty_samples(0, problem.chain.contacts)
     return Record(

@@ -9,18 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.runner import (
     ALLOWED,
-    CONTACT_STEPS,
     ERROR_GROWTH,
     SOFTEST,
-    STEPS_A_CONTACT,
-    STEPS_A_CONTACT_TIME,
-    TURN_GROWTH,
-    USUAL_TOLERANCE,
+    error_growth,
+    usual_budget,
 )
 from softcradle.physics.adaptive.step_records import (
     DOP853,
-    ERROR_EXPONENT,
-    RADAU,
     empty_scratch,
     empty_steps,
     empty_trial,
@@ -55,11 +50,8 @@ def accuracy_of(
     n = batch.contacts
     budget = np.full(batch.chains, MOST_STEPS, dtype=np.int64)
     if ALLOWED[method] != DOP853:
-        found = np.full(batch.chains, CONTACT_STEPS / n + STEPS_A_CONTACT * (n + 16))
-        limited = np.isfinite(durations)
-        found[limited] += STEPS_A_CONTACT_TIME * durations[limited] / times.max(axis=1)[limited]
-        finer = max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
-        budget = np.minimum(found * finer, MOST_STEPS).astype(np.int64)
+        passes = np.where(np.isfinite(durations), durations, 0.0) / times.max(axis=1)
+        budget = usual_budget(n, tolerance, passes).astype(np.int64)
     grown, turns, control = (np.zeros((batch.chains, count)) for count in (n, n, 2))
     return Accuracy(method, tolerance, scale, budget, grown, turns, control)
 
@@ -81,7 +73,7 @@ def run_part(kernel: Any, accuracy: Accuracy, run: BatchRun, part: Part) -> None
 
 def errors(accuracy: Accuracy) -> tuple[Array, Array]:
     """(C,) the error [m/s] that each chain states, and the factor by which errors have grown."""
-    growth = 1.0 + accuracy.control[:, 0] + accuracy.grown.sum(axis=1) + TURN_GROWTH * accuracy.turns.max(axis=1)
+    growth = error_growth(accuracy.control[:, 0], accuracy.grown, accuracy.turns)
     return ERROR_GROWTH * growth * np.sqrt(accuracy.control[:, 1]), growth
 
 
