@@ -24,6 +24,8 @@ from softcradle.physics.trajectory import Interval, Trajectory
 
 Array = NDArray[np.float64]
 
+TWO_WALLS = "a chain with two walls may never come apart: give a duration"
+DRIVEN = "a driven chain may never come apart: give a duration"
 LEAST_TOLERANCE = 1e-16  # nothing finer can be told from round-off
 MOST_SAMPLED = 100_000_000  # samples times beads: about 3 GB; a typing error must not fill the memory
 FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
@@ -230,8 +232,8 @@ def _problem(
     _require_carried(method.name, chain)
     require_computable(chain, state.velocity(chain))
     if duration is None:
-        _require(chain.walls < 2, "a chain with two walls may never come apart: give a duration")
-        _require(not chain.lasts, "a driven chain may never come apart: give a duration")
+        _require(chain.walls < 2, TWO_WALLS)
+        _require(not chain.lasts, DRIVEN)
         _require(not chain.pulls, "a chain whose couplers pull never comes apart: give a duration")
     else:
         duration = magnitude("duration", duration, zero=True)

@@ -105,9 +105,7 @@ def run(problem: Problem) -> Record:
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
         record = checked(problem, record, _scale(problem), completed)
-    if problem.later:
-        record.kept = None if isinstance(record.kept, KeptSteps) and record.kept.overflows else record.kept
-    elif record.kept is not None:
+    if record.kept is not None and not problem.later:
         began = perf_counter()
         record = _sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began
@@ -197,7 +195,8 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     return Record(
         NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, absorbed,
-        np.full(problem.chain.contacts + 1, error), growth, kept=kept,
+        np.full(problem.chain.contacts + 1, error), growth,
+        kept=None if problem.later and kept.overflows else kept,
     )  # fmt: skip
 
 

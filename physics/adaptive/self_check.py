@@ -21,8 +21,8 @@ LEAST_PROMISED = (
     1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
 )
 DOUBT = 2.0  # times the difference between two runs: the error that is stated
-MOST_MORE = 8.0  # times the steps of a run: a finer one that takes more than this and
-LEAST_BUDGET = 500  # more rattles where the other did not
+MOST_MORE = 8.0  # times the steps of a run: a finer one that takes many more rattles where the other did not
+LEAST_BUDGET = 500  # steps beside these, for runs of few steps
 MOST_CHECKING = 20_000  # steps of all runs of one motion, before no finer run is tried
 FORCE_SHAKE = (
     0.1  # of the tolerance of a finer run: the relative change of its forces, for runs of like steps err alike

@@ -27,7 +27,7 @@ from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.records import EVALUATION, STEP
-from softcradle.physics.simulation import LEAST_TOLERANCE, solve
+from softcradle.physics.simulation import DRIVEN, LEAST_TOLERANCE, TWO_WALLS, solve
 
 Array = NDArray[np.float64]
 
@@ -198,9 +198,9 @@ def _require_end(batch: ChainBatch, duration: ArrayLike | None) -> None:
     if duration is not None:
         return
     if (np.isinf(batch.mass).sum(axis=1) > 1).any():
-        raise ValueError("a chain with two walls may never come apart: give a duration")
+        raise ValueError(TWO_WALLS)
     if batch.driven.any():
-        raise ValueError("a driven chain may never come apart: give a duration")
+        raise ValueError(DRIVEN)
 
 
 def _velocities(batch: ChainBatch, velocity: ArrayLike) -> Array:

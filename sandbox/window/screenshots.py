@@ -16,6 +16,7 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.languages import ENGLISH, LANGUAGES, language
+from softcradle.sandbox.session.frame_clock import FrameClock
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
@@ -47,21 +48,6 @@ def usual_settings() -> Iterator[None]:
                     del os.environ[name]
                 else:
                     os.environ[name] = value
-
-
-class FrameClock:
-    """A clock that moves between frames alone: pictures are the same however busy the machine is.
-
-    Attributes:
-        now: the time that it tells [s].
-    """
-
-    def __init__(self) -> None:
-        self.now = 0.0
-
-    def __call__(self) -> float:
-        """The time [s]."""
-        return self.now
 
 
 def run_frames(app: App, count: int) -> None:

@@ -6,12 +6,13 @@ from typing import get_args
 import numpy as np
 import pytest
 from softcradle.sandbox.session import Drag, Replay, Session, SetMass, SetMethod, SetSlow, recording
+from softcradle.sandbox.session.frame_clock import FrameClock
 from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.session.random_play import play_at_random
 from softcradle.sandbox.user_error import UserError
 
 from softcradle import scenes
-from tests.helpers.sessions import FakeClock, opened
+from tests.helpers.sessions import opened
 
 
 def played(name="one-on-four", method="auto"):
@@ -77,7 +78,7 @@ def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
 
 def test_a_replay_also_runs_by_the_clock(tmp_path):
     played().save_recording(tmp_path / "played.npz")
-    replay = Replay.load(tmp_path / "played.npz", FakeClock())
+    replay = Replay.load(tmp_path / "played.npz", FrameClock())
     ticks = 0
     while not replay.done:
         replay.tick(1 / 60)

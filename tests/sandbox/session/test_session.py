@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.session import Drag, RemoveBead, SetMass, SetSlow, SetVelocity
+from softcradle.sandbox.session.frame_clock import FrameClock
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
 from softcradle import scenes
-from tests.helpers.sessions import FakeClock, opened
+from tests.helpers.sessions import opened
 
 PICTURE = 2.0 / FRAME_RATE
 
@@ -88,7 +89,7 @@ def test_uneven_pictures_lose_no_time():
 
 
 def test_late_physics_slows_the_clock_and_is_reported():
-    clock = FakeClock()
+    clock = FrameClock()
     session = opened(clock=clock, budget=0.010)
     session.play()
     compute = session._compute_frame
@@ -107,7 +108,7 @@ def test_late_physics_slows_the_clock_and_is_reported():
 
 
 def test_a_frame_beyond_the_budget_is_still_computed():
-    clock = FakeClock()
+    clock = FrameClock()
     session = opened(clock=clock, budget=0.010)
     session.play()
     compute = session._compute_frame
