@@ -248,6 +248,7 @@ class App:
         self._quiet += seconds
         for event in pygame.event.get() if events is None else events:
             self._quiet = 0.0
+            self.page.follow()
             self.router.take(event)
         if self.minimised:
             return

@@ -88,6 +88,9 @@ class Page(Protocol):
     def build(self) -> None:
         """Make the widgets for the host's size and unit; the old ones are gone."""
 
+    def follow(self) -> None:
+        """Let what is drawn be of the present state: before each event, for the one before it may be of the same frame."""
+
     def handle(self, event: pygame.Event) -> bool:
         """Take an event that no widget took; whether the page used it."""
 

@@ -149,6 +149,9 @@ class GalleryPage:
         """The visible card at `point`, or None."""
         return self.grid.card_at(point)
 
+    def follow(self) -> None:
+        """Nothing here is edited."""
+
     def handle(self, event: pygame.Event) -> bool:
         """Clicks, wheel, the search, and keys that move or open."""
         return self._typed(event) or self.grid.handle(event) or self._clicked(event) or self._key(event)

@@ -117,6 +117,9 @@ class HangingPage:
         self.text = pygame.Rect(panel.left, top, panel.width, max(0, panel.bottom - top))
         self.places = places
 
+    def follow(self) -> None:
+        """What is drawn is read when an event comes."""
+
     def handle(self, event: pygame.Event) -> bool:
         """Menus and bar, and dragging of balls."""
         chosen = self.controls.handle(event, self.model)

@@ -153,11 +153,11 @@ class ScenePage:
     def update(self, seconds: float) -> None:
         """Let time pass."""
         self._notice_kernels()
-        self._follow_edits()
+        self.follow()
         self.pointer.update()
         if not self.editor.preparing:
             self.clock.tick(seconds)
-        self._follow_edits()
+        self.follow()
         self.view.update(seconds)
         self.board.update()
         self.timeline.update()
@@ -181,7 +181,7 @@ class ScenePage:
             self.view.look_ahead()
             self.view.rebuild()
 
-    def _follow_edits(self) -> None:
+    def follow(self) -> None:
         """Let what is drawn be of the present lanes."""
         if self.session.setup is not self._setup:
             self._notice_edit(self._setup, self.session.setup)
@@ -199,6 +199,7 @@ class ScenePage:
         old, new = ([(lane.chain, lane.locked) for lane in setup.lanes] for setup in (before, now))
         if old != new:
             self.view.rebuild()
+            self.tools.values.arrange()
             self.view.follower.notice()
             if self.editor.selection is not None and not self.inspector.busy:
                 self.inspector.remake()  # its widgets may be of another kind now
