@@ -48,11 +48,12 @@ def main(arguments: list[str]) -> int:
     for name in args.of:
         group, file = GROUPS[name], args.folder / f"{name}.json"
         wanted = drawn(group, args.count, args.seed)
-        known = _known(file, group)
+        stamps = _stamps(group)  # of the files as they are tried: they may change while mutants run
+        known = _known(file, group, stamps)
         todo = [item for item in wanted if _key(*item) not in known]
         for key, entry in _tried(group, todo, end):
             known[key] = entry
-            _write(file, group, known)
+            _write(file, stamps, known)
         reports.append(_report(name, wanted, known))
         complete &= all(_key(*item) in known for item in wanted)
     console = Console(width=160)
@@ -101,11 +102,11 @@ def _stamps(group: Group) -> dict[str, str]:
     return {file: blake2b(_text(file).encode(), digest_size=8).hexdigest() for file in files}
 
 
-def _known(file: Path, group: Group) -> dict[str, dict[str, Any]]:
+def _known(file: Path, group: Group, stamps: dict[str, str]) -> dict[str, dict[str, Any]]:
     """Results of these sources. Where tests have changed, those that killed do so still; survivors are tried again."""
     if not file.exists():
         return {}
-    kept, stamps = json.loads(file.read_text(encoding="utf-8")), _stamps(group)
+    kept = json.loads(file.read_text(encoding="utf-8"))
     same_tests = all(kept["stamps"].get(name) == stamp for name, stamp in stamps.items() if name not in group.sources)
     return {
         key: entry
@@ -114,9 +115,9 @@ def _known(file: Path, group: Group) -> dict[str, dict[str, Any]]:
     }
 
 
-def _write(file: Path, group: Group, known: dict[str, dict[str, Any]]) -> None:
+def _write(file: Path, stamps: dict[str, str], known: dict[str, dict[str, Any]]) -> None:
     with output_file(file) as temporary:
-        temporary.write_text(json.dumps({"stamps": _stamps(group), "mutants": known}, indent=1), encoding="utf-8")
+        temporary.write_text(json.dumps({"stamps": stamps, "mutants": known}, indent=1), encoding="utf-8")
 
 
 def _report(name: str, wanted: list[tuple[str, Mutant]], known: dict[str, dict[str, Any]]) -> Report:
