@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.numerics.contact_law import force as power_force
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.resolvent import EPSILON, MOST_SCALAR, SMALLEST, quadratic_root, resolvent_slope
+from softcradle.physics.numerics.resolvent import (
+    EPSILON,
+    MOST_SCALAR,
+    SMALLEST,
+    quadratic_root,
+    resolvent_slope,
+    touching,
+)
 
 Array = NDArray[np.float64]
 
@@ -97,11 +104,13 @@ def own_solve_loaded(own, number, start, weight, s, guess):
 @jit
 def own_resolvent(own, number, preload, start, weight, s, guess):
     """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
+    if abs(start) < SMALLEST:
+        start = 0.0
     if start > 0.0:
         energy = own.energy(number, start)
-        if s * start <= weight * energy:  # the contact opens within the step: g = E(d0) / (d0 - d1)
+        if s <= weight * (energy / start):  # the contact opens within the step: g = E(d0) / (d0 - d1)
             if weight * energy < SMALLEST:
-                return min(s, 0.0), 0.0, 0.0
+                return touching(weight, s)
             apart = quadratic_root(1.0, s - start, -weight * energy)
             return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
     elif s < 0.0:

@@ -81,6 +81,12 @@ def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, gu
 
 
 @jit
+def touching(weight, s):
+    """d1, g and dg/ds where no energy is stored at the start that a number tells: pressed on at d1 = 0, or open."""
+    return (0.0, s / weight, 1.0 / weight) if s > 0.0 else (s, 0.0, 0.0)
+
+
+@jit
 def resolvent_slope(slope, weight):
     """dg/ds = 1 / (1/slope + weight), from slope = dg/dd1 in [0, inf]."""
     return 1.0 / (1.0 / slope + weight) if slope > 0.0 else 0.0
@@ -89,11 +95,14 @@ def resolvent_slope(slope, weight):
 @jit
 def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess):
     """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
+    if abs(start) < SMALLEST:
+        start = 0.0
     if start > 0.0:
-        energy = (preload + stiffness * start_power / (1.0 + exponent)) * start
-        if s * start <= weight * energy:  # the contact opens within the step: g = E(d0) / (d0 - d1)
+        mean = preload + stiffness * start_power / (1.0 + exponent)
+        if s <= weight * mean:  # the contact opens within the step: g = E(d0) / (d0 - d1)
+            energy = mean * start
             if weight * energy < SMALLEST:
-                return min(s, 0.0), 0.0, 0.0
+                return touching(weight, s)
             apart = quadratic_root(1.0, s - start, -weight * energy)
             return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
     elif s < 0.0:

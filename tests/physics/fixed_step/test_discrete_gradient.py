@@ -98,15 +98,22 @@ def test_a_step_on_which_newton_cycles_keeps_the_energy():
         assert total_energy(chain, state) == pytest.approx(moving, rel=1e-11)
 
 
-LAW = st.tuples(
-    st.sampled_from([0.0, 0.3, 4.0]),
-    st.sampled_from([1e-3, 1.0, 50.0]),
-    st.sampled_from([1 / 50, 0.1, 0.5, 1.0, 1.5, 3.0]),
+LAW = st.one_of(
+    st.tuples(
+        st.sampled_from([0.0, 0.3, 4.0]),
+        st.sampled_from([1e-3, 1.0, 50.0]),
+        st.sampled_from([1 / 50, 0.1, 0.5, 1.0, 1.5, 3.0]),
+    ),
+    st.just((4.0, 0.0, 1.0)),
 )
-START = st.one_of(st.just(0.0), st.floats(-12, 1).map(lambda x: 10.0**x), st.floats(-12, 1).map(lambda x: -(10.0**x)))
+DECADES = st.one_of(
+    st.floats(-12, 1), st.floats(-300, -12)
+)  # those of an overlap that the step before left by round-off too
+START = st.one_of(st.just(0.0), DECADES.map(lambda x: 10.0**x), DECADES.map(lambda x: -(10.0**x)))
 WEIGHT = st.floats(-10, 3).map(lambda x: 10.0**x)
 SUM = st.one_of(st.just(0.0), st.floats(-12, 2).map(lambda x: 10.0**x), st.floats(-12, 2).map(lambda x: -(10.0**x)))
 SIZES = st.floats(0, 1)
+NO_ENERGY = 1e-260  # what the resolvent takes for none
 
 
 def solved(law, start, weight, s, guess=0.5):
@@ -130,7 +137,7 @@ def test_its_force_is_the_mean_force(law, start, weight, s, guess):
     """(E(d1) - E(d0)) / (d1 - d0): the work is the energy, to round-off of the larger energy."""
     end, force, _ = solved(law, start, weight, s, guess)
     before, after = energy(*law, start), energy(*law, end)
-    assert force * (end - start) == pytest.approx(after - before, rel=1e-11, abs=1e-13 * max(before, after) + 1e-300)
+    assert force * (end - start) == pytest.approx(after - before, rel=1e-11, abs=1e-13 * max(before, after) + NO_ENERGY)
 
 
 @given(LAW, START, WEIGHT, SUM, SUM)
