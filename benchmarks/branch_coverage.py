@@ -28,7 +28,9 @@ TESTS = (
     "tests/physics/numerics/test_law_curve.py",
     "tests/physics/fixed_step/test_gradient_step.py",
     "tests/physics/adaptive/test_radau_step.py",
+    "tests/physics/adaptive/test_radau_guess.py",
     "tests/physics/adaptive/test_find_event.py",
+    "tests/physics/adaptive/test_guards.py",
     "tests/physics/adaptive/test_first_root.py",
     "tests/physics/adaptive/test_acceleration_balance.py",
 )

@@ -96,6 +96,10 @@ def _text(source: str) -> str:
     return (ROOT / source).read_text(encoding="utf-8")
 
 
+def _line(source: str, mutant: Mutant) -> str:
+    return _text(source).splitlines()[mutant.line - 1]
+
+
 def _stamps(group: Group) -> dict[str, str]:
     """Digests of the sources and the tests of a group: results of others do not count."""
     files = [*group.sources, *sorted({test.split("::")[0] for test in group.tests if test.startswith("tests/")})]
@@ -124,7 +128,11 @@ def _report(name: str, wanted: list[tuple[str, Mutant]], known: dict[str, dict[s
     tried = [item for item in wanted if _key(*item) in known]
     alive = [item for item in tried if not known[_key(*item)]["killed by"]]
     rows = [
-        [f"{source}:{mutant.line}", f"`{_short(mutant.before)}` to `{_short(mutant.after)}`", reason_of(source, mutant)]
+        [
+            f"{source}:{mutant.line}",
+            f"`{_short(mutant.before)}` to `{_short(mutant.after)}`",
+            reason_of(source, _line(source, mutant), mutant),
+        ]
         for source, mutant in alive
     ]
     killed, equivalent = len(tried) - len(alive), sum(bool(row[2]) for row in rows)

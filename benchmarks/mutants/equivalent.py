@@ -6,21 +6,52 @@ from typing import NamedTuple
 
 from benchmarks.mutants.operators import Mutant
 
+CURVE = "physics/numerics/law_curve.py"
+RADAU, GUESS = "physics/adaptive/radau.py", "physics/adaptive/radau_guess.py"
+ROOT = "physics/adaptive/first_root.py"
+GRADIENT = "physics/fixed_step/discrete_gradient.py"
+
 
 class Equivalent(NamedTuple):
-    """Mutants of `source` whose changed text holds `before` and becomes `after` (anything where empty), and the reason."""
+    """Mutants of `source` in a line that holds `line`, whose changed text is `before` (any where empty), and the reason."""
 
     source: str
+    line: str
     before: str
-    after: str
     reason: str
 
 
-EQUIVALENT: tuple[Equivalent, ...] = ()
+EQUIVALENT = (
+    Equivalent(
+        CURVE, "by_overlap < 0.0 and overlap > 0.0:", "by_overlap < 0.0", "at 0 the bound is not below the overlap"
+    ),
+    Equivalent(CURVE, "towards_zero = ", "overlap > 0.0", "an overlap of 0 is asked for beside it"),
+    Equivalent(RADAU, "if slope > VERTICAL:", "slope > VERTICAL", "1e200 is as vertical as any slope near it"),
+    Equivalent(
+        RADAU, "= 1.0 / (1.0 + weight * slope)", "", "length of a direction; the correction along it is divided by it"
+    ),
+    Equivalent(GUESS, "NO_GUESS = -1.0", "1.0", "any negative number says it"),
+    Equivalent(
+        GUESS,
+        "if 0.3 * (force[i] - preload) < excess",
+        "0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload)",
+        "a guess just at its bound",
+    ),
+    Equivalent(ROOT, "NONE = 2.0", "2.0", "any part beyond 1 says it"),
+    Equivalent(
+        ROOT, "move * width <= LAST_DIGITS", "b[1] < 0.0 or width <= LAST_DIGITS", "the same root, some moves later"
+    ),
+    Equivalent(
+        GRADIENT, "FIRST_FORCE = SOLVER_ROWS", "SOLVER_ROWS + 3", "only the guess of forces after a cut is kept there"
+    ),
+    Equivalent(GRADIENT, "kept = full if rate[i] > 0.0", "rate[i] > 0.0", "a rate of 0 is left out before"),
+    Equivalent(GRADIENT, "return used, 1.0", "1.0", "any part from 1 on says that there is no cut"),
+    Equivalent(GRADIENT, "failed |= used < 0", "0", "a solver that converges takes an iteration at least"),
+)
 
 
-def reason_of(source: str, mutant: Mutant) -> str:
-    """Why `mutant` changes nothing that can be seen; empty where it is not known to be so."""
-    before, after = " ".join(mutant.before.split()), " ".join(mutant.after.split())
-    found = (one for one in EQUIVALENT if one.source == source and one.before == before and one.after in ("", after))
+def reason_of(source: str, line: str, mutant: Mutant) -> str:
+    """Why `mutant`, in that line of `source`, changes nothing that can be seen; empty where it is not known to be so."""
+    before = " ".join(mutant.before.split())
+    found = (one for one in EQUIVALENT if one.source == source and one.line in line and one.before in ("", before))
     return next((one.reason for one in found), "")

@@ -37,10 +37,14 @@ GROUPS = {
             "physics/adaptive/radau_guess.py",
             "physics/adaptive/radau_tableau.py",
         ),
-        ("tests/physics/adaptive/test_radau_step.py",),
+        ("tests/physics/adaptive/test_radau_step.py", "tests/physics/adaptive/test_radau_guess.py"),
     ),
     "events": Group(
         ("physics/adaptive/events.py", "physics/adaptive/first_root.py"),
-        ("tests/physics/adaptive/test_first_root.py", "tests/physics/adaptive/test_find_event.py"),
+        (
+            "tests/physics/adaptive/test_first_root.py",
+            "tests/physics/adaptive/test_find_event.py",
+            "tests/physics/adaptive/test_guards.py",
+        ),
     ),
 }

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.contact import is_closed
 from softcradle.physics.numerics import contact_law as kernel
 
 preloads = st.one_of(st.just(0.0), st.floats(1e-3, 1e3))
@@ -159,11 +160,26 @@ def test_a_step_force_cannot_be_exceeded():
         (lambda: power_law(0.0, 0.1), "both 0: the contact would never push"),
         (lambda: step_force(0.0), "both 0: the contact would never push"),
         (lambda: draft_gear(1.0, -0.1), "precompression must be a finite number >= 0, not -0.1"),
+        (lambda: hertz(1.0, loss=1.0), "loss must be >= 0 and below 1, not 1.0"),
+        (lambda: hertz(1.0, loss=1.5), "loss must be >= 0 and below 1, not 1.5"),
+        (lambda: hertz(1.0, loss=-0.1), "loss must be >= 0 and below 1, not -0.1"),
+        (lambda: Contact(0.0, 1.0, 10.1), "exponent must be from 1e-06 to 10, not 10.1"),
     ],
 )
 def test_bad_numbers_are_refused_in_a_sentence(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize("exponent", [1e-6, 10.0])
+def test_the_limits_of_an_exponent_are_allowed(exponent):
+    assert Contact(0.0, 2.0, exponent).force(1.0) == 2.0
+
+
+def test_a_contact_is_closed_if_it_overlaps_or_pushes_or_pulls():
+    overlap = [-1.0, -1.0, 0.0, 0.0, 0.5, 0.5, 0.0]
+    force = [0.0, -4.0, 0.0, 0.5, 0.0, 0.5, -0.5]
+    assert is_closed(overlap, force).tolist() == [False, True, False, True, True, True, True]
 
 
 def test_a_contact_cannot_be_changed():

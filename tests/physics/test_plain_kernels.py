@@ -14,7 +14,9 @@ from tests.helpers.plain_kernels import COMPILED
 ROOMS = (
     "tests/physics/fixed_step/test_gradient_step.py",
     "tests/physics/adaptive/test_radau_step.py",
+    "tests/physics/adaptive/test_radau_guess.py",
     "tests/physics/adaptive/test_find_event.py",
+    "tests/physics/adaptive/test_guards.py",
 )
 
 

@@ -6,12 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive import events
+from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.events import (
     CLOSES,
     EASES,
-    NEAR,
     NOTHING,
     OPENS,
     SLIPS,
@@ -19,74 +17,15 @@ from softcradle.physics.adaptive.events import (
     TURNS,
     YIELDS,
     closes_inactive,
-    end_slope,
-    find_event,
-    guard_at_end,
     is_continued,
-    lowest_of,
-    near_switch,
 )
-from softcradle.physics.adaptive.step_records import WORK_ROWS, Regime, empty_trial
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
+from tests.helpers.given_steps import H, Step, thrown
+from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
-
-H = 0.4  # [s] length of the steps
-NODE_TIMES = H * NODES
-
-
-class Step:
-    """A step of length H in which every contact force goes as the polynomial of time that is given for it.
-
-    Overlaps and velocities follow exactly, by integration of the polynomials.
-    """
-
-    def __init__(self, chain, velocity, overlap, modes, forces, slide=None, easing=None):
-        self.chain = chain
-        state = State.at_start(chain, velocity)
-        state.overlap[:] = overlap
-        self.forces = [np.polynomial.Polynomial(np.atleast_1d(force)) for force in forces]
-        state.force[:] = [force(0.0) for force in self.forces]
-        self.data, _, self.motion = records_of(chain, state)
-        self.motion.mode[:] = modes
-        loss = chain.loss.copy() if chain.loss.any() else np.zeros(0)
-        bed = chain.bed.copy() if chain.on_bed else np.zeros(0)
-        flags = np.zeros(chain.contacts + 1, dtype=np.int8)
-        if slide is not None:
-            flags[:] = slide
-        eased = np.zeros(chain.contacts, dtype=np.int8)
-        if easing is not None:
-            eased[:] = easing
-        self.regime = Regime(self.data.law, self.data.inverse_mass, self.data.push, loss, bed, flags, eased)
-        self.work, self.trial = np.zeros((WORK_ROWS, chain.contacts + 1)), empty_trial(chain.contacts)
-        matrix = row_matrix(chain)
-        external = self.data.external[:-1] if self.data.external.size else np.zeros(chain.contacts)
-        for k, time in enumerate(NODE_TIMES):
-            self.trial.force[k] = [force(time) for force in self.forces]
-            once = np.array([force.integ()(time) for force in self.forces])
-            twice = np.array([force.integ(2)(time) for force in self.forces])
-            self.trial.rate[k] = self.motion.rate + external * time - matrix @ once
-            self.trial.overlap[k] = (
-                self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2 - matrix @ twice
-            )
-        self.trial.anchor[:] = state.anchor
-        bead = chain.anchor
-        if chain.inverse_mass[bead] > 0.0:  # the tests anchor beads that no contact pushes, or walls
-            self.trial.anchor[1] += H * (self.data.external[-1] if self.data.external.size else 0.0)
-
-    def find(self, skip=-1, skipped=NOTHING, inactive=0.0, slow=0.0):
-        return find_event(H, self.data, self.regime, self.motion, self.trial, skip, skipped, inactive, slow, self.work)
-
-    def guard(self, row, kind):
-        return guard_at_end(H, row, kind, self.data, self.regime, self.motion, self.trial, self.work)
-
-
-def thrown(speed, gap, pull=-9.8):
-    chain = Chain([1.0, math.inf], hertz(1e3), drive=[pull, 0.0])
-    return Step(chain, [speed, 0.0], [-gap], [OPEN], [0.0])
 
 
 def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
@@ -212,12 +151,31 @@ def test_the_earliest_of_several_counts():
         assert part * H == pytest.approx(min(first, second), abs=1e-10)
 
 
+def test_of_two_at_once_the_first_counts():
+    chain = Chain([1.0, math.inf, 1.0], hertz(2.0))
+    assert Step(chain, [1.0, 0.0, -1.0], [-0.2, -0.2], [OPEN, OPEN], [0.0, 0.0]).find() == (
+        0,
+        CLOSES,
+        pytest.approx(0.5),
+    )
+
+
+def test_a_multiplier_that_leaves_its_range_between_the_outer_stages():
+    """0.85 N of at most 0.8 N at the middle stage, 0.475 N and 0.653 N at the others."""
+    middle = float(NODES[1])
+    bend = 0.65 / middle**2
+    force = np.polynomial.Polynomial([0.2, 2.0 * bend * middle / H, -bend / H**2])
+    step = Step(Chain([1.0, math.inf], draft_gear(2.0, 0.4)), [0.0, 0.0], [0.0], [TOUCHING], [force.coef])
+    assert step.find() == (0, YIELDS, pytest.approx(middle - math.sqrt(0.05 / bend), abs=1e-10))
+
+
 def test_a_closing_that_does_not_count():
     chain = Chain([1.0, 1.0], power_law(2.0, 0.5))
     data = Step(chain, [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
     push = 2.0 * 2.0 * math.sqrt(1e-8) * 1e-8  # (1/m + 1/m) f d
     assert closes_inactive(data, 0, math.sqrt(1.01 * push), 1e-9, 1e-9, 1e-8)
     assert not closes_inactive(data, 0, math.sqrt(0.99 * push), 1e-9, 1e-9, 1e-8)
+    assert closes_inactive(data, 0, 1e-3, 1e-3, 1e-3, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 2e-3, 1e-9, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 2e-3, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
@@ -236,59 +194,3 @@ def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():
     sliding.motion.rate[0] = 1.0 + 1e-13
     sliding.motion.anchor[1] = 1.0 if sliding.chain.anchor == 0 else -1e-13
     assert sliding.find(slow=1e-10)[1] == NOTHING
-
-
-@pytest.mark.parametrize("peak", [0.75, 0.5, 0.85])
-def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak):
-    """A multiplier within 0 and 0.8 N with a peak at half the step."""
-    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
-    height = peak - 0.2
-    step = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 4.0 * height / H, -4.0 * height / H**2]])
-    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
-    assert found == pytest.approx(0.5 if peak > NEAR * 0.8 else 1.0, abs=1e-9)
-
-
-def test_an_open_contact_that_nearly_touches_is_looked_at():
-    """Both ends tell less than what lies between: where quintic and cubic disagree by more than the gap that is left."""
-    step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
-    assert near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0) == 1.0
-    step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
-    guard = events.overlap_guard(H, -1.0, 0, step.data, step.motion, step.trial, 0.0)
-    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
-    assert 0.0 < found < 1.0
-    assert slope_of(guard, found) == pytest.approx(0.0, abs=1e-9)
-
-
-def slope_of(b, x):
-    """Of a quintic in Bernstein form."""
-    return sum(5.0 * (b[k + 1] - b[k]) * math.comb(4, k) * x**k * (1.0 - x) ** (4 - k) for k in range(5))
-
-
-def test_the_lowest_point_of_a_guard():
-    powers = np.polynomial.Polynomial([0.3, -1.2, 1.3, 0.2, -0.1, 0.05])
-    b = tuple(sum(math.comb(k, j) / math.comb(5, j) * powers.coef[j] for j in range(k + 1)) for k in range(6))
-    lowest = next(x.real for x in powers.deriv().roots() if abs(x.imag) < 1e-12 and 0.0 < x.real < 1.0)
-    value = powers(lowest)
-    assert lowest_of(b, value + 1e-6) == pytest.approx(lowest, abs=1e-9)
-    assert lowest_of(b, value - 1e-6) == 1.0
-    assert lowest_of((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), 1.0) == 1.0  # at the start
-    assert lowest_of((0.5, 0.4, 0.3, 0.2, 0.1, 0.0), 1.0) == 1.0  # at the end
-
-
-def test_guards_and_slopes_at_the_end():
-    parabola = np.polynomial.Polynomial([0.2, 1.1, -0.7])
-    assert end_slope(*parabola(NODES)) == pytest.approx(parabola.deriv()(1.0))
-    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
-    touching = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 0.5, -0.7]])
-    force, slope = touching.forces[0](H), touching.forces[0].deriv()(H)
-    assert touching.guard(0, OPENS) == pytest.approx((force, slope))
-    assert touching.guard(0, YIELDS) == pytest.approx((0.8 - force, -slope))
-    loaded = Step(chain, [-1.0, 0.0], [0.3], [LOADED], [0.8])
-    assert loaded.guard(0, OPENS) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
-    assert thrown(3.0, 0.4).guard(0, CLOSES) == pytest.approx((0.4 - 3.0 * H + 4.9 * H * H, -3.0 + 9.8 * H))
-    loss = Chain([1.0, math.inf], hertz(2.0, loss=0.4))
-    for sign in (1.0, -1.0):
-        turning = Step(loss, [0.3 * sign, 0.0], [0.5], [LOADED], [1.5 * sign], easing=[int(sign < 0.0)])
-        assert turning.guard(0, TURNS) == pytest.approx((0.3 - 1.5 * H, -1.5))
-    stands = Step(Chain([1.0, math.inf], hooke(2.0, loss=0.4)), [0.0, 0.0], [0.5], [TOUCHING], [[0.9, -1.0]])
-    assert stands.guard(0, EASES) == pytest.approx((0.9 - H - 0.6, -1.0))

@@ -43,6 +43,29 @@ def test_a_touch_and_return_narrower_than_any_sampling_is_found():
         assert first_root(tuple(b)) == pytest.approx(root, abs=1e-9 + 1e-15 / width)
 
 
+def test_coefficients_that_vanish_do_not_hide_the_root():
+    """100 (1-x)**5 = x**5, where four coefficients are 0."""
+    assert first_root((100.0, 0.0, 0.0, 0.0, 0.0, -1.0)) == pytest.approx(1.0 / (1.0 + 100.0**-0.2), abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("b", "root"),
+    [
+        ((0.0, -1.0, 1.0, 1.0, 1.0, 1.0), 0.0),  # negative at once by its slope
+        ((0.0, 0.0, -1.0, 1.0, 1.0, 1.0), 0.0),  # by its curvature
+        ((0.0, 0.0, 1.0, 1.0, 1.0, -1.0), None),  # it begins with a double zero, rises, and falls
+        ((0.0, 0.0, 1.0, 1.0, 1.0, 0.0), NONE),
+    ],
+)
+def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward(b, root):
+    found = first_root(b)
+    if root is None:
+        assert found > 0.5
+        assert value(b, found) == pytest.approx(0.0, abs=1e-12)
+    else:
+        assert found == root
+
+
 def test_the_forms_of_a_guard_are_the_polynomials_they_name():
     y = (0.3, -1.2, 0.7, 2.0)
     for x in (0.0, NODES[0], 0.4, NODES[1], 1.0):

@@ -211,6 +211,31 @@ def taken(chain, state, h):
     return used
 
 
+def test_the_round_off_of_touching_is_no_overlap_and_a_small_overlap_is_no_round_off():
+    """A gear pressed at a wall by less than its preload stays there; one left alone gives back what little it holds."""
+    gear = draft_gear(2.0, 0.4)
+    pressed = Chain([1.0, math.inf], gear, drive=[0.1, 0.0], friction=1e-9)
+    for round_off in (1e-17, -1e-17):
+        state = State.at_start(pressed, [0.0, 0.0])
+        state.overlap[0] = round_off
+        taken(pressed, state, 0.1)
+        assert (state.overlap[0], state.rate[0]) == (0.0, 0.0)
+        assert state.force[0] == pytest.approx(0.1, rel=1e-6)
+    alone = Chain([1.0, math.inf], gear, friction=1e-9)
+    state = State.at_start(alone, [0.0, 0.0])
+    state.overlap[0] = 1e-15
+    taken(alone, state, 1e-3)
+    assert state.rate[0] == pytest.approx(-math.sqrt(2.0 * gear.energy(1e-15)), rel=1e-3)
+
+
+def test_a_step_that_is_not_cut_counts_the_iterations_of_its_solver():
+    for dissipative in (False, True):
+        chain = Chain([1.0, 2.0, 1.0], hertz(5.0), friction=0.1 if dissipative else 0.0)
+        one, other = (State.at_start(chain, [1.0, 0.5, 0.4]) for _ in range(2))
+        assert step(chain, one, 0.02) == taken(chain, other, 0.02) > 1
+        assert one.rate.tolist() == other.rate.tolist()
+
+
 def test_a_bead_at_rest_stays_below_its_friction_and_slips_above():
     for push, moves in ((0.9, False), (1.1, True)):
         chain = Chain([2.0, 1.0], hooke(1.0), gap=1.0, friction=0.1, drive=[0.2 * GRAVITY * push, 0.0])

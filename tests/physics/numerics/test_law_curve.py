@@ -106,6 +106,38 @@ def test_moves_away_from_zero_go_by_the_overlap_or_by_a_small_force():
     assert reached == pytest.approx(((0.04 / 2.0) ** 10.0, 0.04))
 
 
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+def test_a_contact_that_is_not_soft_goes_by_the_overlap_both_ways(exponent):
+    """Whatever a soft one does: there Newton overshoots in neither direction."""
+    law = (0.0, 5.0, exponent)
+    force = signed_force(*law, 0.01)
+    assert move_along(*law, 1e3, 0.01, force, 1.0, 0.75) == pytest.approx((1.01, signed_force(*law, 1.01)))
+    gear = (1.0, 2.0, exponent)
+    assert move_along(*gear, 0.01, 1.0, 3.0, -0.98, -1.0) == pytest.approx((0.02, signed_force(*gear, 0.02)))
+
+
+@pytest.mark.parametrize(("weight", "overlap", "goes_by_force"), [(100.0, 1e-4, True), (0.01, 1e-5, False)])
+def test_a_small_force_is_one_that_moves_its_beads_further_than_its_overlap(weight, overlap, goes_by_force):
+    """A tenth of weight times force is the bound, 0.4 m and 0.04 mm here, for the 0.4 mm that a force of 0.04 N has."""
+    law = (0.0, 2.0, 0.5)
+    force = signed_force(*law, overlap)
+    by_force = 0.04 - force
+    by_overlap = by_force / slope_at(*law, overlap, force)
+    found = move_along(*law, weight, overlap, force, by_overlap, by_force)
+    moved = overlap + by_overlap
+    assert found == pytest.approx((4e-4, 0.04) if goes_by_force else (moved, signed_force(*law, moved)))
+    assert moved < 3.1e-4
+
+
+def test_a_contact_so_little_pressed_that_its_curve_is_vertical_goes_by_the_force():
+    law = (0.0, 2.0, 0.5)
+    assert move_along(*law, 1.0, 1e-295, signed_force(*law, 1e-295), 0.0, 1.0) == pytest.approx((0.25, 1.0))
+
+
+def test_a_soft_contact_that_wants_no_force_at_all_opens():
+    assert move_along(0.0, 2.0, 0.5, 1.0, 0.25, 1.0, -0.5, -1.0) == pytest.approx((-0.25, 0.0))
+
+
 def test_a_contact_far_beyond_its_solution_goes_to_the_bound_of_it():
     """d + weight f stays what Newton's move makes it: with a preload, the overlap at which the law alone takes all of it."""
     law = (1.0, 2.0, 0.5)

@@ -1,0 +1,203 @@
+"""The stages that Newton's iteration of radau begins from: cubics, powers of a time, flights and pushes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, NO_GUESS, first_guess, set_pushed, time_since_onset
+from softcradle.physics.adaptive.step_records import empty_trial
+from softcradle.physics.numerics.law_curve import NODES
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
+
+from tests.helpers.plain_kernels import only_plain, records_of
+
+pytestmark = only_plain
+
+
+def guessed(chain, state, mode, h, past_step=0.0, origin=AFTER, past=None):
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = mode
+    trial = empty_trial(chain.contacts)
+    first_guess(h, data, motion, past_step, origin, np.zeros((8, chain.contacts)) if past is None else past, trial)
+    return trial
+
+
+def test_guesses_without_a_step_before():
+    chain = Chain([1.0, 1.0, 1.0, 1.0], [hooke(3.0), draft_gear(2.0, 0.4), power_law(2.0, 0.5)])
+    state = State.at_start(chain, [0.5, 0.1, 0.2, 0.0])
+    state.overlap[:] = 0.2, 0.0, 0.25
+    state.force[:] = 0.6, 0.3, 1.0
+    found = guessed(chain, state, [LOADED, TOUCHING, LOADED], 0.1, NO_GUESS)
+    flown = 0.2 + 0.1 * NODES * 0.4
+    assert found.overlap[:, 0] == pytest.approx(flown)
+    assert found.force[:, 0] == pytest.approx(3.0 * flown)
+    assert (found.overlap[:, 1] == 0.0).all()
+    assert (found.force[:, 1] == 0.3).all()
+    assert (found.overlap[:, 2] == 0.25).all()  # a soft one keeps its force
+    assert (found.force[:, 2] == 1.0).all()
+    state.overlap[0], state.force[0] = -1.0, 0.0
+    found = guessed(chain, state, [OPEN, FROZEN, LOADED], 0.1, NO_GUESS)
+    assert found.overlap[:, 0] == pytest.approx(-1.0 + 0.1 * NODES * 0.4)
+    assert (found.force[:, 0] == 0.0).all()
+    assert (found.force[:, 1] == 0.3).all()
+
+
+def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset():
+    """Driven alone from rest at t = 0, d = w t: the guess is d (1 + h c/t), exact; one that follows another has its growth."""
+    chain = Chain([1.0, 1.0, 1.0], power_law(2.0, 0.5))
+    state = State.at_start(chain, [1.0, 0.0, 0.0])
+    state.overlap[:] = 0.4, 0.01
+    state.rate[:] = 0.8, 0.06  # onset 0.5 s ago; the second grows as t**3
+    state.force[:] = 2.0 * np.sqrt(state.overlap)
+    found = guessed(chain, state, [LOADED, LOADED], 0.2)
+    part = 1.0 + 0.2 * NODES / 0.5
+    assert found.overlap[:, 0] == pytest.approx(0.4 * part)
+    assert found.overlap[:, 1] == pytest.approx(0.01 * part**3)
+    assert found.force == pytest.approx(2.0 * np.sqrt(found.overlap))
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = LOADED
+    assert time_since_onset(data.law, motion.mode, motion.overlap, motion.rate, motion.force) == pytest.approx(0.5)
+    motion.mode[:] = OPEN
+    assert time_since_onset(data.law, motion.mode, motion.overlap, motion.rate, motion.force) == 1e30
+
+
+def test_a_contact_at_rest_is_pushed_by_its_neighbour():
+    force, overlap = np.zeros((3, 2)), np.zeros((3, 2))
+    law = np.array([[0.0, 2.0, 0.5], [0.0, 2.0, 0.5]])
+    set_pushed(0.1, law, np.array([1.0, 4.0, 1.0]), 1, 1, 1, 3.0, overlap, force)
+    flown = 0.5 * (0.1 * NODES[1]) ** 2 * 4.0 * 3.0
+    assert force[1, 1] == pytest.approx(2.0 * math.sqrt(flown))
+    assert overlap[1, 1] == pytest.approx(flown)
+    set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 2, 1, 3.0, overlap, force)
+    assert force[2, 1] == pytest.approx(2.4)
+    assert overlap[2, 1] == pytest.approx(1.44)
+    set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 0, 1, 0.0, overlap, force)
+    assert force[0, 1] == 0.0
+
+
+def test_a_touching_contact_goes_on_with_the_cubic_of_its_force():
+    chain = Chain([1.0, 1.0], draft_gear(2.0, 0.4))
+    state = State.at_start(chain, [0.0, 0.0])
+
+    def force(x):
+        return 0.3 + 0.2 * x - 0.1 * x**2 + 0.05 * x**3
+
+    past = np.zeros((8, 1))
+    past[:4, 0] = [force(0.0), *(force(c) for c in NODES)]
+    state.force[0] = force(1.0)
+    found = guessed(chain, state, [TOUCHING], 0.2, 0.1, AFTER, past)
+    assert found.force[:, 0] == pytest.approx(force(1.0 + 2.0 * NODES))
+    assert (guessed(chain, state, [TOUCHING], 0.4, 0.1, AFTER, past).force == force(1.0)).all()  # too long a step
+
+
+def soft_state(overlap, rate):
+    """Two beads on a contact of 2 sqrt(d)."""
+    chain = Chain([1.0, 1.0], power_law(2.0, 0.5))
+    state = State.at_start(chain, [rate, 0.0])
+    state.overlap[:], state.force[:] = overlap, 2.0 * math.sqrt(overlap)
+    return chain, state
+
+
+def test_a_soft_contact_follows_the_cubic_of_its_force_if_that_is_near():
+    chain, state = soft_state(0.25, 0.5)
+    past = np.zeros((8, 1))
+    past[:4, 0] = [0.9, *(0.9 + 0.1 * NODES)]
+    found = guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past)
+    assert found.force[:, 0] == pytest.approx(1.0 + 0.1 * NODES)
+    assert found.overlap[:, 0] == pytest.approx((0.5 + 0.05 * NODES) ** 2)
+    past[:4, 0] = [0.9, *(0.9 - 1.5 * NODES)]  # to less than a third: it keeps its force
+    found = guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past)
+    assert (found.force == 1.0).all()
+    past[:4, 0] = [0.9, *(0.9 + 5.0 * NODES)]  # to more than three times
+    assert (guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past).force == 1.0).all()
+
+
+@pytest.mark.parametrize(("slope", "followed"), [(0.4, True), (-1.2, True), (3.8, True), (4.2, False), (-1.5, False)])
+def test_what_is_near_counts_from_the_preload(slope, followed):
+    """A force of 2 N over a preload of 1 N may go to between 0.6 and 6 N over it, not over nothing."""
+    law = Contact(1.0, 2.0, 0.5)
+    chain = Chain([1.0, 1.0], law)
+    state = State.at_start(chain, [0.5, 0.0])
+    state.overlap[:], state.force[:] = 1.0, 3.0
+    past = np.zeros((8, 1))
+    past[:4, 0] = [3.0 - slope, *(3.0 - slope + slope * NODES)]
+    found = guessed(chain, state, [LOADED], 0.05, 0.05, AFTER, past)
+    wanted = 3.0 + slope * NODES[2]
+    assert found.force[2, 0] == pytest.approx(wanted if followed else 3.0)
+    assert found.overlap[2, 0] == pytest.approx(((wanted - 1.0) / 2.0) ** 2 if followed else 1.0)
+
+
+def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():
+    law = np.array([[0.0, 2.0, 0.5], [0.0, 2.0, 0.5], [0.0, 2.0, 1.5]])
+    mode = np.array([LOADED, LOADED, LOADED])
+    overlap, rate, force = np.array([0.01, 0.04, 0.5]), np.array([0.1, 0.2, 0.1]), np.array([0.2, 0.4, 0.7])
+    assert time_since_onset(law, mode, overlap, rate, force) == pytest.approx(0.2)
+    assert time_since_onset(law, mode, overlap, -rate, force) == pytest.approx(-0.2)
+
+
+def test_a_sudden_soft_contact_goes_by_its_power_though_there_is_a_step_before():
+    """A step of a fifth of the time since the onset is sudden; a shorter one follows the cubic."""
+    chain, state = soft_state(0.25, 0.5)  # onset 0.5 s ago
+    past = np.zeros((8, 1))
+    past[:4, 0] = [0.9, *(0.9 + 0.1 * NODES)]
+    for h, sudden in ((0.11, True), (0.09, False)):
+        found = guessed(chain, state, [LOADED], h, h, AFTER, past)
+        wanted = 0.25 * (1.0 + 2.0 * h * NODES) if sudden else (0.5 + 0.05 * NODES) ** 2
+        assert found.overlap[:, 0] == pytest.approx(wanted)
+    found = guessed(chain, state, [LOADED], 0.11, 0.11, INSIDE, past)
+    assert found.force[:, 0] == pytest.approx(0.9 + 0.1 * NODES)
+
+
+def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
+    chain, state = soft_state(1e-4, -0.5)
+    found = guessed(chain, state, [LOADED], 1e-3)
+    flown = 1e-4 - 0.5e-3 * NODES
+    apart = flown <= 0.0
+    assert found.overlap[apart, 0] == pytest.approx(flown[apart])
+    assert (found.force[apart, 0] == 0.0).all()
+    assert found.overlap[~apart, 0] == pytest.approx(flown[~apart])
+    assert found.force[~apart, 0] == pytest.approx(2.0 * np.sqrt(flown[~apart]))
+    gear = Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1))
+    state = State.at_start(gear, [-9.0, 0.0])
+    state.overlap[:], state.force[:] = 1e-4, 1.0 + 2.0 * 1e-4**0.1
+    found = guessed(gear, state, [LOADED], 1e-3)
+    assert found.overlap[2, 0] == pytest.approx(1e-6)  # a hundredth is left
+    assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-6**0.1)
+
+
+def test_a_guessed_force_grows_threefold_at_the_most():
+    chain, state = soft_state(0.25, 100.0)
+    found = guessed(chain, state, [LOADED], 0.2)
+    assert found.force[:, 0] == pytest.approx(3.0)
+    assert found.overlap[:, 0] == pytest.approx(0.25 * 9.0)
+
+
+@pytest.mark.parametrize("first", [0, 2])
+def test_contacts_at_rest_are_pushed_one_after_another(first):
+    """The bead between two contacts flies under the force of the one that is loaded, from the left or from the right."""
+    chain = Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0))
+    state = State.at_start(chain, [0.0] * 4)
+    state.overlap[first], state.force[first] = 0.3, chain.contact[0].force(0.3)
+    h = 0.1
+    found = guessed(chain, state, [LOADED] * 3, h)
+    loaded = state.force[first]
+    assert found.overlap[:, first] == pytest.approx(0.3)
+    assert found.force[:, first] == pytest.approx(loaded)
+    flown = 0.5 * (h * NODES) ** 2 * 0.5 * loaded
+    assert found.overlap[:, 1] == pytest.approx(flown)
+    assert found.force[:, 1] == pytest.approx(5.0 * flown**1.5)
+    further = 0.5 * (h * NODES) ** 2 * 0.5 * found.force[:, 1]
+    assert found.overlap[:, 2 - first] == pytest.approx(further)
+
+
+def test_beads_at_rest_are_pushed_by_a_force_from_outside():
+    for sign in (1.0, -1.0):
+        chain = Chain([1.0, 3.0, 1.0], hertz(5.0), drive=[2.0 * sign, -3.0 * sign, 0.0])
+        found = guessed(chain, State.at_start(chain, [0.0] * 3), [LOADED] * 2, 0.1)
+        push = (2.0 + 1.0) / (1.0 + 1.0 / 3.0)
+        flown = 0.5 * (0.1 * NODES) ** 2 * push / 3.0
+        assert found.overlap[:, 0] == pytest.approx(flown if sign > 0.0 else 0.0)
+        assert found.force[:, 0] == pytest.approx(5.0 * flown**1.5 if sign > 0.0 else 0.0)
