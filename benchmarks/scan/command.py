@@ -1,7 +1,8 @@
 """``python -m benchmarks scan``: solve seeded random chains, count the verdicts, keep both truths and verdicts on disk.
 
 Truths take longest: they are kept in one file and used again by every later scan. Verdicts are
-kept in another, so that a scan that was interrupted goes on where it stopped; ``--fresh`` begins anew.
+kept in another, so that a scan that was interrupted goes on where it stopped; ``--fresh`` begins anew. Chains
+are the points of a sweep: both files are written as its chunks come back, and the chain whose process dies is tried again.
 """
 
 from __future__ import annotations
@@ -10,28 +11,29 @@ import argparse
 import json
 import math
 import os
-import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import product
-from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 from rich.console import Console
+from rich.progress import Progress, TaskID
 from softcradle.physics.atomic_files import output_file
 from softcradle.physics.version import version
+from softcradle.sandbox.console import progress_bar
+from softcradle.sandbox.sweeps import listed
+from softcradle.sandbox.sweeps.chunk_work import Chunk
+from softcradle.sandbox.sweeps.sweep_places import Where
+from softcradle.sandbox.sweeps.swept_columns import swept
 
 from benchmarks.reports import Report
+from benchmarks.scan.chain_points import Entry, chain_numbers, entries
 from benchmarks.scan.families import FAMILIES, motion
-from benchmarks.scan.truth import Truth, truth_of
-from benchmarks.scan.verdict import PROMISE, SLOW, Verdict, judge
-from softcradle import warm
+from benchmarks.scan.verdict import PROMISE, SLOW, Verdict
 
 SEEDS_SHOWN = 8  # of a family's chains that fail, in the table
-
-Task = tuple[str, int, str, float, dict[str, Any] | None]
+TRUTHS = "truths.jsonl"  # file of the truths in the folder
 
 
 def parser() -> argparse.ArgumentParser:
@@ -54,59 +56,64 @@ def main(arguments: list[str]) -> int:
     """Scan, and print one row a family."""
     args = parser().parse_args(arguments)
     args.folder.mkdir(parents=True, exist_ok=True)
-    truths = {entry["key"]: entry for entry in _lines(args.folder / "truths.jsonl")}
-    name = f"{args.method}-{args.tolerance:g}.jsonl"
-    verdicts = args.folder / name
+    truths = {entry["key"]: entry for entry in _lines(args.folder / TRUTHS)}
     if args.fresh:
-        verdicts.unlink(missing_ok=True)
-    known = {(entry["family"], entry["seed"]): entry for entry in _lines(verdicts)}
+        _verdicts(args).unlink(missing_ok=True)
+    known = {(entry["family"], entry["seed"]): entry for entry in _lines(_verdicts(args))}
     wanted = list(product(range(args.first, args.first + args.count), args.families))
-    tasks = [
-        (family, seed, args.method, args.tolerance, truths.get(motion(family, seed).key))
-        for seed, family in wanted
-        if (family, seed) not in known
-    ]
-    for new_truth, entry in _solved(tasks, args.jobs):
-        if new_truth:
-            _append(args.folder / "truths.jsonl", new_truth)
-        _append(verdicts, entry)
-        known[entry["family"], entry["seed"]] = entry
-    entries = [known[family, seed] for seed, family in wanted]
-    report = _report(entries, args.families, f"{args.method} at {args.tolerance:g}")
+    _compute([task for task in wanted if task[::-1] not in known], truths, known, args)
+    found = [known[family, seed] for seed, family in wanted]
+    report = _report(found, args.families, f"{args.method} at {args.tolerance:g}")
     report.notes.append(_how_it_was_made(args))
     report.show(Console(width=200))
     if args.markdown is not None:
         with output_file(args.markdown) as temporary:
             temporary.write_text(report.markdown(), encoding="utf-8")
-    return int(args.require and any(entry["verdict"] == Verdict.SILENT for entry in entries))
+    return int(args.require and any(entry["verdict"] == Verdict.SILENT for entry in found))
 
 
-def _solved(tasks: list[Task], jobs: int) -> Iterator[tuple[dict[str, Any] | None, dict[str, Any]]]:
-    if jobs <= 1:
-        warm()
-        yield from map(_solve, tasks)
+def _compute(
+    wanted: Sequence[tuple[int, str]],
+    truths: Mapping[str, Entry],
+    known: dict[tuple[str, int], Entry],
+    args: argparse.Namespace,
+) -> None:
+    """Judge the chains of those (seed, family); what becomes known is written as it comes back."""
+    if not wanted:
         return
+    seeds, families = zip(*wanted, strict=True)
+    points = listed({"family": families, "seed": seeds})
+    keys = [motion(family, seed).key for seed, family in wanted]
+    function = partial(chain_numbers, {key: truths[key] for key in keys if key in truths}, args.method, args.tolerance)
+
+    def keep(chunk: Chunk) -> None:
+        for truth, entry in entries(chunk, points.columns(chunk.begin, chunk.end)):
+            if truth is not None:
+                _append(args.folder / TRUTHS, truth)
+            _append(_verdicts(args), entry)
+            known[entry["family"], entry["seed"]] = entry
+
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
-    with get_context("spawn").Pool(
-        jobs, initializer=warm, maxtasksperchild=500
-    ) as pool:  # no time is that of compiling
-        yield from pool.imap_unordered(_solve, tasks, chunksize=1)
+    where: Where = "here" if args.jobs <= 1 else "processes"
+    with progress_bar() as progress:
+        task = progress.add_task("chains", total=len(wanted))
+        told = partial(_tell, progress, task)
+        with swept(function, points, None, told, args.jobs, executor=where, alike=where == "here", each=keep):
+            pass
 
 
-def _solve(task: Task) -> tuple[dict[str, Any] | None, dict[str, Any]]:
-    """One chain: its truth, if it is new, and the verdict."""
-    family, seed, method, tolerance, stored = task
-    chosen, new = motion(family, seed), None
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        if stored is None:
-            stored = new = {"key": chosen.key, **truth_of(chosen).as_json()}
-        entry = judge(chosen, Truth.from_json(stored), method, tolerance)
-    return new, {"family": family, "seed": seed, **entry}
+def _tell(progress: Progress, task: TaskID, _: str, done: int, __: int) -> None:
+    progress.update(task, completed=done)
 
 
-def _report(entries: list[dict[str, Any]], families: Iterable[str], title: str) -> Report:
+def _verdicts(args: argparse.Namespace) -> Path:
+    """The file of the verdicts on that method at that tolerance."""
+    folder: Path = args.folder
+    return folder / f"{args.method}-{args.tolerance:g}.jsonl"
+
+
+def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report:
     rows = []
     for family in (*families, "all"):
         own = [entry for entry in entries if family in (entry["family"], "all")]
@@ -144,7 +151,7 @@ def _how_it_was_made(args: argparse.Namespace) -> str:
     return f"made by `{command}`, softcradle {version()}"
 
 
-def _lines(path: Path) -> Iterator[dict[str, Any]]:
+def _lines(path: Path) -> Iterator[Entry]:
     """Entries of a file of JSON lines; one that was cut off is left out."""
     if not path.exists():
         return
@@ -157,6 +164,6 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
             continue
 
 
-def _append(path: Path, entry: dict[str, Any]) -> None:
+def _append(path: Path, entry: Entry) -> None:
     with path.open("a") as file:
         file.write("\n" + json.dumps(entry))  # a line that was cut off does not spoil the next

@@ -32,6 +32,7 @@ FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
 AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
 CONFIRMED = 20.0  # times what two steps of `conserving` differ by, and
 CONFIRMED_AT_LEAST = 1e-5  # closing speeds: as near has `conserving` to be to the fine runs
+FINE_RUNS, REFERENCE, SPREAD = SOURCES = ("fine runs", "reference", "spread")  # what a truth is known by
 BY_REFERENCE = 20  # every so many-th chain is solved by the reference in any case
 
 
@@ -65,7 +66,7 @@ def truth_of(motion: Motion) -> Truth:
         )
     except ReferenceGaveUpError:
         return _spread(motion)
-    return Truth(found.velocity, np.full(beads, found.error), "reference")
+    return Truth(found.velocity, np.full(beads, found.error), REFERENCE)
 
 
 def _fine(motion: Motion) -> Truth | None:
@@ -81,7 +82,7 @@ def _fine(motion: Motion) -> Truth | None:
     allowed = max(CONFIRMED * float(np.ptp(coarse, axis=0).max()), CONFIRMED_AT_LEAST * motion.speed)
     if apart.max() > AGREEMENT * motion.speed or np.abs(coarse - ends[1]).max() > allowed:
         return None
-    return Truth(ends[1], apart + min(FINE.values()) * motion.speed, "fine runs")
+    return Truth(ends[1], apart + min(FINE.values()) * motion.speed, FINE_RUNS)
 
 
 def _spread(motion: Motion) -> Truth:
@@ -90,7 +91,7 @@ def _spread(motion: Motion) -> Truth:
     finest = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     runs = np.vstack((_conserving(motion, PARTS), finest.final_velocity))
     apart = float(np.ptp(runs, axis=0).max())
-    return Truth(np.mean(runs, axis=0), np.full(runs.shape[1], 2.0 * apart), "spread")
+    return Truth(np.mean(runs, axis=0), np.full(runs.shape[1], 2.0 * apart), SPREAD)
 
 
 def _conserving(motion: Motion, parts_of_contact: tuple[int, ...]) -> Array:

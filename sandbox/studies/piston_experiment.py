@@ -20,7 +20,7 @@ import numpy as np
 from softcradle.physics import Chain, draft_gear, simulate
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.chain import GRAVITY
-from softcradle.sandbox.studies.bed_experiment import MASS, PRECOMPRESSION, SPEEDS, STIFFNESS, STRIKERS, friction_range
+from softcradle.sandbox.studies.bed_experiment import MASS, PRECOMPRESSION, STIFFNESS, STRIKERS, friction_range
 
 PISTON = 0.020  # [kg], ours
 FRAMES = 2052.0  # [1/s] of the camera, as stated
@@ -129,12 +129,11 @@ def friction_with_error(speed: float) -> Measured:
     return Measured(0.5 * (low + high), 0.5 * (high - low))
 
 
-def all_deficits() -> list[FittedDeficits]:
-    """Both experiments at every speed, at the moments themselves and fitted over every window."""
+def deficits_at(speed: float) -> list[FittedDeficits]:
+    """Both experiments at that launch speed, at the moments themselves and fitted over every window."""
+    friction = friction_with_error(speed)
     return [
         fitted_deficits(name, strikers, speed, friction, window=window)
-        for speed in SPEEDS
-        for friction in (friction_with_error(speed),)
         for name, strikers in STRIKERS.items()
         for window in (0.0, *WINDOWS)
     ]

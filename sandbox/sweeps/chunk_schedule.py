@@ -9,7 +9,6 @@ from time import perf_counter
 
 from softcradle.sandbox.sweeps.chunk_pools import Lost, Pool
 from softcradle.sandbox.sweeps.chunk_work import Chunk, Work, lost
-from softcradle.sandbox.sweeps.journal import Journal
 
 LOGGER = logging.getLogger("softcradle")
 CHUNK_SECONDS = (
@@ -28,7 +27,7 @@ class ChunkSchedule:
 
     Arguments:
         missing: ranges of points.
-        journal: where the chunks are kept.
+        keep: takes the chunks as they are computed.
         progress: called with the number of points after each chunk.
         seconds: what a chunk should take [s].
     """
@@ -36,12 +35,12 @@ class ChunkSchedule:
     def __init__(
         self,
         missing: Iterable[Range],
-        journal: Journal,
+        keep: Callable[[Chunk], None],
         progress: Callable[[int], None],
         seconds: float = CHUNK_SECONDS,
     ) -> None:
         self._todo, self._suspects = deque(missing), deque[Range]()
-        self._journal, self._progress, self._seconds = journal, progress, seconds
+        self._append, self._progress, self._seconds = keep, progress, seconds
         self._handed: dict[int, int] = {}  # the ends of what is handed out, by where it begins
         self._deaths: dict[int, int] = {}  # of processes, by the point that was alone in them
         self._size = 1.0  # points that are thought to take `seconds`
@@ -94,8 +93,8 @@ class ChunkSchedule:
         return begin, min(end, last)
 
     def _keep(self, chunk: Chunk) -> None:
-        """Add a chunk to the journal; what it did not come to is handed out again."""
-        self._journal.append(chunk)
+        """Let a chunk be kept; what it did not come to is handed out again."""
+        self._append(chunk)
         end, count = self._handed.pop(chunk.begin), chunk.end - chunk.begin
         if chunk.end < end:
             self._todo.appendleft((chunk.end, end))

@@ -66,8 +66,8 @@ class Work:
 
     Attributes:
         points: the sample points.
-        source: a scene, or a function of the parameters by name. The function returns numbers by name, a Trajectory, a
-            (chain, start velocities), or these and keywords of `simulate`.
+        source: a scene, or a function of the parameters by name. The function returns numbers by name, an Outcome, a
+            Trajectory, a (chain, start velocities), or these and keywords of `simulate`.
         measures: what is taken of every run; those of the table by name.
         versions: of what computes it; a process with others refuses.
     """
@@ -99,6 +99,8 @@ class Work:
             runs = [Run(start) for start in self.source.starts(values)]
         else:
             found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
+            if isinstance(found, Outcome):
+                return found
             if isinstance(found, Mapping):
                 return Outcome(found)
             runs = [_run_of(found)]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from softcradle.physics.chain_ensemble import cores
 from softcradle.sandbox.sweeps.chunk_pools import Pool, executor_pool, process_pool, sendable, thread_pool
 from softcradle.sandbox.sweeps.chunk_schedule import ChunkSchedule
-from softcradle.sandbox.sweeps.chunk_work import Work
+from softcradle.sandbox.sweeps.chunk_work import Chunk, Work
 from softcradle.sandbox.sweeps.journal import Journal
 from softcradle.sandbox.sweeps.study_error import StudyError
 
@@ -81,14 +81,26 @@ class Places:
 
 
 def compute_missing(
-    work: Work, journal: Journal, places: Places, progress: Progress | None, chunk_seconds: float
+    work: Work,
+    journal: Journal,
+    places: Places,
+    progress: Progress | None,
+    chunk_seconds: float,
+    alike: bool = True,
+    keep: Callable[[Chunk], None] | None = None,
 ) -> None:
-    """Compute all points that the journal does not have."""
+    """Compute all points that the journal does not have.
+
+    Arguments:
+        alike: whether the first points tell what all cost; else none is tried in this process first.
+        keep: what takes the chunks, in place of the journal.
+    """
     missing, kept = list(journal.missing(work.points.count)), journal.done
     if kept and journal.path is not None:
         LOGGER.warning("%d of %d points are in %s and not computed again", kept, work.points.count, journal.path)
-    schedule = ChunkSchedule(missing, journal, telling(progress, "points", work.points.count, kept), chunk_seconds)
-    if not places.remote:
+    told = telling(progress, "points", work.points.count, kept)
+    schedule = ChunkSchedule(missing, keep or journal.append, told, chunk_seconds)
+    if alike and not places.remote:
         schedule.run_here(work, TRIED_HERE)
     if not schedule.left:
         return

@@ -11,7 +11,7 @@ from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 from benchmarks import __main__ as command
-from benchmarks.scan import verdict
+from benchmarks.scan import chain_points, verdict
 from benchmarks.scan.families import FAMILIES, Motion, motion
 from benchmarks.scan.truth import Truth, truth_of
 
@@ -67,7 +67,44 @@ def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     assert {json.loads(line)["verdict"] for line in verdicts.read_text().splitlines() if line} == {"within"}
     with verdicts.open("a") as file:
         file.write('\n{"family": "cut o')  # as an interruption leaves it
-    monkeypatch.setattr("benchmarks.scan.command.judge", lambda *_: pytest.fail("judged again"))
+    monkeypatch.setattr("benchmarks.scan.chain_points.judge", lambda *_: pytest.fail("judged again"))
     assert command.main([*given, "--count", "1"]) == 0
     assert (tmp_path / "truths.jsonl").read_text() == truths
     assert "hooke-hertz" in capsys.readouterr().out
+
+
+def test_truths_are_used_by_scans_at_other_tolerances(tmp_path, monkeypatch):
+    given = ["scan", "--families", "power", "walls", "--jobs", "1", "--folder", str(tmp_path), "--count", "2"]
+    assert command.main(given) == 0
+    truths = (tmp_path / "truths.jsonl").read_text()
+    monkeypatch.setattr("benchmarks.scan.chain_points.truth_of", lambda *_: pytest.fail("found again"))
+    assert command.main([*given, "--tolerance", "1e-6"]) == 0
+    assert (tmp_path / "truths.jsonl").read_text() == truths
+    lines = [(tmp_path / name).read_text().splitlines()[1:] for name in ("truths.jsonl", "accurate-1e-06.jsonl")]
+    stored, judged_again = ([json.loads(line) for line in each] for each in lines)
+    for entry, truth in zip(judged_again, stored, strict=True):
+        chosen = motion(entry["family"], entry["seed"])
+        assert truth == {"key": chosen.key, **truth_of(chosen).as_json()}
+        expected = verdict.judge(chosen, Truth.from_json(truth), "accurate", 1e-6)
+        timed = {"seconds", "slow"}
+        assert {k: v for k, v in entry.items() if k not in timed | {"family", "seed"}} == {
+            k: v for k, v in expected.items() if k not in timed
+        }
+
+
+def test_a_scan_that_is_stopped_has_written_what_was_done(tmp_path, monkeypatch):
+    given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3"]
+    found, judged_seeds = chain_points.judge, []
+
+    def stopping(chosen, *arguments):
+        judged_seeds.append(chosen.seed)
+        if len(judged_seeds) == 2:
+            raise KeyboardInterrupt
+        return found(chosen, *arguments)
+
+    monkeypatch.setattr(chain_points, "judge", stopping)
+    with pytest.raises(KeyboardInterrupt):
+        command.main(given)
+    assert command.main(given) == 0
+    assert judged_seeds == [0, 1, 1, 2]
+    assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("seed") == 3

@@ -9,7 +9,11 @@ from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from softcradle.sandbox.studies.claims.study import Study
+
+KEPT = "claims"  # name of the file in the folder of the output that keeps cases until all are measured
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,13 +53,14 @@ def _measure_and_show(args: argparse.Namespace) -> None:
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
+    from softcradle.sandbox.sweeps.run_sweep import journal_path
 
     output = args.output or ("out/claims" if args.names and not args.json else None)
     if output:
         require_matplotlib()
     folder = make_folder(output) if output else None  # before the runs, so that an unwritable place is refused at once
     written = WrittenFiles(folder.iterdir() if folder else ())
-    found = _measured(args.names)
+    found = _measured(args.names, folder / KEPT if folder else None)
     if args.json:
         _print_json(found)
     elif args.names:
@@ -65,17 +70,20 @@ def _measure_and_show(args: argparse.Namespace) -> None:
         print_studies(console(), found)
     if folder is not None:
         paths = write_studies(found, folder)
+        journal_path(folder / KEPT).unlink(missing_ok=True)
         if not args.json:
             written.report(paths, show=args.open)
 
 
-def _measured(names: list[str]) -> list[Study]:
+def _measured(names: list[str], kept: Path | None) -> list[Study]:
     from softcradle.sandbox.console import progress_bar
-    from softcradle.sandbox.studies.claims.claim_list import CLAIMS, measure_claims
+    from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
     with progress_bar() as progress:
-        task = progress.add_task("claims", total=len(set(names)) or len(CLAIMS))
-        return measure_claims(names, lambda name: progress.update(task, advance=1, description=f"{name} measured"))
+        task = progress.add_task("cases", total=None)
+        return measure_claims(
+            names, lambda _, done, count: progress.update(task, completed=done, total=count), kept=kept
+        )
 
 
 def _print_json(found: list[Study]) -> None:

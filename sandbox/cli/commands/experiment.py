@@ -26,11 +26,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
-    from softcradle.sandbox.studies.bed_experiment import SPEEDS, STRIKERS, fit_friction
-    from softcradle.sandbox.studies.piston_experiment import all_deficits, critical_speed_with_error
+    from softcradle.sandbox.studies.bed_experiment import STRIKERS
+    from softcradle.sandbox.studies.experiment_sweep import compute_experiment
+    from softcradle.sandbox.studies.piston_experiment import critical_speed_with_error
 
-    fits = [fit for speed in SPEEDS for fit in fit_friction(speed)]
-    pistons = all_deficits()
+    fits, pistons = compute_experiment()
     critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
     if args.json:
         _print_json(fits, pistons, critical)

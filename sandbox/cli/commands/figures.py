@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
-from softcradle.sandbox.console import console, print_table, table
+from softcradle.sandbox.console import console, print_table, progress_bar, table
 from softcradle.sandbox.output_files import make_folder
 from softcradle.sandbox.user_error import UserError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from softcradle.sandbox.studies.data_table import Table
+    from softcradle.sandbox.studies.figures.figure_list import FigureEntry
+
+KEPT = "figures"  # name of the file in the folder of the output that keeps tables until all figures are drawn
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,12 +48,24 @@ def main(args: argparse.Namespace) -> int:
         print_table(console(), listed)
         return 0
     from softcradle.sandbox.studies.plot_style import require_matplotlib
+    from softcradle.sandbox.sweeps.run_sweep import journal_path
 
     require_matplotlib()
     folder = make_folder(args.output)
     written = WrittenFiles(folder.iterdir())
-    for figure in figures:
-        written.report(list(write_figure(figure, folder, args.column)))
+    kept = folder / KEPT
+    for figure, found in zip(figures, _tables(figures, kept), strict=True):
+        written.report(list(write_figure(figure, folder, args.column, found)))
+    journal_path(kept).unlink()
     if args.open:
         open_with_desktop(folder)
     return 0
+
+
+def _tables(figures: list[FigureEntry], kept: Path) -> list[Table]:
+    """The tables of the figures; they are kept in a file on the way, from which a command that was stopped goes on."""
+    from softcradle.sandbox.studies.figures.figure_list import compute_tables
+
+    with progress_bar() as progress:
+        task = progress.add_task("figures", total=len(figures))
+        return list(compute_tables(figures, kept, lambda _, done, __: progress.update(task, completed=done)))

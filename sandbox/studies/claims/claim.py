@@ -48,14 +48,22 @@ class Claim:
 
     def study(self) -> Study:
         """Measure all cases, and the paper's own by the reference."""
-        found = [self.case(parameters) for parameters in self.cases]
+        return self.study_of([self.case(parameters) for parameters in self.cases], self.reference())
+
+    def study_of(self, cases: Sequence[Case], reference: float = math.nan, seconds: float = 0.0) -> Study:
+        """The study of cases that are measured; the reference's value widens the error bar of the paper's own."""
         study = Study(
-            self.name, self.statement, self.place, self.quantity, self.variable, self.how, self.remark, self.own, found
-        )
+            self.name, self.statement, self.place, self.quantity, self.variable, self.how, self.remark, self.own, cases,
+            reference, seconds,
+        )  # fmt: skip
+        return _with_reference(study) if self.refer else study
+
+    def reference(self) -> float:
+        """The value of the paper's own case by the independent reference; nan where that is not asked."""
         if not self.refer:
-            return study
-        reference, _ = self.value(study.own_case.parameters, REFERENCE)
-        return _with_reference(study, reference)
+            return math.nan
+        blank = [Case(each, self.order(each), math.nan, math.nan, self.allowed) for each in self.cases]
+        return self.value(self.study_of(blank).own_case.parameters, REFERENCE)[0]
 
     def case(self, parameters: Parameters) -> Case:
         """The quantity at `parameters` and its error bar."""
@@ -73,12 +81,11 @@ class Claim:
         return value, "" if math.isfinite(value) else "the quantity does not exist"
 
 
-def _with_reference(study: Study, reference: float) -> Study:
-    """`study` with the reference's value, which widens the error bar of the paper's own case."""
+def _with_reference(study: Study) -> Study:
+    """`study` with the reference's value in the error bar of the paper's own case."""
     own = study.own_case
-    error = max(own.error, abs(own.value - reference)) if math.isfinite(reference) else own.error
-    cases = [replace(case, error=error) if case is own else case for case in study.cases]
-    return replace(study, cases=cases, reference=reference)
+    error = max(own.error, abs(own.value - study.reference)) if math.isfinite(study.reference) else own.error
+    return replace(study, cases=[replace(case, error=error) if case is own else case for case in study.cases])
 
 
 def grid(**values: ArrayLike) -> list[Parameters]:

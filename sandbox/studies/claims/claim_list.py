@@ -1,13 +1,12 @@
-"""The list of all claims, in the order of the paper, and their measurement on all cores."""
+"""The list of all claims, in the order of the paper, and their measurement as a sweep over all of their cases."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import replace
+import math
+from collections.abc import Sequence
+from pathlib import Path
 from time import process_time
 
-from softcradle.physics.chain_ensemble import cores
 from softcradle.sandbox.studies.claims import (
     collision_claims,
     driven_claims,
@@ -18,7 +17,11 @@ from softcradle.sandbox.studies.claims import (
     variant_claims,
 )
 from softcradle.sandbox.studies.claims.claim import Claim
-from softcradle.sandbox.studies.claims.study import Study
+from softcradle.sandbox.studies.claims.study import Case, Study
+from softcradle.sandbox.sweeps import listed
+from softcradle.sandbox.sweeps.chunk_work import Chunk, Outcome
+from softcradle.sandbox.sweeps.sweep_places import Progress
+from softcradle.sandbox.sweeps.swept_columns import swept
 
 CLAIMS: tuple[Claim, ...] = (
     *collision_claims.CLAIMS,
@@ -32,6 +35,9 @@ CLAIMS: tuple[Claim, ...] = (
 
 LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")  # a tenth of all each: measured first,
 # so that in the end no core waits long for another
+REFERENCE_CASE = (
+    -1
+)  # in place of the number of a case: the paper's own by the reference, which takes long and comes first
 
 
 def claim_named(name: str) -> Claim:
@@ -40,23 +46,46 @@ def claim_named(name: str) -> Claim:
 
 
 def measure_claims(
-    names: Sequence[str] = (), progress: Callable[[str], None] | None = None, workers: int | None = None
+    names: Sequence[str] = (),
+    progress: Progress | None = None,
+    workers: int | None = None,
+    kept: Path | None = None,
 ) -> list[Study]:
-    """The studies of the claims of those names, all for none, in the order of the list; `progress` gets each name done."""
-    wanted = [claim.name for claim in CLAIMS if not names or claim.name in names]
-    found: dict[str, Study] = {}
-    queue = sorted(wanted, key=lambda name: name not in LONGEST)
-    with ProcessPoolExecutor(min(workers or cores(), len(wanted)) or 1) as pool:
-        running = {pool.submit(study_of, name): name for name in queue}
-        for done in as_completed(running):
-            found[running[done]] = done.result()
-            if progress is not None:
-                progress(running[done])
-    return [found[name] for name in wanted]
+    """The studies of the claims of those names, all for none, in the order of the list; a point of the sweep is a case.
+
+    With `kept`, cases that a run before has measured are not measured again, see `swept`.
+    """
+    wanted = [claim for claim in CLAIMS if not names or claim.name in names]
+    rows = [
+        (claim.name, case)
+        for claim in sorted(wanted, key=lambda claim: claim.name not in LONGEST)
+        for case in range(-claim.refer, len(claim.cases))
+    ]
+    points = listed(dict(zip(("claim", "case"), zip(*rows, strict=True), strict=True)))
+    with swept(measured_case, points, kept, progress, workers, alike=False) as journal:
+        return [_study(claim, journal.rows(*_span(rows, claim.name))) for claim in wanted]
 
 
-def study_of(name: str) -> Study:
-    """The study of one claim, with the processor time that it took."""
-    began = process_time()
-    study = claim_named(name).study()
-    return replace(study, seconds=process_time() - began)
+def measured_case(claim: str, case: int) -> Outcome:
+    """One case of the claim of that name, with the processor time [s] that it took."""
+    measured, began = claim_named(claim), process_time()
+    if case == REFERENCE_CASE:
+        return Outcome({"value": measured.reference(), "seconds": process_time() - began})
+    found = measured.case(measured.cases[case])
+    return Outcome({"value": found.value, "error": found.error, "seconds": process_time() - began}, reason=found.reason)
+
+
+def _span(rows: Sequence[tuple[str, int]], name: str) -> tuple[int, int]:
+    """The first point of a claim, and the one after its last."""
+    own = [number for number, row in enumerate(rows) if row[0] == name]
+    return own[0], own[-1] + 1
+
+
+def _study(claim: Claim, found: Chunk) -> Study:
+    """The study of a claim from the points of all its cases."""
+    value, error = found.columns["value"].tolist(), found.columns["error"].tolist()
+    cases = [
+        Case(dict(each), claim.order(each), value[k], error[k], claim.allowed, found.reasons.get(found.begin + k, ""))
+        for k, each in enumerate(claim.cases, int(claim.refer))
+    ]
+    return claim.study_of(cases, value[0] if claim.refer else math.nan, float(found.columns["seconds"].sum()))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -29,9 +29,13 @@ from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.panel_column import label_panels
 from softcradle.sandbox.studies.picture_files import write_picture
 from softcradle.sandbox.studies.plot_style import styled
+from softcradle.sandbox.sweeps import listed
+from softcradle.sandbox.sweeps.swept_columns import swept
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from softcradle.sandbox.sweeps.journal import Journal
+    from softcradle.sandbox.sweeps.sweep_places import Progress
 
 
 @dataclass(frozen=True)
@@ -156,12 +160,46 @@ def figures_named(names: Sequence[str]) -> list[FigureEntry]:
     return [known[name] for name in names] if names else list(FIGURES)
 
 
-def write_figure(figure: FigureEntry, folder: Path, one_column: bool = False) -> list[Path]:
-    """Compute `figure` and write it into `folder` as .png, .pdf and .csv; return the paths (UserError).
+# Seconds to minutes each: computed first, so that in the end no core waits long for another.
+LONGEST = ("collapse", "softness", "spread", "B")
 
-    With `one_column` it is as wide as a column of a journal, its panels below each other.
+
+def compute_tables(
+    figures: Sequence[FigureEntry],
+    kept: Path | None = None,
+    progress: Progress | None = None,
+    workers: int | None = None,
+) -> Iterator[Table]:
+    """The tables of those figures in their order; a point of the sweep is a figure.
+
+    With `kept`, tables that a run before has computed are not computed again, see `swept`.
     """
-    table = figure.table()
+    names = [figure.name for figure in figures]
+    order = sorted(dict.fromkeys(names), key=lambda name: name not in LONGEST)
+    alike = not set(LONGEST) & set(order)
+    with swept(table_columns, listed({"figure": order}), kept, progress, workers, alike=alike) as journal:
+        for name in names:
+            yield _table_in(journal, order.index(name), name)
+
+
+def table_columns(figure: str) -> Table:
+    """The table of the figure of that name, whose name stands before those of its columns."""
+    (found,) = figures_named([figure])
+    return {f"{figure}: {column}": values for column, values in found.table().items()}
+
+
+def _table_in(journal: Journal, number: int, figure: str) -> Table:
+    """The table of a figure from its point."""
+    columns, own = journal.rows(number, number + 1).columns, f"{figure}: "
+    return {name.removeprefix(own): values[0] for name, values in columns.items() if name.startswith(own)}
+
+
+def write_figure(figure: FigureEntry, folder: Path, one_column: bool = False, table: Table | None = None) -> list[Path]:
+    """Write `figure` into `folder` as .png, .pdf and .csv; return the paths (UserError).
+
+    With `one_column` it is as wide as a column of a journal, its panels below each other. Without its `table` that is computed.
+    """
+    table = figure.table() if table is None else table
     with styled(one_column):
         return write_picture(drawn(figure, table), table, folder / f"figure-{figure.name}")
 

@@ -18,6 +18,7 @@ from softcradle.sandbox.studies.bed_experiment import (
     fit_friction,
     fit_friction_and_loss,
 )
+from softcradle.sandbox.studies.experiment_sweep import compute_experiment
 from softcradle.sandbox.studies.figures import train_figure
 from softcradle.sandbox.studies.piston_experiment import (
     PISTON,
@@ -26,6 +27,7 @@ from softcradle.sandbox.studies.piston_experiment import (
     Setup,
     critical_speed_with_error,
     deficits,
+    deficits_at,
     fitted_deficits,
     friction_with_error,
 )
@@ -131,6 +133,12 @@ def test_critical_speeds_of_the_measured_masses_have_errors():
         found.value * ((0.5 * STIFFNESS_ERROR / STIFFNESS) ** 2 + (PRECOMPRESSION_ERROR / PRECOMPRESSION) ** 2) ** 0.5
     )
     assert found.error == pytest.approx(expected, rel=0.01)
+
+
+def test_a_sweep_over_speeds_finds_what_each_gives():
+    fits, pistons = compute_experiment((0.5, 0.25), workers=1)
+    assert fits == [*fit_friction(0.5), *fit_friction(0.25)]
+    assert pistons == [*deficits_at(0.5), *deficits_at(0.25)]
 
 
 def test_command_prints_json_and_tables(capsys):

@@ -22,13 +22,15 @@ from softcradle.sandbox.sweeps import (
     sweep,
     sweep_places,
 )
-from softcradle.sandbox.sweeps.chunk_pools import Lost
+from softcradle.sandbox.sweeps.chunk_pools import Lost, thread_pool
 from softcradle.sandbox.sweeps.chunk_work import PointStatus
 from softcradle.sandbox.sweeps.journal import Journal
+from softcradle.sandbox.sweeps.run_sweep import journal_path
 from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.sweeps.swept_columns import swept
 from softcradle.scenes import load
 
-from tests.helpers.swept import deadly, logged, numbers
+from tests.helpers.swept import deadly, logged, numbers, reasoned
 
 xr = pytest.importorskip("xarray")
 pytest.importorskip("zarr")
@@ -148,7 +150,7 @@ def test_the_guilty_point_alone_is_given_up(alone):
     kept = Journal(None, "study")
     pool = Deaths(work, deadly_points=(17,), innocent=(40,))
     told: list[int] = []
-    chunk_schedule.ChunkSchedule([(0, 63)], kept, told.append, 1e-3).run(pool)
+    chunk_schedule.ChunkSchedule([(0, 63)], kept.append, told.append, 1e-3).run(pool)
     rows = kept.rows(0, 63)
     assert np.flatnonzero(rows.columns["status"] == PointStatus.LOST).tolist() == [17]
     assert sum(told) == 63 == kept.done
@@ -181,6 +183,44 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, monkeypatch, caplog):
     assert "7 of 20 points are in" in caplog.text
     assert not kept.exists()
     found.close()
+
+
+def test_points_of_a_study_keep_their_reasons_and_come_chunk_by_chunk():
+    taken: list[tuple[int, int]] = []
+    points = grid({"a": [0.5, 0.25], "n": [2, 3]})
+    with swept(
+        reasoned, points, executor="here", chunk_seconds=0.0, each=lambda chunk: taken.append((chunk.begin, chunk.end))
+    ) as kept:
+        found = kept.rows(0, 4)
+    assert taken == [(0, 1), (1, 2), (2, 3), (3, 4)]
+    assert found.reasons == {1: "three", 3: "three"}
+    assert found.columns["product"].tolist() == [1.0, 1.5, 0.5, 0.75]
+
+
+def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
+    kept, points = tmp_path / "kept", grid({"a": [0.5, 0.95], "n": [2]})
+    for _ in range(2):
+        with (
+            pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 points are kept in"),
+            swept(numbers, points, kept, executor="here", chunk_seconds=0.0),
+        ):
+            pass
+    assert journal_path(kept).is_file()
+
+
+def test_a_study_of_unlike_points_begins_with_processes(monkeypatch):
+    """None of its points is tried in this process first, which would let the other cores wait for the longest."""
+    pools: list[float] = []
+
+    def pool(self, seconds_left):
+        pools.append(seconds_left)
+        return thread_pool(self._work, 1)
+
+    monkeypatch.setattr(sweep_places.Places, "pool", pool)
+    for alike, expected in ((True, []), (False, [4.0])):
+        with swept(numbers, grid({"a": [0.5, 0.25], "n": [2, 3]}), alike=alike) as kept:
+            assert kept.done == 4
+        assert pools == expected
 
 
 def test_what_is_complete_is_opened_and_not_computed(tmp_path, monkeypatch):

@@ -5,13 +5,16 @@ from __future__ import annotations
 import io
 import json
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from rich.console import Console
 from rich.progress import Progress
 from softcradle.physics import one_on, power_law
 from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.sandbox import console
+from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.claims import claim_list
 from softcradle.sandbox.studies.claims.claim import Claim
@@ -19,7 +22,7 @@ from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, me
 from softcradle.sandbox.studies.claims.collision_claims import rise_of_spread
 from softcradle.sandbox.studies.claims.driven_claims import driven_returns
 from softcradle.sandbox.studies.claims.soft_chains import soft_chain, spread, start, while_struck
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, MEASURING, REFERENCE, Solver
+from softcradle.sandbox.studies.claims.solver import FINER_SECOND, MEASURING, REFERENCE, NotSolvedError, Solver
 from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.figures import solved_cases
 
@@ -201,25 +204,60 @@ def test_the_velocity_only_sets_the_unit_of_time():
 
 @pytest.fixture(scope="module")
 def some() -> list[Study]:
-    done: list[str] = []
-    found = measure_claims(["contact-duration", "kicked-out"], done.append, workers=1)
-    assert sorted(done) == ["contact-duration", "kicked-out"]
-    return found
+    return measure_claims(["contact-duration", "kicked-out"], workers=1)
 
 
-def test_a_bar_counts_the_claims(monkeypatch, capsys):
+def test_cases_of_a_sweep_are_those_of_the_study(some):
+    for found in some:
+        alone = claim_named(found.name).study()
+        assert found.seconds > 0.0
+        assert replace(found, seconds=0.0, reference=0.0) == replace(alone, reference=0.0)
+        assert np.array_equal([found.reference], [alone.reference], equal_nan=True)
+
+
+def test_a_case_that_is_not_solved_keeps_its_reason(monkeypatch):
+    def unsolved(_, solver):
+        raise NotSolvedError(f"{solver.method}: never")
+
+    broken = replace(claim_named("kicked-out"), measure=unsolved)
+    monkeypatch.setattr(claim_list, "CLAIMS", (broken,))
+    (found,) = measure_claims(workers=1)
+    assert {case.reason for case in found.cases} == {f"{broken.first.method}: never"}
+    assert found.verdict is Verdict.UNDETERMINED
+
+
+def test_cases_that_are_measured_are_not_measured_again(some, monkeypatch, tmp_path, capsys):
+    def stop(_: str, done: int, __: int) -> None:
+        measured.append(done)
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    measured: list[int] = []
+    names, kept = ["kicked-out"], tmp_path / claims.KEPT
+    with pytest.raises(KeyboardInterrupt):
+        measure_claims(names, stop, 1, kept)
+    again: list[float] = []
+    case_of = Claim.case
+    monkeypatch.setattr(Claim, "case", lambda claim, each: again.append(each["n"]) or case_of(claim, each))
+    (found,) = measure_claims(names, None, 1, kept)
+    assert 0 < len(again) == len(found.cases) + claim_named("kicked-out").refer - measured[-1]
+    assert replace(found, seconds=0.0) == replace(some[1], seconds=0.0)
+    assert main(["claims", "kicked-out", "-o", str(tmp_path)]) == 0
+    assert sorted({path.suffix for path in tmp_path.iterdir()}) == [".csv", ".pdf", ".png"]
+
+
+def test_a_bar_counts_the_cases(monkeypatch, capsys):
     bar = Progress(console=Console(file=io.StringIO(), force_terminal=True))
     monkeypatch.setattr(console, "progress_bar", lambda: bar)
-    monkeypatch.setattr(claim_list, "measure_claims", lambda names, done: [done(name) for name in names[:2]][:0])
+    monkeypatch.setattr(claim_list, "measure_claims", lambda _, told, **__: told("points", 2, 3) or [])
     assert main(["claims", "rigid-like", "slopes", "robust", "--json"]) == 0
     assert (bar.tasks[0].completed, bar.tasks[0].total) == (2, 3)
-    assert bar.tasks[0].description == "slopes measured"
     assert json.loads(capsys.readouterr().out)["claims"] == []
 
 
 @pytest.mark.slow
 def test_command_prints_a_table_json_one_claim_and_its_picture(some, monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(claim_list, "measure_claims", lambda *_: some)
+    monkeypatch.setattr(claim_list, "measure_claims", lambda *_, **__: some)
     assert main(["claims"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "fails beyond: 1" in shown

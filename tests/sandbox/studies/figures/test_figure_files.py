@@ -8,10 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
+from softcradle.sandbox.cli.commands.figures import KEPT
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.data_table import write_table
-from softcradle.sandbox.studies.figures import coupling_figure
-from softcradle.sandbox.studies.figures.figure_list import FIGURES, drawn, figures_named, write_figure
+from softcradle.sandbox.studies.figures import coupling_figure, figure_list
+from softcradle.sandbox.studies.figures.figure_list import (
+    FIGURES,
+    compute_tables,
+    drawn,
+    figures_named,
+    write_figure,
+)
 from softcradle.sandbox.studies.picture_files import SUFFIXES
 from softcradle.sandbox.studies.plot_style import styled
 
@@ -133,6 +140,36 @@ def test_command_writes_the_wanted_figures_and_lists_all(tmp_path, capsys):
     assert main(["figures", "--list"]) == 0
     listed = capsys.readouterr().out
     assert all(figure.caption in listed for figure in FIGURES)
+
+
+def same(found, expected):
+    return list(found) == list(expected) and all(
+        np.array_equal(found[n], expected[n], equal_nan=True) for n in expected
+    )
+
+
+def test_tables_of_a_sweep_are_those_of_the_figures(tables):
+    """With all columns in their order, however long those of other figures are."""
+    wanted = figures_named(["1d", "1b", "2a", "1d"])
+    found = list(compute_tables(wanted, workers=1))
+    assert all(same(table, tables[figure.name]) for table, figure in zip(found, wanted, strict=True))
+    assert len({len(next(iter(table.values()))) for table in found}) > 1
+
+
+def test_a_figure_that_is_computed_is_not_computed_again(tables, tmp_path, monkeypatch):
+    def stop(_: str, done: int, __: int) -> None:
+        if done >= 1:
+            raise KeyboardInterrupt
+
+    wanted = figures_named(["2a", "exchange"])
+    with pytest.raises(KeyboardInterrupt):
+        list(compute_tables(wanted, tmp_path / KEPT, stop, 1))
+    again = [replace(wanted[0], table=lambda: pytest.fail("computed again")), wanted[1]]
+    monkeypatch.setattr(figure_list, "FIGURES", again)
+    found = list(compute_tables(again, tmp_path / KEPT, None, 1))
+    assert all(same(table, tables[figure.name]) for table, figure in zip(found, wanted, strict=True))
+    assert main(["figures", "2a", "exchange", "-o", str(tmp_path)]) == 0
+    assert {path.suffix for path in tmp_path.iterdir()} == set(SUFFIXES)
 
 
 def test_command_refuses_in_a_sentence(tmp_path, capsys):

@@ -1,0 +1,71 @@
+"""The scan as a sweep: a point is a chain, its numbers the verdict and, where it is new, the truth; and back to entries."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+from softcradle.physics.status import WarningCode
+from softcradle.sandbox.sweeps.chunk_work import Chunk
+
+from benchmarks.scan.families import motion
+from benchmarks.scan.truth import SOURCES, Truth, truth_of
+from benchmarks.scan.verdict import Verdict, judge
+from softcradle import warm
+
+Entry = dict[str, Any]
+VERDICTS, CODES = list(Verdict), [code.value for code in WarningCode]
+TRUTH = "truth "  # before the names of the columns of a new truth
+
+
+def chain_numbers(
+    truths: Mapping[str, Entry], method: str, tolerance: float, family: str, seed: int
+) -> dict[str, object]:
+    """One chain, judged against its truth, which is found first where `truths` does not have it."""
+    _compiled()
+    chosen, new = motion(family, seed), {}
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        if chosen.key in truths:
+            truth = Truth.from_json(truths[chosen.key])
+        else:
+            truth = truth_of(chosen)
+            new = {"velocity": truth.velocity, "doubt": truth.doubt, "source": SOURCES.index(truth.source)}
+        entry = judge(chosen, truth, method, tolerance)
+    entry["verdict"], entry["truth"] = VERDICTS.index(entry["verdict"]), SOURCES.index(entry["truth"])
+    entry["warnings"] = [CODES.index(code) for code in entry["warnings"]]
+    return entry | {TRUTH + name: value for name, value in new.items()}
+
+
+@cache
+def _compiled() -> None:
+    """Compile all kernels, once in a process: no time of a chain is that of compiling."""
+    warm()
+
+
+def entries(chunk: Chunk, columns: Mapping[str, Any]) -> Iterator[tuple[Entry | None, Entry]]:
+    """The truth of each chain of a chunk, None where it was known, and its verdict; `columns` are its points."""
+    for k, (family, seed) in enumerate(zip(columns["family"], columns["seed"].tolist(), strict=True)):
+        row = {name: column[k] for name, column in chunk.columns.items() if name not in ("status", "warned")}
+        yield _truth(row, family, seed), _verdict(row, family, seed)
+
+
+def _truth(row: Mapping[str, Any], family: str, seed: int) -> Entry | None:
+    if np.isnan(row.get(TRUTH + "source", np.nan)):
+        return None
+    chosen = motion(family, seed)
+    beads = slice(0, chosen.chain.contacts + 1)
+    velocity, doubt, source = (row[TRUTH + name] for name in ("velocity", "doubt", "source"))
+    return {"key": chosen.key, **Truth(velocity[beads], doubt[beads], SOURCES[int(source)]).as_json()}
+
+
+def _verdict(row: Mapping[str, Any], family: str, seed: int) -> Entry:
+    entry = {name: value for name, value in row.items() if not name.startswith(TRUTH)}
+    codes = [CODES[int(code)] for code in entry["warnings"] if not np.isnan(code)]
+    told = {"verdict": VERDICTS[int(entry["verdict"])].value, "truth": SOURCES[int(entry["truth"])], "warnings": codes}
+    numbers = {name: value.item() for name, value in entry.items() if name not in told}
+    numbers |= {"slow": bool(numbers["slow"]), "steps": int(numbers["steps"])}
+    return {"family": family, "seed": seed, **{name: (told | numbers)[name] for name in entry}}
