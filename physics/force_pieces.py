@@ -134,14 +134,17 @@ def _given(chain: Chain, piece: Piece, way: Array, passed: float) -> Array:
     return np.array([way @ piece.push, passed * piece.push[np.isfinite(chain.mass)].sum()])
 
 
-def _problem(whole: Problem, piece: Piece, state: State, push: Array | None, samples: int | Array) -> Problem:
+def _problem(whole: Problem, piece: Piece, state: State, push: Array | None, most_steps: int | None) -> Problem:
     """The problem of one piece, from `state` on with the `push` of a hand beside the forces."""
     state.time = piece.start
     total = piece.push if push is None else piece.push + push
     state.push = total if total.any() else None
     duration = None if math.isinf(piece.end) else piece.end - piece.start
     step = min(whole.step, duration) if duration else whole.step
-    return replace(whole, chain=piece.chain, state=state, duration=duration, step=step, samples=samples)
+    most = None if most_steps is None else max(1, most_steps)
+    return replace(
+        whole, chain=piece.chain, state=state, duration=duration, step=step, samples=NO_TIMES, most_steps=most
+    )
 
 
 @dataclass
@@ -266,7 +269,8 @@ def run(problem: Problem, steady: Callable[[Problem], Record]) -> Record:
             mine = times[taken:until]
             begin = start.copy()
             begin.absorbed[:], begin.given[:] = 0.0, 0.0
-            part = _problem(whole, piece, begin, None, NO_TIMES)
+            left = None if whole.most_steps is None else whole.most_steps - joined.steps
+            part = _problem(whole, piece, begin, None, left)
             record = steady(replace(part, samples=np.clip(mine, piece.start, part.end), later=whole.keeps))
             parts.append(_Part(piece, start, replace(record, end=record.end.copy())))
             joined.add(piece, start, record, mine)
@@ -283,9 +287,11 @@ def advance(problem: Problem, steady: Callable[[Problem], Status]) -> Status:
     """Move the state of a chain with forces over time on by the duration in place; `steady` moves one with steady forces."""
     state, chain, hand = problem.state, problem.chain, problem.state.push
     status = Status.DONE
-    for piece in pieces_of(chain, state.time, problem.end, problem.tolerance or FIXED_TOLERANCE, problem.step):
+    pieces = list(pieces_of(chain, state.time, problem.end, problem.tolerance or FIXED_TOLERANCE, problem.step))
+    most = None if problem.most_steps is None else problem.most_steps // len(pieces)
+    for piece in pieces:
         before = state.position(chain)
-        status = steady(_problem(problem, piece, state, hand, NO_TIMES))
+        status = steady(_problem(problem, piece, state, hand, most))
         way = _moved(chain, state.overlap, state.anchor[0], before)
         state.given += _given(chain, piece, way, state.time - piece.start)
         if status.gave_up:

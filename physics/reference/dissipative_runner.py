@@ -14,6 +14,7 @@ from softcradle.physics.checkpoint_list import CheckpointList
 from softcradle.physics.contact import is_closed
 from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.reference.extended_run import MOST_STEPS, ExtendedRun, ReferenceGaveUpError
+from softcradle.physics.reference.one_thread import on_one_thread
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -65,11 +66,13 @@ def _recorder(problem: Problem) -> _Recorder:
     )
 
 
+@on_one_thread
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
     return run_to_end(problem, _pass)
 
 
+@on_one_thread
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place."""
     state, recorder = problem.state, _recorder(problem)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.reference.extended_run import MOST_STEPS, STAGES, ExtendedRun
+from softcradle.physics.reference.one_thread import on_one_thread
 from softcradle.physics.state import State
 
 
@@ -30,6 +31,7 @@ class ReferenceEnd:
     steps: int
 
 
+@on_one_thread
 def reference_end(
     chain: Chain,
     velocity: ArrayLike,

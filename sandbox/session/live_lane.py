@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.methods import Family, find_method
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
@@ -29,6 +30,9 @@ from softcradle.sandbox.session.pointer_spring import spring_force
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
 LIVE_STEPS = 5_000  # most of an adaptive method in one frame: some 20 ms
+REFERENCE_WORK = (
+    300  # contacts times steps of the reference with friction, loss or couplers, which is plain Python: some 0.2 s
+)
 WARNING_FRAMES = 60  # for which a warning of the method stays: half a second
 
 
@@ -109,7 +113,7 @@ class LiveLane:
         before, closed, switches = self.position, state.closed, state.switches
         absorbed, given = state.absorbed.copy(), state.given.copy()
         state.push = self._push(bead, pointer, frequency)
-        move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, LIVE_STEPS)
+        move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, self._most_steps)
         self._take_warning(" ".join(map(str, state.warnings)))
         if not _within_bounds(state):
             raise BlownUpError(_("{method} has blown up: take conserving or a smaller step", method=setup.method))
@@ -121,6 +125,13 @@ class LiveLane:
         seen = int(np.count_nonzero(closed != state.closed))
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger
+
+    @property
+    def _most_steps(self) -> int:
+        """Steps of the method in one frame, after which `conserving` moves on: no frame freezes the window."""
+        limited = self.chain.dissipative or self.chain.couplers
+        plain = find_method(self.setup.method).family is Family.REFERENCE
+        return max(1, REFERENCE_WORK // self.chain.contacts) if plain and limited else LIVE_STEPS
 
     def _take_warning(self, warning: str) -> None:
         """Keep a new warning of the method, and drop an old one."""

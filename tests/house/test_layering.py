@@ -100,6 +100,7 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
         "physics/reference/runner.py",
         "physics/analysis/closed_forms.py",
         "physics/analysis/matching.py",
+        "sandbox/studies/verify/",
         # sample points, and the version that they depend on
         "sandbox/sweeps/",
         PEERS,
@@ -136,6 +137,7 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
     "argcomplete": ("sandbox/cli/",),
     "rich": ("sandbox/console.py", "sandbox/cli/", "sandbox/film/", "sandbox/studies/"),
     "pydantic": ("scenes/", "sandbox/sweeps/"),
+    "threadpoolctl": ("physics/reference/one_thread.py",),
     "tomli_w": ("scenes/",),
     "CyRK": (PEERS,),
     "heyoka": (PEERS,),
