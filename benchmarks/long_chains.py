@@ -11,19 +11,19 @@ from softcradle.physics import hertz, one_on, power_law, simulate
 from benchmarks.reports import Report, at_most
 
 SPEED = 0.8405  # of the pulse: contacts a second, for beads of 1 kg, 1 N/m**1.5 and a hit at 1 m/s
-BEADS, CROSSED = (
-    100_000,
-    1000,
-)  # of the Hertz chain, and of them those that the pulse crosses here; the aim is for ten times as many
-AIMS = {"one on 1000, alpha 1/10": 1.0, "Hertz, 1000 of 100 000 crossed": 1.0}
+BEADS = 100_000  # of the Hertz chain
+CROSSED = {1000: 1.0, 10_000: 10.0}  # beads of it that the pulse crosses, and seconds that this may take
+DEEP = "one on 1000, alpha 1/10"
+AIMS = {DEEP: 1.0} | {f"Hertz, {beads} of {BEADS} crossed": aim for beads, aim in CROSSED.items()}
 
 
 def measure() -> dict[str, dict[str, float]]:
     """Processor time [s], steps and their error of each."""
     simulate(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0], samples=2)  # loads the kernels
     deep, pulse = one_on(1000, power_law(1.0, 0.1)), one_on(BEADS, hertz(1.0))
+    cases = [(deep, None), *((pulse, beads / SPEED) for beads in CROSSED)]
     found = {}
-    for name, chain, duration in zip(AIMS, (deep, pulse), (None, CROSSED / SPEED), strict=True):
+    for name, (chain, duration) in zip(AIMS, cases, strict=True):
         began = process_time()
         motion = simulate(chain, np.eye(1, chain.contacts + 1)[0], duration, tolerance=1e-6, samples=2)
         found[name] = {

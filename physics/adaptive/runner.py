@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from softcradle.physics.adaptive.effective_chain import chain_and_regime
 from softcradle.physics.adaptive.integrate import TOLERANCE_PART, integrate
 from softcradle.physics.adaptive.kept_steps import KeptSteps
+from softcradle.physics.adaptive.moving_part import MovingPart, rests_exactly
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
     DOP853,
@@ -46,6 +47,7 @@ from softcradle.physics.numerics.records import (
     PAUSED,
     REJECTED,
     STEP,
+    SWITCH,
     SwitchLog,
 )
 from softcradle.physics.problem import (
@@ -180,7 +182,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     """One run of the kernel; again with a larger log of switches where the first was too small."""
     state = problem.state.copy()
     scale = _scale(problem)
-    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, KERNELS)
+    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, KERNELS, _is_divisible(problem))
     memory = Memory.of(problem.chain, log_size, kept.steps)
     began = perf_counter()
     code, state.time = _integrate(problem, state, scale, memory, kept)
@@ -204,25 +206,37 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
     data, regime = chain_and_regime(problem.chain, state)
     most, counter, stop = step_budget(problem), memory.log.counter, problem.duration is None
-    motion, code, time, resumed = motion_record(state, memory.mode, memory.held), PAUSED, state.time, False
-    rest = tuple(map(tuple, (memory.trial, memory.look, memory.scratch)))
-    work, end = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts, problem.end
+    code, time, resumed, end, log = PAUSED, state.time, False, problem.end, memory.log
+    divisible = kept is not None and not kept.steps.time.size and _is_divisible(problem)
+    part = MovingPart(
+        data, regime, motion_record(state, memory.mode, memory.held), memory.trial, memory.look, memory.scratch, log, time,
+        divisible,
+    )  # fmt: skip
     while code == PAUSED:
+        most_now, logged, before = part.steps(PAUSE), int(log.counter[SWITCH]), time
+        work = PLAIN_COST * PLAIN_PAUSE * part.contacts
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
         compiled = kernel is integrate
-        pause = int(counter[STEP] + counter[REJECTED]) + (PAUSE if compiled else PLAIN_PAUSE)
+        pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
             KERNELS.spent += work
         steps = kept.steps if kept else memory.steps
         with kernel_arithmetic():
             code, time = kernel(
-                ALLOWED[problem.method], resumed, time, end, stop, most, pause, scale, problem.tolerance, data, regime,
-                motion, *rest, tuple(steps), tuple(memory.log),
+                ALLOWED[problem.method], resumed, time, end, stop, most, pause, scale, problem.tolerance, *part.records,
+                tuple(steps), part.log,
             )  # fmt: skip
         resumed = True
+        part.stepped(logged, time - before)
         if kept:
             kept.take(memory.log)
     return code, time
+
+
+def _is_divisible(problem: Problem) -> bool:
+    """Whether contacts at rest need no steps."""
+    allowed = ALLOWED[problem.method]
+    return allowed != RADAU and rests_exactly(problem.chain, problem.state, allowed == DOP853)
 
 
 def _scale(problem: Problem) -> float:
