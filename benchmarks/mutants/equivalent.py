@@ -9,6 +9,7 @@ from benchmarks.mutants.operators import Mutant
 CURVE = "physics/numerics/law_curve.py"
 RADAU, GUESS = "physics/adaptive/radau.py", "physics/adaptive/radau_guess.py"
 ROOT = "physics/adaptive/first_root.py"
+SOLVE, RESOLVENT = "physics/numerics/contact_solve.py", "physics/numerics/resolvent.py"
 GRADIENT = "physics/fixed_step/discrete_gradient.py"
 
 
@@ -47,6 +48,18 @@ EQUIVALENT = (
     Equivalent(GRADIENT, "kept = full if rate[i] > 0.0", "rate[i] > 0.0", "a rate of 0 is left out before"),
     Equivalent(GRADIENT, "return used, 1.0", "1.0", "any part from 1 on says that there is no cut"),
     Equivalent(GRADIENT, "failed |= used < 0", "0", "a solver that converges takes an iteration at least"),
+    Equivalent(
+        SOLVE, "if low == high or (low < s[i]", "high == s[i]", "low is never above high, and equal is asked for"
+    ),
+    Equivalent(
+        SOLVE, "overlap[i] - work[OFFSET, i] + half", "half * diagonal[i]", "only where Newton's iteration begins"
+    ),
+    Equivalent(RESOLVENT, "if abs(x) < 1e-7:", "abs(x) < 1e-7", "the two formulas agree there"),
+    Equivalent(RESOLVENT, "math.sqrt(low * high) if low > 0.0", "4.0", "where a bracket is divided; it holds the root"),
+    Equivalent(
+        RESOLVENT, "math.sqrt(low * high) if low > 0.0", "4.0 * low", "where a bracket is divided; it holds the root"
+    ),
+    Equivalent(RESOLVENT, "if start >= 0.0:", "start >= 0.0", "from 0 the quadratic has the same root"),
 )
 
 

@@ -24,10 +24,12 @@ GROUPS = {
             "physics/numerics/resolvent.py",
         ),
         (
+            "tests/physics/numerics/test_contact_solve.py",
             "tests/physics/fixed_step/test_gradient_step.py",
             "tests/physics/fixed_step/test_discrete_gradient.py",
             "-k",
-            "gradient_step or resolvent or mean_force or monotone or guess or slope or carries or returned or cycles or walls",
+            "contact_solve or gradient_step or resolvent or mean_force or monotone or guess or slope or carries or returned"
+            " or cycles or walls",
         ),
     ),
     "radau": Group(

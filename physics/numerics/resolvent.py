@@ -123,6 +123,6 @@ def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess
         return 0.0, 0.0, 0.0
     if not 0.0 < guess < s:
         reach = (s / weight - preload) * (1.0 + exponent) / stiffness
-        guess = min(s, reach ** (1.0 / exponent)) if reach > 0.0 else 0.5 * s
+        guess = reach ** (1.0 / exponent) if 0.0 < reach < power(s, exponent) else 0.5 * s
     overlap, force, slope = solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess)
     return overlap, force, resolvent_slope(slope, weight)

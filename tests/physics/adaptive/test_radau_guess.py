@@ -136,6 +136,8 @@ def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():
     overlap, rate, force = np.array([0.01, 0.04, 0.5]), np.array([0.1, 0.2, 0.1]), np.array([0.2, 0.4, 0.7])
     assert time_since_onset(law, mode, overlap, rate, force) == pytest.approx(0.2)
     assert time_since_onset(law, mode, overlap, -rate, force) == pytest.approx(-0.2)
+    assert time_since_onset(law, mode, overlap, np.array([0.1, 1.0, 0.1]), force) == pytest.approx(0.04)
+    assert time_since_onset(law, mode, overlap, np.array([0.1, 0.0, 0.1]), force) == pytest.approx(0.1)
 
 
 def test_a_sudden_soft_contact_goes_by_its_power_though_there_is_a_step_before():

@@ -1,0 +1,58 @@
+"""Pieces of the solver of contact forces: a resolvent without a guess, mean forces of short ways, the way to the next bend."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
+from softcradle.physics.numerics.contact_solve import (
+    BEAD_ROWS,
+    FORCE_AT_HOLD,
+    FREE_VELOCITY,
+    LEAST_AT_HOLD,
+    UNKNOWN,
+    distance_to_bend,
+)
+from softcradle.physics.numerics.resolvent import mean_force, resolvent
+
+from tests.helpers.plain_kernels import only_plain
+
+pytestmark = only_plain
+
+
+def test_a_very_soft_contact_takes_any_push_without_a_guess():
+    """Without the push of the contact alone the guess of its overlap would be 1e350 m, which plain Python refuses."""
+    overlap, force, _ = resolvent(0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
+    assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)
+    assert force == pytest.approx(1e-3 * overlap**0.02 / 1.02, rel=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [0.1, 0.5, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("part", [0.0, 1e-9, -1e-9, 1e-6, 1e-3, -0.1])
+def test_the_mean_force_of_a_short_way_and_its_slope(part, exponent):
+    """Over a way of x d the force K d**a has the mean K d**a (1 + a x/2 + a (a-1) x²/6 + ...), and this its slope."""
+    start, stiffness = 0.3, 2.0
+    force = stiffness * start**exponent
+    found, slope = mean_force(0.5, stiffness, exponent, start, start**exponent, start * (1.0 + part))
+    mean = 1.0 + exponent * part * (0.5 + (exponent - 1.0) * part * (1.0 / 6.0 + (exponent - 2.0) * part / 24.0))
+    bend = (exponent - 1.0) * part * (1.0 / 3.0 + (exponent - 2.0) * part / 8.0)
+    assert found == pytest.approx(0.5 + force * mean, rel=1e-12 + abs(part) ** 4)
+    assert slope == pytest.approx(force * exponent / start * (0.5 + bend), rel=1e-4 + 2.0 * abs(part) ** 3)
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("resting", [0.0, 3.0])
+def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_does(up, resting):
+    """Forces of 2 N to 5 N hold the contact; its beads, on beds of 1 and 4 m/s², bound the way where they slip first."""
+    h, weight, s = 0.1, 0.02, resting * 0.02 + 0.05 * 0.6
+    mass, bed, free = np.array([2.0, 0.5]), np.array([1.0, 4.0]), np.array([0.04, -0.1])
+    beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
+    beads[FREE_VELOCITY] = free
+    work[UNKNOWN], work[LEAST_AT_HOLD], work[FORCE_AT_HOLD] = s, 2.0, 5.0
+    found = distance_to_bend(h, 0, weight, 0.6, 0.3, up, 1.0 / mass, bed, beads, work)
+    by_contact = weight * (5.0 - resting if up else resting - 2.0)
+    turn = 1.0 if up else -1.0  # more force brakes the left bead and drives the right one
+    by_left, by_right = (
+        weight * (h * bed[j] + side * turn * free[j]) * mass[j] / h for j, side in ((0, 1.0), (1, -1.0))
+    )
+    assert found == pytest.approx(turn * max(min(by_contact, by_left, by_right), 0.0), rel=1e-8, abs=1e-15)

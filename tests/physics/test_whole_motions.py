@@ -1,0 +1,223 @@
+"""Short motions through every kind of step, switch and rest: what must hold of each by any method, compiled or not."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from softcradle.physics import (
+    Chain,
+    Coupler,
+    State,
+    TimedForce,
+    advance,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    step_force,
+)
+from softcradle.physics.methods import refusal_of
+from softcradle.physics.status import Status
+
+from tests.helpers.random_chains import random_collision, random_dissipative
+from tests.helpers.relations import assert_momentum, assert_sound, ledger_error, separating, simulate_quietly
+
+METHODS = ("accurate", "radau", "dop853", "conserving", "verlet", "yoshida4", "euler")
+TOLERANCE = 1e-6
+SAMPLES = 7
+
+
+class Case(NamedTuple):
+    """A motion: a chain, its start, how long (None: to its end), the step of fixed-step methods, what is left out."""
+
+    chain: Chain
+    velocity: list[float]
+    duration: float | None
+    step: float
+    without: tuple[str, ...] = ()
+
+
+class Toda:
+    """Exponential repulsion, with its energy."""
+
+    def force(self, overlap: float) -> float:
+        return 20.0 * math.expm1(overlap)
+
+    def energy(self, overlap: float) -> float:
+        return 20.0 * (math.expm1(overlap) - overlap)
+
+
+def hardening(overlap: float) -> float:
+    return 2.0 + 30.0 * overlap + 50.0 * overlap**3
+
+
+GEAR = draft_gear(770.0, 0.0177)
+EXPLICIT = ("verlet", "yoshida4", "euler")  # which chatter, at the step of the others, on what is stiff
+CASES = {
+    "one on four": Case(one_on(4, power_law(1.0, 0.1)), [1.0, 0.0, 0.0, 0.0, 0.0], None, 0.01, ("dop853",)),
+    "hertz with gaps": Case(
+        Chain([1.0, 3.0, 1.0, 2.0], hertz(50.0), gap=[0.1, 0.2, 0.1]), [1.0, 0.0, 0.0, -0.5], None, 0.005
+    ),
+    "two gears on two": Case(cluster_on_cluster(2, 2, GEAR, 0.396), [0.5, 0.5, 0.0, 0.0], None, 1e-3),
+    "gears on straws": Case(
+        Chain([0.4] * 4, draft_gear(770.0, 0.0177, loss=0.122), gap=[0.02, 0.0, 0.0], friction=0.064),
+        [0.5, 0.0, 0.0, 0.0],
+        None,
+        1e-3,
+    ),
+    "step forces": Case(one_on(2, step_force(1.0)), [1.0, 0.0, 0.0], None, 0.01),
+    "between walls": Case(
+        Chain([math.inf, 1.0, 2.0, math.inf], [hertz(50.0), draft_gear(2.0, 0.1), hooke(30.0)], gap=[0.1, 0.2, 0.1]),
+        [0.0, 1.0, 0.0, 0.0],
+        1.5,
+        0.005,
+    ),
+    "pushed from rest": Case(
+        Chain([1.0, 1.0, 2.0], power_law(1.0, 0.5), drive=[1.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0, 0.005
+    ),
+    "a stack under its weight": Case(
+        Chain([1.0, 1.0, math.inf], draft_gear(20.0, 0.2), drive=[1.0, 1.0, 0.0]), [0.5, 0.0, 0.0], 0.8, 0.005, EXPLICIT
+    ),
+    "a ball that bounces to rest": Case(
+        Chain([1.0, math.inf], hertz(100.0, loss=0.8), gap=0.01, drive=[1.0, 0.0]), [0.0, 0.0], 1.2, 1e-3
+    ),
+    "slides that meet and slides that do not": Case(
+        Chain([1.0, 2.0, 1.0, 1.0], hertz(200.0), gap=[0.1, 0.3, 2.0], friction=0.1), [1.0, 0.2, -0.3, 0.0], None, 5e-3
+    ),
+    "pushed past its friction": Case(
+        Chain([1.0, 1.0, 1.0], draft_gear(20.0, 0.05), drive=[2.5, 0.0, -0.3], friction=0.1), [0.0] * 3, 0.5, 2e-3
+    ),
+    "held by friction": Case(
+        Chain([1.0, 1.0, 1.0], hertz(20.0), drive=[0.5, 0.0, -0.3], friction=0.1), [0.0] * 3, 0.5, 0.01
+    ),
+    "loss and friction in a mixed chain": Case(
+        Chain(
+            [1.0, 0.3, 2.0, 1.0],
+            [hertz(50.0, loss=0.3), power_law(1.0, 0.3, loss=0.5), draft_gear(5.0, 0.2, loss=0.6)],
+            gap=[0.0, 0.05, 0.0],
+            friction=0.1,
+        ),
+        [1.0, 0.0, 0.0, -0.5],
+        None,
+        5e-3,
+        EXPLICIT,
+    ),
+    "a wagon train": Case(
+        Chain(
+            [1.0, 1.0, 1.0],
+            Coupler(hooke(50.0, loss=0.3), pull=hertz(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3),
+        ),
+        [1.0, 0.0, -0.5],
+        1.0,
+        2e-3,
+    ),
+    "laws of one's own": Case(
+        Chain([1.0, 2.0, 1.0, math.inf], [Toda(), hertz(50.0), hardening], gap=[0.05, 0.0, 0.05]),
+        [1.0, 0.0, 0.0, 0.0],
+        1.5,
+        3e-3,
+    ),
+    "laws of one's own with friction": Case(
+        Chain([1.0, 2.0, 1.0], [hardening, Toda()], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
+    ),
+    "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], Toda()), [1.0, 0.0, -0.5], None, 2e-3),
+    "a force that comes and goes": Case(
+        Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
+        [0.0] * 3,
+        0.8,
+        4e-3,
+    ),
+}
+
+
+def solved(case, method, duration=None):
+    finer = {"tolerance": TOLERANCE} if method in ("accurate", "radau", "dop853") else {"step": case.step}
+    return simulate_quietly(case.chain, case.velocity, duration or case.duration, method, samples=SAMPLES, **finer)
+
+
+RUNS = [
+    (name, method)
+    for name, case in CASES.items()
+    for method in METHODS
+    if not refusal_of(method, case.chain) and method not in case.without
+]
+
+
+@pytest.mark.parametrize(("name", "method"), RUNS)
+def test_what_holds_of_every_motion(name, method):
+    case = CASES[name]
+    found = solved(case, method)
+    assert found.status in (Status.DONE, Status.SEPARATED)
+    if not case.chain.pulls:
+        assert_sound(found)
+    exact = method in ("accurate", "radau", "dop853", "conserving")
+    if np.abs(found.velocity).max() > 0.0:
+        assert ledger_error(found) < (100.0 * TOLERANCE if exact else 0.3)
+    if not (case.chain.on_bed or case.chain.lasts or case.chain.timed):
+        assert_momentum(found, case.velocity, TOLERANCE)
+    if found.status is Status.SEPARATED and not case.chain.on_bed:
+        assert separating(found.final_velocity, 1e-6)
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize(
+    "name",
+    ["hertz with gaps", "two gears on two", "gears on straws", "loss and friction in a mixed chain", "between walls"],
+)
+def test_adaptive_methods_end_alike(name, method):
+    case = CASES[name]
+    found, other = solved(case, method), solved(case, "conserving" if method == "accurate" else "accurate")
+    nearly = 0.02 if method == "accurate" else 30.0 * TOLERANCE  # conserving is of second order
+    assert found.final_velocity == pytest.approx(other.final_velocity, abs=nearly)
+
+
+@pytest.mark.parametrize("method", ["accurate", "conserving", "verlet"])
+@pytest.mark.parametrize("name", ["hertz with gaps", "gears on straws", "between walls", "a ball that bounces to rest"])
+def test_frames_go_where_the_whole_run_goes(name, method):
+    """Live use moves a state by a sixtieth of a second at a time."""
+    case = CASES[name]
+    state = State.at_start(case.chain, case.velocity)
+    step = None if method == "accurate" else 1e-3
+    tolerance = {"tolerance": TOLERANCE} if step is None else {}
+    for _ in range(12):
+        advance(case.chain, state, 1.0 / 60.0, method, step, **tolerance)
+    whole = simulate_quietly(case.chain, case.velocity, 12 / 60.0, method, step, samples=2, **tolerance)
+    assert state.time == pytest.approx(12 / 60.0)
+    assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=0.02 if step else 30.0 * TOLERANCE)
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("name", ["one on four", "hertz with gaps", "gears on straws", "a ball that bounces to rest"])
+def test_a_frame_of_too_many_steps_is_finished_by_conserving(name, method):
+    case = CASES[name]
+    state = State.at_start(case.chain, case.velocity)
+    with pytest.warns(RuntimeWarning, match="conserving moved on from there"):
+        advance(case.chain, state, 0.5, method, tolerance=1e-10, most_steps=4)
+    assert state.status.gave_up
+    assert state.time == 0.5
+    whole = simulate_quietly(case.chain, case.velocity, 0.5, samples=2, tolerance=TOLERANCE)
+    assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=0.05)
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("seed", [1, 2, 5, 8])
+def test_random_motions_on_a_bed_keep_their_ledger(seed, method):
+    chain, velocity = random_dissipative(seed, 4)
+    found = simulate_quietly(chain, velocity, 0.3, method, samples=SAMPLES, tolerance=TOLERANCE)
+    assert_sound(found)
+    assert ledger_error(found) < 100.0 * TOLERANCE
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("seed", [0, 1, 2, 4, 5])
+def test_random_collisions_keep_energy_and_momentum(seed, method):
+    chain, velocity = random_collision(seed, 4)
+    found = simulate_quietly(chain, velocity, 1.0, method, samples=SAMPLES, tolerance=TOLERANCE)
+    assert_sound(found)
+    assert_momentum(found, velocity, TOLERANCE)
+    assert ledger_error(found) < 100.0 * TOLERANCE
