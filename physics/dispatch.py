@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from softcradle.physics import force_pieces
+from softcradle.physics import timed_force_pieces
 from softcradle.physics.chain import Chain
 from softcradle.physics.methods import Family, find_method
 from softcradle.physics.problem import Problem, Record, Runner
@@ -45,12 +45,12 @@ def _runner(family: Family) -> Runner:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion by its method; ``problem.state`` stays as it is."""
-    return force_pieces.run(problem, _run) if problem.chain.timed else _run(problem)
+    return timed_force_pieces.run(problem, _run) if problem.chain.timed else _run(problem)
 
 
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place, by its method."""
-    return force_pieces.advance(problem, _advance) if problem.chain.timed else _advance(problem)
+    return timed_force_pieces.advance(problem, _advance) if problem.chain.timed else _advance(problem)
 
 
 def _run(problem: Problem) -> Record:

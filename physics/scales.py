@@ -1,4 +1,4 @@
-"""Scales of a chain, from energy alone: speeds, depth and time of each contact, and the default step."""
+"""Scales of a chain, from energy alone: speeds, depth and time of each contact."""
 
 from __future__ import annotations
 
@@ -19,8 +19,6 @@ LEAST_DEPTH, MOST_DEPTH = (
     1e-60,
     1e25,
 )  # [m] of contacts that are computed: with powers of them, floats end not far beyond
-STEPS_A_CONTACT = 1000  # default fixed steps in the shortest contact time
-STEPS_A_STOP = 100  # default fixed steps, at the least, in the time in which bed friction stops a bead
 
 
 def closing_speed(velocity: ArrayLike) -> float:
@@ -138,15 +136,3 @@ def require_computable(chain: Chain, velocity: ArrayLike) -> None:
     for law in chain.own_laws:
         deepest = max(float(depth[i]) for i, own in chain.own_contacts if own == law)
         law.require_usable(deepest)
-
-
-def default_step(chain: Chain, velocity: ArrayLike) -> float:
-    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact time.
-
-    With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
-    """
-    shortest = float(contact_scales(chain, velocity)[1].min()) / STEPS_A_CONTACT
-    strongest = float(chain.bed.max(initial=0.0))
-    if not strongest:
-        return shortest
-    return min(shortest, speed_scale(chain, velocity) / strongest / STEPS_A_STOP)

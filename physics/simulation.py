@@ -15,9 +15,10 @@ from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, real_number, require_kind, shown, whole_number
 from softcradle.physics.compile_log import log_compilation
+from softcradle.physics.default_step import default_step
 from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
-from softcradle.physics.scales import default_step, require_computable
+from softcradle.physics.scales import require_computable
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory

@@ -100,8 +100,9 @@ class TimedForce:
             return self.force[-1], self.force[-1]
         early, late = self.time[after - 1], self.time[after]
         first, last = self.force[after - 1], self.force[after]
-        slope = (last - first) / (late - early)
-        return first + slope * (start - early), last - slope * (late - end)
+        slope, (least, most) = (last - first) / (late - early), sorted((first, last))
+        ends = first + slope * (start - early), last - slope * (late - end)
+        return min(max(ends[0], least), most), min(max(ends[1], least), most)  # no brake pushes by round-off
 
 
 def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
-from softcradle.physics.adaptive.modes import bead_push, loss_of, multiplier_bounds
+from softcradle.physics.adaptive.modes import loss_of, multiplier_bounds
+from softcradle.physics.adaptive.stick_slip import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, flow_into, signed_force

@@ -8,7 +8,7 @@ one problem for all, see `acceleration_balance`.
 from __future__ import annotations
 
 from softcradle.physics.adaptive.acceleration_balance import balance
-from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.adaptive.stick_slip import GIVE, LOAD, bead_push, is_firm, load_beads, rest_exactly
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
@@ -18,7 +18,7 @@ ROUND_OFF = (
 )
 
 # rows (n+1,) of the work array
-LOAD, GIVE, LOW, HIGH, ACCELERATION, CARRIED = 5, 6, 7, 8, 9, 10
+LOW, HIGH, ACCELERATION, CARRIED = 7, 8, 9, 10  # after those of `stick_slip`
 CANDIDATE = 11  # 1 for contacts that may be held
 
 
@@ -41,27 +41,6 @@ def multiplier_bounds(regime, i, overlap):
         full = pressed_force(regime, i, overlap)
         return (1.0 - loss_of(regime, i)) * full, full
     return 0.0, regime.law[i, 0]
-
-
-@inlined
-def is_firm(regime, j):
-    """Whether bead j does not change its velocity: a wall, or a bead that sticks."""
-    return regime.inverse_mass[j] == 0.0 or (regime.bed.size > 0 and regime.bed[j] > 0.0 and regime.slide[j] == 0)
-
-
-@inlined
-def is_at_rest(regime, j):
-    """Whether bead j sticks on its bed."""
-    return regime.bed[j] > 0.0 and regime.slide[j] == 0
-
-
-@jit
-def find_slides(chain, regime, motion, velocity):
-    """Which way each bead slides, from the velocities; called once, for later only events change it."""
-    if regime.bed.size:
-        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
-        for j in range(velocity.size):
-            regime.slide[j] = 1 if velocity[j] > 0.0 else (-1 if velocity[j] < 0.0 else 0)
 
 
 @inlined
@@ -93,22 +72,6 @@ def classify(chain, regime, motion, slow, work):
                 force[i] *= 1.0 - loss_of(regime, i)
         low[i] = high[i] = force[i]
     return undetermined
-
-
-@inlined
-def load_beads(regime, work):
-    """Known forces on beads, and the static friction of those at rest. Returns whether any is at rest."""
-    load, give, resting = work[LOAD], work[GIVE], False
-    for j in range(regime.inverse_mass.size):
-        load[j] = regime.push[j] if regime.push.size else 0.0
-        give[j] = 0.0
-        if regime.bed.size and regime.bed[j] > 0.0:
-            most = regime.bed[j] / regime.inverse_mass[j]
-            if regime.slide[j] == 0:
-                give[j], resting = most, True
-            else:
-                load[j] -= regime.slide[j] * most
-    return resting
 
 
 @inlined
@@ -153,25 +116,6 @@ def make_effective(chain, regime, motion):
             motion.mode[i] = FROZEN
 
 
-@inlined
-def rest_exactly(chain, regime, motion):
-    """Take the round-off from the velocities of beads that stick beside each other."""
-    for i in range(motion.mode.size):
-        if is_at_rest(regime, i) and is_at_rest(regime, i + 1):
-            motion.rate[i] = 0.0
-    if is_at_rest(regime, chain.anchor_bead):
-        motion.anchor[1] = 0.0
-
-
-@inlined
-def bead_push(chain, regime, j):
-    """Acceleration of bead j by what pushes it from outside and by kinetic friction [m/s²]."""
-    if chain.inverse_mass[j] == 0.0:
-        return 0.0
-    found = regime.push[j] * regime.inverse_mass[j] if regime.push.size else 0.0
-    return found - regime.slide[j] * regime.bed[j] if regime.bed.size else found
-
-
 @jit
 def resolve_modes(chain, regime, motion, slow, scratch):
     """Modes, forces and the effective chain from overlaps, rates and slides; contacts at rest are slower than `slow` [m/s].
@@ -194,46 +138,3 @@ def resolve_modes(chain, regime, motion, slow, scratch):
                 a = work[ACCELERATION, j]
                 regime.slide[j] = 1 if a > 0.0 else (-1 if a < 0.0 else 0)
     make_effective(chain, regime, motion)
-
-
-@inlined
-def stands(regime, j, velocity, slow):
-    """Whether bead j sticks on its bed, or is a wall no faster than `slow` [m/s], which is round-off."""
-    return is_at_rest(regime, j) or (regime.inverse_mass[j] == 0.0 and abs(velocity[j]) <= slow)
-
-
-@jit
-def stop_bead(j, chain, regime, motion, slow, velocity):
-    """Take the velocity that bead j still has at the end of its slide, and all beads that move as one with it.
-
-    `velocity` (n+1,) is scratch memory.
-    """
-    n, rate = motion.rate.size, motion.rate
-    bead_velocities(rate, chain.anchor_bead, motion.anchor[1], velocity)
-    left, first, last = velocity[j], j, j
-    while first > 0 and rate[first - 1] == 0.0:
-        first -= 1
-    while last < n and rate[last] == 0.0:
-        last += 1
-    for k in range(first, last + 1):
-        regime.slide[k] = 0
-    if first > 0:
-        rate[first - 1] = 0.0 if stands(regime, first - 1, velocity, slow) else rate[first - 1] + left
-    if last < n:
-        rate[last] = 0.0 if stands(regime, last + 1, velocity, slow) else rate[last] - left
-    if first <= chain.anchor_bead <= last:
-        motion.anchor[1] = 0.0
-
-
-@jit
-def stop_beside(i, chain, regime, motion, slow, velocity):
-    """Let a bead of contact i, whose rate has become 0, rest where the other one stands: they have one velocity now.
-
-    `velocity` (n+1,) is scratch memory.
-    """
-    if regime.bed.size:
-        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
-        for j, other in ((i, i + 1), (i + 1, i)):
-            if regime.slide[j] != 0 and stands(regime, other, velocity, slow):
-                stop_bead(j, chain, regime, motion, slow, velocity)
-                return

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.batch.batch_scales import BatchStart
 from softcradle.physics.batch.chain_batch import ChainBatch
-from softcradle.physics.batch.lane_loop import BatchData, BatchMotion
+from softcradle.physics.batch.lockstep_loop import BatchData, BatchMotion
 from softcradle.physics.numerics.records import COUNTERS
 
 Array = NDArray[np.float64]

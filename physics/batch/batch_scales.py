@@ -11,16 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.checked_input import SMALLEST
+from softcradle.physics.default_step import STEPS_A_CONTACT, STEPS_A_STOP, default_step
 from softcradle.physics.scales import (
     LEAST_DEPTH,
     LEAST_SCALE,
     MOST_DEPTH,
     ROUND_OFF,
-    STEPS_A_CONTACT,
-    STEPS_A_STOP,
     closing_scale,
     contact_scales,
-    default_step,
     require_computable,
 )
 from softcradle.physics.state import State, from_anchor

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.batch.batch_parts import BatchRun, Part
-from softcradle.physics.batch.lane_loop import empty_state, march_lanes
-from softcradle.physics.batch.lane_steps import LANES, empty_lanes
+from softcradle.physics.batch.lockstep_loop import empty_state, march_lanes
+from softcradle.physics.batch.lockstep_steps import LANES, empty_lanes
 from softcradle.physics.batch.run_each import march_each
 from softcradle.physics.fixed_step.runner import DRIFTS_AND_KICKS, MOST_STEPS, Scratch
 from softcradle.physics.fixed_step.splitting_simd import LONG

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.integrate import integrate
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE, Scratch, Trial
-from softcradle.physics.batch.lane_loop import BatchData, BatchMotion
+from softcradle.physics.batch.lockstep_loop import BatchData, BatchMotion
 from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import Dissipation

@@ -15,7 +15,12 @@ import math
 
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.contact_law import energy
-from softcradle.physics.numerics.contact_solve import (
+from softcradle.physics.numerics.contact_solve import solve_contacts
+from softcradle.physics.numerics.couplers import is_joint, joint_fall, settle_joint_forces
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
+from softcradle.physics.numerics.resolvent import SMALLEST
+from softcradle.physics.numerics.solver_rows import (
     FORCE_AT_HOLD,
     FREE_VELOCITY,
     FRICTION,
@@ -24,12 +29,7 @@ from softcradle.physics.numerics.contact_solve import (
     SOLVER_ROWS,
     START_VELOCITY,
     loses,
-    solve_contacts,
 )
-from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.joints import is_joint, joint_fall, settle_joint_forces
-from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
-from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import any_switched, copy_into
 
 # rows (n,) of scratch memory of a step, after those of the solver

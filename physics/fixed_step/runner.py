@@ -34,7 +34,6 @@ from softcradle.physics.kernel_records import (
     require_finite_motion,
 )
 from softcradle.physics.kernel_tiers import KernelTiers
-from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
@@ -46,6 +45,7 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings

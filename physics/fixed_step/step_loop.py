@@ -17,8 +17,8 @@ from softcradle.physics.fixed_step.splitting import split_steps
 from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
 from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
+from softcradle.physics.numerics.couplers import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.joints import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,

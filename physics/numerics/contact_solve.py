@@ -28,15 +28,32 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.contact_law import power
+from softcradle.physics.numerics.bed_friction import distance_to_bend, slide
+from softcradle.physics.numerics.couplers import is_joint, joint_resolvent
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.joints import is_joint, joint_mean_force, joint_resolvent
 from softcradle.physics.numerics.own_contacts import own_resolvent
-from softcradle.physics.numerics.resolvent import EPSILON, mean_force, resolvent
+from softcradle.physics.numerics.resolvent import resolvent
+from softcradle.physics.numerics.solver_rows import (
+    BEST,
+    FORCE_AT_HOLD,
+    FRICTION,
+    LEAST_AT_HOLD,
+    OFFSET,
+    RESIDUAL,
+    ROUND_OFF,
+    SHIFT,
+    SLOPE,
+    START_POWER,
+    START_VELOCITY,
+    UNKNOWN,
+    UPPER,
+    begin_again,
+    begin_solve,
+    loses,
+)
 from softcradle.physics.numerics.switches import copy_into
 
 NEGLIGIBLE = 1e-16  # of the largest unknown: a residual this small moves no bead
-ROUND_OFF = 8.0 * EPSILON  # of the terms of a residual: converged
 NEARLY = 100.0  # times ROUND_OFF: converged too, where the residual has ceased to fall
 MOST_WARM = 14  # iterations from the forces of the step before; then the solver begins again from none
 MOST_NEWTON = (
@@ -50,27 +67,6 @@ MOST_SWEPT = 30  # rounds of sweeps
 AFTER_SWEEPS = 20  # Newton iterations after each round of sweeps
 BISECTIONS = 120  # of a row in a sweep, widening of its bracket included
 
-# rows (n,) of scratch memory
-UNKNOWN = 0  # s, or s - d0 in couplers and where a contact with loss is loaded
-RESIDUAL = 1
-SLOPE = 2  # dg/ds
-START_POWER = 3  # d0**a
-UPPER = 4  # of the eliminated matrix
-SHIFT = 5  # Newton's correction of s
-HOLD = 6  # overlap d0 + (h/2) w0 at which a contact stands still at the end of the step
-FORCE_AT_HOLD = 7  # q there, pressed in; 0 where nothing is lost
-OFFSET = 8  # d0 where the unknown is taken less it, else 0
-BEST = 9  # the unknowns of least residual
-LEAST_AT_HOLD = 10  # q at the hold as it comes out
-SOLVER_ROWS = 11
-
-# rows (n+1,) of scratch memory by bead
-START_VELOCITY = 0  # v0
-FREE_VELOCITY = 1  # u
-FRICTION = 2  # acceleration by the bed; STICKS in place of one that stops the bead
-BEAD_ROWS = 3
-STICKS = math.nan
-
 
 @jit
 def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahead, least, at_hold, weight, s, guess):
@@ -83,12 +79,6 @@ def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahea
         if s - ahead >= weight * least:
             return start + ahead, (s - ahead) / weight, 1.0 / weight
     return resolvent(kept * preload, kept * stiffness, exponent, start, start_power, weight, start + s, guess)
-
-
-@inlined
-def loses(loss, start, rate):
-    """Whether a contact can lose energy in this step: it has loss, and it is loaded or about to be."""
-    return loss > 0.0 and (start > 0.0 or (start == 0.0 and rate > 0.0))
 
 
 @inlined
@@ -115,19 +105,6 @@ def solve_contact(h, i, law, own, joints, dissipation, diagonal, start, rate, ov
         overlap[i], force[i], work[SLOPE, i] = resolvent(
             law[i, 0], law[i, 1], law[i, 2], start[i], work[START_POWER, i], weight, work[UNKNOWN, i], overlap[i]
         )  # fmt: skip
-
-
-@inlined
-def slide(h, j, coupling, push, bed, force, beads):
-    """Put u and the friction of bead j, as an acceleration, into `beads`, from the contact forces."""
-    before, after = force[j - 1] if j > 0 else 0.0, force[j] if j < force.size else 0.0
-    outside = push[j] if push.size else 0.0
-    u = beads[START_VELOCITY, j] + h * coupling[j] * (before - after + outside)
-    beads[FREE_VELOCITY, j] = u
-    most = h * bed[j]
-    terms = abs(beads[START_VELOCITY, j]) + h * coupling[j] * (abs(before) + abs(after) + abs(outside)) + most
-    stuck = abs(u) <= most + ROUND_OFF * terms  # round-off alone sets no bead going
-    beads[FRICTION, j] = 0.0 if bed[j] == 0.0 else (STICKS if stuck else math.copysign(bed[j], -u))
 
 
 @inlined
@@ -171,24 +148,6 @@ def solve_all(h, law, own, joints, dissipation, diagonal, coupling, push, start,
     if dissipation is not None:
         for j in range(dissipation.bed.size):
             slide(h, j, coupling, push, dissipation.bed, force, beads)
-
-
-@jit
-def distance_to_bend(h, i, weight, rate, preload, up, coupling, bed, beads, work):
-    """How far s_i has to move (up, or down) until the contact leaves its vertical piece or a bead beside it breaks loose."""
-    ahead, s = 0.5 * h * rate, work[UNKNOWN, i]
-    if work[FORCE_AT_HOLD, i] > work[LEAST_AT_HOLD, i]:
-        low, high = ahead + weight * work[LEAST_AT_HOLD, i], ahead + weight * work[FORCE_AT_HOLD, i]
-    else:
-        low, high = 0.0, weight * preload
-    found = high - s if up else s - low
-    for j in range(2):
-        if coupling[i + j] > 0.0:
-            sign = 1.0 if (j == 0) == up else -1.0  # a greater force pushes the left bead back, the right one on
-            room = h * bed[i + j] + sign * beads[FREE_VELOCITY, i + j]
-            found = min(found, weight * room / (h * coupling[i + j]))
-    found = max(found, 0.0) * (1.0 + 1e-9) + 1e-15 * abs(s)
-    return found if up else -found
 
 
 @jit
@@ -251,47 +210,6 @@ def newton_shift(h, law, dissipation, diagonal, coupling, start, rate, largest, 
         shift[i] = (-residual[i] + (lower * shift[i - 1] if i > 0 else 0.0)) / pivot
     for i in range(n - 2, -1, -1):
         shift[i] += upper[i] * shift[i + 1]
-
-
-@inlined
-def begin_solve(h, law, joints, dissipation, diagonal, coupling, free, start, rate, overlap, force, work):
-    """Rows that one step needs, and the first s: by the neighbours' forces, or by a contact's own with dissipation."""
-    half = 0.5 * h * h
-    for i in range(start.size):
-        work[START_POWER, i] = power(start[i], law[i, 2]) if start[i] > 0.0 else 0.0
-        if dissipation is None:
-            before = force[i - 1] if i > 0 else 0.0
-            after = force[i + 1] if i < start.size - 1 else 0.0
-            pushed = half * (coupling[i] * before + coupling[i + 1] * after)
-            work[UNKNOWN, i] = start[i] + free[i] + pushed
-            continue
-        loss = dissipation.loss[i]
-        work[HOLD, i] = start[i] + 0.5 * h * rate[i]
-        work[FORCE_AT_HOLD, i], work[LEAST_AT_HOLD, i] = 0.0, 0.0
-        if is_joint(joints, i):
-            work[OFFSET, i], ahead = start[i], 0.5 * h * rate[i]
-            work[LEAST_AT_HOLD, i], _ = joint_mean_force(joints, i, start[i], ahead, False)
-            work[FORCE_AT_HOLD, i], _ = joint_mean_force(joints, i, start[i], ahead, True)
-            work[UNKNOWN, i] = overlap[i] - start[i] + half * diagonal[i] * force[i]
-            continue
-        work[OFFSET, i] = start[i] if loss > 0.0 and start[i] > 0.0 else 0.0
-        if loses(loss, start[i], rate[i]) and work[HOLD, i] > 0.0:
-            work[FORCE_AT_HOLD, i], _ = mean_force(
-                law[i, 0], law[i, 1], law[i, 2], start[i], work[START_POWER, i], work[HOLD, i]
-            )
-            work[LEAST_AT_HOLD, i] = (1.0 - loss) * work[FORCE_AT_HOLD, i]
-        work[UNKNOWN, i] = overlap[i] - work[OFFSET, i] + half * diagonal[i] * force[i]
-
-
-@inlined
-def begin_again(h, dissipation, coupling, free, start, pressed, work):
-    """Unknowns as if all neighbours pushed with the force `pressed`."""
-    half = 0.5 * h * h
-    for i in range(start.size):
-        begin = start[i]
-        if dissipation is not None:
-            begin -= work[OFFSET, i]
-        work[UNKNOWN, i] = begin + free[i] + half * pressed * (coupling[i] + coupling[i + 1])
 
 
 @jit

@@ -18,10 +18,10 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.checkpoint_list import CheckpointList
 from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 from softcradle.physics.pymunk_contacts.stopping import meets_again, rests
+from softcradle.physics.python_checkpoints import CheckpointList
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import number_array, require_kind, shown
 from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_tiers import KernelTiers
-from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,

@@ -14,10 +14,11 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.contact_law import energy
-from softcradle.physics.numerics.contact_solve import HOLD, SOLVER_ROWS, loses, solve_contacts
+from softcradle.physics.numerics.contact_solve import solve_contacts
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.records import Dissipation
 from softcradle.physics.numerics.resolvent import EPSILON
+from softcradle.physics.numerics.solver_rows import HOLD, SOLVER_ROWS, loses
 
 PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
 RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities

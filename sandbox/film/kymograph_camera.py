@@ -11,7 +11,7 @@ from softcradle.sandbox.draw.bead_sprites import CYLINDER_LENGTH
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing, is_gear
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
-from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.film.film_kinds import pixels_of
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 

@@ -16,7 +16,7 @@ from typing import Any
 import av
 import pygame
 from softcradle.physics.chain_ensemble import cores
-from softcradle.sandbox.film.codecs import Codec, FrameMaker
+from softcradle.sandbox.film.film_kinds import Codec, FrameMaker
 
 Packet = Any  # of PyAV, whose versions differ in the arguments of this type
 Paint = Callable[[pygame.Surface, Any], None]  # draws one of the pictures

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import av
 import pygame
 from softcradle.sandbox.draw.png_file import write_png
-from softcradle.sandbox.film.codecs import Codec, FrameMaker, Palette, check
+from softcradle.sandbox.film.film_kinds import Codec, FrameMaker, Palette, check
 from softcradle.sandbox.film.segments import Paint, encoded_segments, segment_lengths
 from softcradle.sandbox.output_files import output_file, output_folder
 

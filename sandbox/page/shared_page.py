@@ -12,9 +12,9 @@ from softcradle.physics import Trajectory
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.motion_charts import chart_row, force_chart, overlap_chart, velocity_chart
 from softcradle.sandbox.page.page_document import document, footer, heading, paragraph
+from softcradle.sandbox.page.page_tables import member_notes, member_tables
 from softcradle.sandbox.page.played_motion import Member, PlayedMotion, scene_member
 from softcradle.sandbox.page.player_section import player_section
-from softcradle.sandbox.page.value_tables import member_notes, member_tables
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 

@@ -15,9 +15,9 @@ from softcradle.physics.state import State
 from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.bead_placement import displace, place_bead, set_velocity, state_from_bead_0
 from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
 from softcradle.sandbox.session.lane_setup import LaneSetup
-from softcradle.sandbox.session.placement import displace, place_bead, set_velocity, state_from_bead_0
 
 MOST_BEADS = 400  # of a lane that beads are added to
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 from softcradle.physics.chain import Chain
+from softcradle.physics.default_step import STEPS_A_CONTACT
 from softcradle.physics.methods import find_method
-from softcradle.physics.scales import STEPS_A_CONTACT, contact_scales
+from softcradle.physics.scales import contact_scales
 
 ERROR = 1e-3  # of a scene's final velocities, relative to the closing speed: about a pixel of a plot
 CONSERVING_STEPS = 64  # of `conserving` to the shortest contact, see `choose_method`

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from time import perf_counter
 
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.acceptance import Present, accepted
+from softcradle.sandbox.session.accepted_input import Present, accepted
 from softcradle.sandbox.session.frame_pacing import BUDGET, FramePacer
 from softcradle.sandbox.session.history import MEMORY, History
 from softcradle.sandbox.session.lane_setup import Setup, setup_of

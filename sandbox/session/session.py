@@ -10,10 +10,10 @@ from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.session.approach import approach_velocity
+from softcradle.sandbox.session.approach_velocities import approach_velocity
+from softcradle.sandbox.session.badge_numbers import BAD, LEVELS, WINDOW, Health, health_of
 from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
 from softcradle.sandbox.session.frame_pacing import BUDGET
-from softcradle.sandbox.session.health import BAD, LEVELS, WINDOW, Health, health_of
 from softcradle.sandbox.session.history import MEMORY
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices, last_slice
 from softcradle.sandbox.session.lane_label import lane_label

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, TimedForce, dispatch, draft_gear, force_pieces, hooke, one_on, power_law
-from softcradle.physics.checkpoint_list import CheckpointList
+from softcradle.physics import (
+    Chain,
+    State,
+    TimedForce,
+    dispatch,
+    draft_gear,
+    hooke,
+    one_on,
+    power_law,
+    timed_force_pieces,
+)
 from softcradle.physics.fixed_step import checkpoints
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import Problem
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
+from softcradle.physics.python_checkpoints import CheckpointList
 from softcradle.physics.reference import dissipative_runner
 
 from tests.helpers.relations import simulate_quietly
@@ -44,7 +54,7 @@ def struck(name: str) -> tuple[Chain, np.ndarray]:
 def few_rows(monkeypatch):
     """So few rows that checkpoints are thinned many times."""
     monkeypatch.setattr(checkpoints, "MOST_ROWS", 6)
-    monkeypatch.setattr("softcradle.physics.checkpoint_list.MOST", 6)
+    monkeypatch.setattr("softcradle.physics.python_checkpoints.MOST", 6)
 
 
 @pytest.mark.parametrize(("name", "method"), CASES)
@@ -121,9 +131,9 @@ def test_forces_over_time_cost_no_second_run(method):
         {"step": 1e-3} if method not in ("scipy", "accurate") else {"tolerance": 1e-8},
     )
     problem = Problem(chain, State.at_start(chain, velocity), method, None, samples=40, **accuracy)
-    found = force_pieces.run(problem, counted)
-    tolerance = problem.tolerance or force_pieces.FIXED_TOLERANCE
-    assert len(runs) == len(list(force_pieces.pieces_of(chain, 0.0, np.inf, tolerance, problem.step))) > 2
+    found = timed_force_pieces.run(problem, counted)
+    tolerance = problem.tolerance or timed_force_pieces.FIXED_TOLERANCE
+    assert len(runs) == len(list(timed_force_pieces.pieces_of(chain, 0.0, np.inf, tolerance, problem.step))) > 2
     assert all(runs)
     known = simulate_quietly(chain, velocity, found.time[-1], method=method, samples=40, **accuracy)
     assert found.overlap == pytest.approx(known.overlap, abs=1e-7)

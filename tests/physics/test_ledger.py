@@ -8,7 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Chain, draft_gear, hertz, simulate
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.scales import contact_scales, default_step
+from softcradle.physics.default_step import default_step
+from softcradle.physics.scales import contact_scales
 
 from tests.helpers.random_chains import random_dissipative
 from tests.helpers.relations import PROMISE, ledger_error, simulate_quietly

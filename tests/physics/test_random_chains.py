@@ -11,7 +11,8 @@ import softcradle.physics.reference.phases
 import softcradle.physics.reference.runner
 from hypothesis import assume, given, settings
 from softcradle.physics import simulate
-from softcradle.physics.scales import contact_scales, default_step
+from softcradle.physics.default_step import default_step
+from softcradle.physics.scales import contact_scales
 
 from tests.helpers.random_chains import collisions
 from tests.helpers.relations import (

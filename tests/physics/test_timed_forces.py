@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from softcradle.physics import METHODS, Chain, State, TimedForce, Trajectory, advance, draft_gear, hooke, simulate
 from softcradle.scenes import SceneError
 
@@ -116,6 +118,15 @@ def test_force_at_its_points_and_impulse():
     assert PULSE.impulse(5.0) == pytest.approx(10.0)
     assert PULSE.impulse(2.0) == pytest.approx(1.5)
     assert TimedForce([1], 2.0, 3.0).at([1.9, 2.0]).tolist() == [0.0, 3.0]
+
+
+@given(st.floats(0.0, 1e6), st.floats(0.0, 1e6), st.floats(1e-9, 1e3), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_a_line_stays_between_its_points(first, last, length, one, other):
+    """The end of a brake's ramp pushed by 5e-13 N of round-off, and was refused."""
+    force, (start, end) = TimedForce(0, [1.0, 1.0 + length], [first, last]), sorted((one, other))
+    begins, ends = 1.0 + start * length, 1.0 + end * length
+    for value in force.line(begins, ends):
+        assert min(first, last) <= value <= max(first, last)
 
 
 def test_it_is_saved(tmp_path):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from softcradle.physics.analysis.matching import Match
-from softcradle.sandbox.film.codecs import check
+from softcradle.sandbox.film.film_kinds import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.studies.compare.comparison_results import SideResult, end_time, results_as_json

@@ -9,9 +9,9 @@ from html import escape
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.sandbox.page.motion_charts import chart_row, force_chart, velocity_chart
 from softcradle.sandbox.page.page_document import document, footer, heading, note, table
+from softcradle.sandbox.page.page_tables import member_notes
 from softcradle.sandbox.page.played_motion import Member, PlayedMotion
 from softcradle.sandbox.page.player_section import player_section
-from softcradle.sandbox.page.value_tables import member_notes
 from softcradle.sandbox.studies.compare.comparison_plots import TimeAxis, contact_bars, overlays
 from softcradle.sandbox.studies.compare.comparison_results import SideResult
 from softcradle.sandbox.studies.compare.comparison_tables import (

@@ -9,7 +9,7 @@ from softcradle.sandbox.draw.number_format import fixed, scientific
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.session.health import BAD, FAIR, GOOD
+from softcradle.sandbox.session.badge_numbers import BAD, FAIR, GOOD
 from softcradle.sandbox.window.hanging.hanging_cradle import CHAIN
 from softcradle.sandbox.window.hanging.hanging_model import HangingModel
 

@@ -13,8 +13,8 @@ from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, label_words, pgettext
-from softcradle.sandbox.session import health
-from softcradle.sandbox.session.health import Health
+from softcradle.sandbox.session import badge_numbers
+from softcradle.sandbox.session.badge_numbers import Health
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.session.run_verdict import Finding
 from softcradle.sandbox.session.session import Session
@@ -150,9 +150,9 @@ class LaneCards:
 
     def _card(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, number: int) -> None:
         unit, tint = self.host.unit, getattr(tones, state.level)
-        fill = mix(tones.background, tint, 0.16 if state.level == health.BAD else 0.05)
+        fill = mix(tones.background, tint, 0.16 if state.level == badge_numbers.BAD else 0.05)
         pygame.draw.rect(surface, fill, rect, border_radius=6)
-        border = tones.faint if state.level == health.GOOD else tint
+        border = tones.faint if state.level == badge_numbers.GOOD else tint
         pygame.draw.rect(surface, border, rect, max(1, round(1.5 * unit)), border_radius=6)
         if self.compact:
             self._title(surface, rect, number)
@@ -207,7 +207,7 @@ class LaneCards:
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
         """A mark and as many lines of the sentence as there is room for above the button."""
         unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left + 10 * self.host.unit
-        mark = "✓" if state.level == health.GOOD else "!"
+        mark = "✓" if state.level == badge_numbers.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         room = rect.width - 34 * unit
         lines = wrapped(state.sentence, 12 * unit, room)
@@ -219,7 +219,7 @@ class LaneCards:
 
 def _worst(found: list[Finding]) -> Finding | None:
     """The first of the gravest findings."""
-    gravest = sorted(found, key=lambda one: (-health.LEVELS.index(one.level), one.first))
+    gravest = sorted(found, key=lambda one: (-badge_numbers.LEVELS.index(one.level), one.first))
     return gravest[0] if gravest else None
 
 

@@ -16,8 +16,8 @@ from softcradle.physics.fixed_step.discrete_gradient import (
     gradient_steps,
     single_step,
 )
-from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 
 from tests.helpers.plain_kernels import only_plain, records_of
 

@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film import codecs, scene_film, scene_motion
-from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.film import film_kinds, scene_film, scene_motion
+from softcradle.sandbox.film.film_kinds import pixels_of
 from softcradle.sandbox.film.scene_film import LAST_FRAME_TIME, MOST_BEFORE_HIT, film_shots, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions, scene_motions_quietly, strongest_row
 from softcradle.sandbox.film.writer import open_film
@@ -259,8 +259,8 @@ def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
 
 
 def test_a_missing_codec_is_refused(tmp_path, monkeypatch):
-    absent = tuple(codecs.replace(codec, name="no-such-codec") for codec in codecs.CODECS)
-    monkeypatch.setattr(codecs, "CODECS", absent)
+    absent = tuple(film_kinds.replace(codec, name="no-such-codec") for codec in film_kinds.CODECS)
+    monkeypatch.setattr(film_kinds, "CODECS", absent)
     with pytest.raises(UserError, match="built without no-such-codec"):
         rendered(tmp_path / "film.mp4")
     assert list(tmp_path.iterdir()) == []
@@ -286,14 +286,14 @@ def test_an_error_while_drawing_leaves_the_old_file(tmp_path, name):
 
 def fail_at(monkeypatch, failing):
     """Let the frame of that number, counted as they come to the encoders, meet a full disk."""
-    calls, make = iter(range(1000)), codecs.FrameMaker.__call__
+    calls, make = iter(range(1000)), film_kinds.FrameMaker.__call__
 
     def broken(maker, surface):
         if next(calls) == failing:
             raise OSError("disk full")
         return make(maker, surface)
 
-    monkeypatch.setattr(codecs.FrameMaker, "__call__", broken)
+    monkeypatch.setattr(film_kinds.FrameMaker, "__call__", broken)
 
 
 @pytest.mark.parametrize("failing", [0, 3, 19])
@@ -308,7 +308,7 @@ def test_an_error_while_compressing_reaches_the_caller(tmp_path, monkeypatch, fa
 def test_common_colours_of_a_gif_are_exact(frames):
     surface = pygame.Surface(SIZE, 0, 32)
     pixels_of(surface)[..., 2::-1] = frames[-1]
-    palette = codecs.Palette(surface)
+    palette = film_kinds.Palette(surface)
     colours, counts = np.unique(frames[-1].reshape(-1, 3), axis=0, return_counts=True)
     common = colours[np.argsort(counts)[-20:]]
     found = palette.frame(surface).to_ndarray(format="rgb24")

@@ -8,8 +8,8 @@ import av
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.film import codecs, segments
-from softcradle.sandbox.film.codecs import pixels_of
+from softcradle.sandbox.film import film_kinds, segments
+from softcradle.sandbox.film.film_kinds import pixels_of
 from softcradle.sandbox.film.segments import segment_lengths
 from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.user_error import UserError
@@ -69,8 +69,8 @@ def test_joined_frames_are_those_of_films_of_each_segment(tmp_path, monkeypatch)
 
 def encoded_alone(path, first, count):
     """The decoded frames of a film of `count` frames by one encoder with one thread."""
-    codec, surface = codecs.CODECS[0], pygame.Surface(SIZE, 0, 32)
-    make = codecs.FrameMaker(codec)
+    codec, surface = film_kinds.CODECS[0], pygame.Surface(SIZE, 0, 32)
+    make = film_kinds.FrameMaker(codec)
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=30)
         stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"

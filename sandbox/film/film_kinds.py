@@ -1,4 +1,4 @@
-"""The codecs: which kind of film is encoded how and what it cannot do, and how a surface becomes a frame."""
+"""The kinds of film: which file is encoded how and what its codec cannot do, and how a surface becomes a frame."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.batch.lane_steps import ANY, HERTZ, HOOKE, LANES, Lanes, lane_steps
+from softcradle.physics.batch.lockstep_steps import ANY, HERTZ, HOOKE, LANES, Lanes, lane_steps
 from softcradle.physics.fixed_step.next_steps import FIRST_LOOK, FLOWN, RUNNING, look_ahead, seems_over
 from softcradle.physics.fixed_step.step_loop import STANDSTILL, largest, log_switches
 from softcradle.physics.numerics.bead_velocities import at_rest
