@@ -30,7 +30,7 @@ class Law(AnyLaw):
 
     def contact(self) -> physics.Contact:
         """The contact that the table describes."""
-        return KIND_BY_NAME[self.law].constructor(**self.model_dump(exclude={"law"}))
+        return KIND_BY_NAME[self.law].constructor(**{name: value for name, value in self if name != "law"})
 
 
 def _model(kind: ContactKind) -> type[Law]:

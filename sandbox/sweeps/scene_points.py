@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -17,6 +17,8 @@ ONE_OR_MANY = ("mass", "contact", "gap")  # fields of a lane that may be one val
 LENGTHS = ("beads",)  # fields that decide how long the lists of a lane are
 EVERY = "*"  # a path of every item of a list
 KEPT_BASES = 64  # scenes with other beads, laws or methods that are kept in memory
+
+Change = Callable[[Mapping[str, Any]], Any]  # gives a scene or a part of it with the values of a point, by path
 
 
 class Start(NamedTuple):
@@ -37,23 +39,30 @@ class ScenePoints:
 
     scene: Scene
     _bases: dict[tuple[Any, ...], Scene] = field(default_factory=dict, repr=False, compare=False)
+    _changes: dict[tuple[Any, ...], Change] = field(default_factory=dict, repr=False, compare=False)
 
     def __getstate__(self) -> dict[str, Any]:
         """The scene as a table: the models of its contacts are made when they are first needed, and cannot be sent."""
         return self.scene.model_dump()
 
     def __setstate__(self, table: dict[str, Any]) -> None:
-        self.scene, self._bases = Scene.model_validate(table), {}
+        self.scene, self._bases, self._changes = Scene.model_validate(table), {}, {}
 
     def starts(self, values: Mapping[str, Any]) -> list[Start]:
         """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
-        scene = self._base(structure)
-        for path, value in values.items():
-            if path not in structure:
-                scene = replaced(scene, path.split("."), float(value), path)
+        scene = self._changing(structure, tuple(path for path in values if path not in structure))(values)
         settings = scene.settings()
         return [Start(lane.chain(), lane.velocity, settings) for lane in scene.lanes]
+
+    def _changing(self, structure: Mapping[str, Any], paths: tuple[str, ...]) -> Change:
+        """What makes the scene with numbers at `paths`, made once for all points that share the rest."""
+        key = (*structure.items(), paths)
+        if key not in self._changes:
+            if len(self._changes) >= KEPT_BASES:
+                self._changes.clear()
+            self._changes[key] = change_of(self._base(structure), [(path.split("."), path) for path in paths])
+        return self._changes[key]
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
         """The scene at a point, checked as a file is. Raises SceneError."""
@@ -105,29 +114,51 @@ def _lane_table(table: dict[str, Any], lane: Lane) -> dict[str, Any]:
 
 def replaced(item: Any, keys: list[str], value: Any, path: str) -> Any:
     """`item` with the value at `keys`; tables and lists on the way are new, `item` itself stays. Raises SceneError."""
-    if not keys:
-        return value
-    key, rest = keys[0], keys[1:]
+    return change_of(item, [(keys, path)], as_number=False)({path: value})
+
+
+def change_of(item: Any, places: Sequence[tuple[list[str], str]], as_number: bool = True) -> Change:
+    """A function that gives `item` with the values of each path at its keys, as floats with `as_number`; of two the last.
+
+    Tables and lists on the way are new, `item` itself stays; what the values do not tell is found once. Raises SceneError.
+    """
+    if not places:
+        return lambda _: item
+    path = places[-1][1]
+    if not places[-1][0]:
+        return (lambda values: float(values[path])) if as_number else (lambda values: values[path])
     if isinstance(item, BaseModel):
-        known = type(item).model_fields
+        return _change_of_table(item, places, as_number)
+    if isinstance(item, tuple):
+        return _change_of_list(item, places, as_number)
+    keys = places[-1][0]
+    raise SceneError([f"{path}: there is nothing below {'.'.join(path.split('.')[: -len(keys)])!r}, which is {item!r}"])
+
+
+def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]], as_number: bool) -> Change:
+    known, changes = type(item).model_fields, {}
+    for (key, *_), path in places:
         if key not in known:
             raise SceneError([f"{path}: there is no {key!r}{suggestion(key, known)}"])
+        own = [(keys[1:], of) for keys, of in places if keys[0] == key]
         inner = getattr(item, key)
-        if (
-            isinstance(item, Lane)
-            and key in ONE_OR_MANY
-            and rest
-            and not isinstance(inner, tuple)
-            and _is_place(rest[0])
-        ):
+        single = isinstance(item, Lane) and key in ONE_OR_MANY and not isinstance(inner, tuple)
+        if single and isinstance(item, Lane) and any(rest and _is_place(rest[0]) for rest, _ in own):
             inner = (inner,) * (len(item.velocity) - (key != "mass"))
-        return item.model_copy(update={key: replaced(inner, rest, value, path)})
-    if isinstance(item, tuple):
-        places = range(len(item)) if key == EVERY else [int(key)] if key.isdigit() and int(key) < len(item) else []
-        if not places:
+            own = [(rest if rest and _is_place(rest[0]) else [EVERY, *rest], of) for rest, of in own]
+        changes[key] = change_of(inner, own, as_number)
+    return lambda values: item.model_copy(update={key: change(values) for key, change in changes.items()})
+
+
+def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]], as_number: bool) -> Change:
+    for (key, *_), path in places:
+        if key != EVERY and not (key.isdigit() and int(key) < len(item)):
             raise SceneError([f"{path}: {key!r} must be a number from 0 to {len(item) - 1}, or * for all"])
-        return tuple(replaced(part, rest, value, path) if k in places else part for k, part in enumerate(item))
-    raise SceneError([f"{path}: there is nothing below {'.'.join(path.split('.')[: -len(keys)])!r}, which is {item!r}"])
+    changes = [
+        change_of(part, [(keys[1:], path) for keys, path in places if keys[0] == EVERY or int(keys[0]) == k], as_number)
+        for k, part in enumerate(item)
+    ]
+    return lambda values: tuple([change(values) for change in changes])
 
 
 def _is_place(key: str) -> bool:

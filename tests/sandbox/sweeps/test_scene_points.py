@@ -50,6 +50,16 @@ def test_one_bead_of_those_that_have_one_mass():
     assert tuple(found.velocity) == (1.0, 0.5, 0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("paths", [("lanes.0.mass", "lanes.0.mass.2"), ("lanes.0.mass.*", "lanes.0.mass.2")])
+def test_of_two_values_for_one_number_the_last_counts(paths):
+    """And the numbers of one point are not those of the next."""
+    points = ScenePoints(SCENE)
+    for bead in (5.0, 6.0):
+        (found,) = points.starts(dict(zip(paths, (2.0, bead), strict=True)))
+        assert found.chain.mass == (2.0, 2.0, bead, 2.0, 2.0)
+    assert points.starts({})[0].chain.mass == (1.0,) * 5
+
+
 def test_contacts_one_by_one_or_all():
     mixed = ScenePoints(parse(LISTS))
     (found,) = mixed.starts({"lanes.0.contact.1.stiffness": 7.0, "lanes.0.contact.*.loss": 0.25, "tolerance": 1e-3})
