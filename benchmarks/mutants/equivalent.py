@@ -42,23 +42,19 @@ EQUIVALENT = (
     Equivalent(
         ROOT, "move * width <= LAST_DIGITS", "b[1] < 0.0 or width <= LAST_DIGITS", "the same root, some moves later"
     ),
-    Equivalent(
-        GRADIENT, "FIRST_FORCE = SOLVER_ROWS", "SOLVER_ROWS + 3", "only the guess of forces after a cut is kept there"
-    ),
     Equivalent(GRADIENT, "kept = full if rate[i] > 0.0", "rate[i] > 0.0", "a rate of 0 is left out before"),
     Equivalent(GRADIENT, "return used, 1.0", "1.0", "any part from 1 on says that there is no cut"),
     Equivalent(GRADIENT, "failed |= used < 0", "0", "a solver that converges takes an iteration at least"),
     Equivalent(
         SOLVE, "if low == high or (low < s[i]", "high == s[i]", "low is never above high, and equal is asked for"
     ),
-    Equivalent(
-        SOLVE, "overlap[i] - work[OFFSET, i] + half", "half * diagonal[i]", "only where Newton's iteration begins"
-    ),
     Equivalent(RESOLVENT, "if abs(x) < 1e-7:", "abs(x) < 1e-7", "the two formulas agree there"),
     Equivalent(RESOLVENT, "math.sqrt(low * high) if low > 0.0", "4.0", "where a bracket is divided; it holds the root"),
     Equivalent(
         RESOLVENT, "math.sqrt(low * high) if low > 0.0", "4.0 * low", "where a bracket is divided; it holds the root"
     ),
+    Equivalent(RESOLVENT, "reach = (s / weight", "s / weight", "only where Newton's iteration begins"),
+    Equivalent(RESOLVENT, "if overlap < SMALLEST:", "overlap < SMALLEST", "1e-280 is as small as any overlap near it"),
     Equivalent(RESOLVENT, "if start >= 0.0:", "start >= 0.0", "from 0 the quadratic has the same root"),
 )
 

@@ -21,6 +21,7 @@ GROUPS = {
         (
             "physics/fixed_step/discrete_gradient.py",
             "physics/numerics/contact_solve.py",
+            "physics/numerics/bed_friction.py",
             "physics/numerics/resolvent.py",
         ),
         (

@@ -13,7 +13,9 @@ from tests.helpers.plain_kernels import COMPILED
 
 ROOMS = (
     "tests/physics/fixed_step/test_gradient_step.py",
+    "tests/physics/fixed_step/test_checkpoint_rows.py",
     "tests/physics/numerics/test_contact_solve.py",
+    "tests/physics/numerics/test_coupler_kernels.py",
     "tests/physics/adaptive/test_fallback_step.py",
     "tests/physics/adaptive/test_radau_step.py",
     "tests/physics/adaptive/test_radau_guess.py",

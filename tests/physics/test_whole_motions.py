@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from softcradle.physics import (
     Chain,
+    Contact,
     Coupler,
     State,
     TimedForce,
@@ -174,6 +175,20 @@ def test_adaptive_methods_end_alike(name, method):
     found, other = solved(case, method), solved(case, "conserving" if method == "accurate" else "accurate")
     nearly = 0.02 if method == "accurate" else 30.0 * TOLERANCE  # conserving is of second order
     assert found.final_velocity == pytest.approx(other.final_velocity, abs=nearly)
+
+
+@pytest.mark.parametrize("exponent", [2.5, 3.0])
+def test_contacts_that_stiffen_open_when_the_finest_steps_say(exponent):
+    """Their force fades before they open, so the time of it is sought by steps of the method itself."""
+    case = Case(one_on(2, Contact(0.0, 1.0, exponent)), [1.0, 0.0, 0.0], None, 0.0)
+    ends = [
+        simulate_quietly(case.chain, case.velocity, None, method, samples=2, tolerance=1e-10)
+        for method in ("accurate", "radau", "dop853")
+    ]
+    for found in ends[1:]:
+        assert found.final_velocity == pytest.approx(ends[0].final_velocity, abs=1e-8)
+        for one, other in zip(found.contact_intervals, ends[0].contact_intervals, strict=True):
+            assert np.array(one) == pytest.approx(np.array(other), abs=1e-3)
 
 
 @pytest.mark.parametrize("method", ["accurate", "conserving", "verlet"])

@@ -236,6 +236,38 @@ def test_a_step_that_is_not_cut_counts_the_iterations_of_its_solver():
         assert one.rate.tolist() == other.rate.tolist()
 
 
+@pytest.mark.parametrize("loss", [0.0, 0.3])
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_a_chain_at_rest_under_a_push_is_found_so_at_once(friction, loss):
+    """From the forces that it has the solver has nothing to do, whatever the masses."""
+    law = hertz(50.0, loss=loss)
+    chain = Chain([3.0, 0.2, math.inf], law, drive=[1.0, 2.0, 0.0], friction=friction)
+    state = State.at_start(chain, [0.0, 0.0, 0.0])
+    state.force[:] = 1.0, 3.0
+    state.overlap[:] = law.overlap(state.force)
+    before = state.copy()
+    assert step(chain, state, 0.05) == 1
+    assert state.overlap == pytest.approx(before.overlap, rel=1e-12)
+    assert state.force == pytest.approx(before.force, rel=1e-9)
+
+
+def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
+    """One try, the part up to where the last bead stops, the rest: each from the best forces there are."""
+    chain = Chain([3.0, 0.2, 1.0, 1.0], power_law(50.0, 0.1), gap=[0.0, 0.0, 1.0], friction=0.1)
+    one, other = (State.at_start(chain, [1.0, 1.0, 1.0, 0.05]) for _ in range(2))
+    for state in (one, other):
+        state.overlap[:2], state.force[:2] = 1e-9, 50.0 * 1e-9**0.1
+    data, dissipation, motion = records_of(chain, one)
+    beads, work, h = np.zeros((BEAD_ROWS, 4)), np.zeros((WORK_ROWS, 3)), 0.1
+    used, part = single_step(h, data, dissipation, motion, beads, work, False, False)
+    assert 0.02 < part < 0.98
+    one.force[:] = other.force
+    for length in (part * h, h - part * h):
+        used += single_step(length, data, dissipation, motion, beads, work, False, True)[0]
+    assert taken(chain, other, h) == used
+    assert other.overlap == pytest.approx(one.overlap, rel=1e-12)
+
+
 def test_a_bead_at_rest_stays_below_its_friction_and_slips_above():
     for push, moves in ((0.9, False), (1.1, True)):
         chain = Chain([2.0, 1.0], hooke(1.0), gap=1.0, friction=0.1, drive=[0.2 * GRAVITY * push, 0.0])

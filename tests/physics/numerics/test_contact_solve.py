@@ -5,15 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-from softcradle.physics.numerics.contact_solve import (
-    BEAD_ROWS,
-    FORCE_AT_HOLD,
-    FREE_VELOCITY,
-    LEAST_AT_HOLD,
-    UNKNOWN,
-    distance_to_bend,
-)
-from softcradle.physics.numerics.resolvent import mean_force, resolvent
+from softcradle.physics.numerics.bed_friction import distance_to_bend
+from softcradle.physics.numerics.resolvent import mean_force, resolvent, touching
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS, FORCE_AT_HOLD, FREE_VELOCITY, LEAST_AT_HOLD, UNKNOWN
 
 from tests.helpers.plain_kernels import only_plain
 
@@ -25,6 +19,13 @@ def test_a_very_soft_contact_takes_any_push_without_a_guess():
     overlap, force, _ = resolvent(0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
     assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)
     assert force == pytest.approx(1e-3 * overlap**0.02 / 1.02, rel=1e-12)
+
+
+def test_a_contact_at_no_overlap_carries_all_of_a_push_and_none_of_a_pull():
+    assert touching(2.0, 0.5) == (0.0, 0.25, 0.5)
+    assert touching(2.0, 3.0) == (0.0, 1.5, 0.5)
+    assert touching(2.0, -0.5) == (-0.5, 0.0, 0.0)
+    assert touching(2.0, 0.0) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("exponent", [0.1, 0.5, 1.0, 1.5, 3.0])
