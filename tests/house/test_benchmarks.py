@@ -64,7 +64,7 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
     solvers = [our_solver(case, "accurate", 1e-5, 1e-7), our_solver(case, "conserving", 60.0, 120.0)]
     report = case_report(case, solvers, SHORT_LIMITS)
     assert [row[0] for row in report.rows] == ["accurate", "conserving"]
-    assert report.rows[0][3] == "- (0.7) missed"
+    assert report.rows[0][3] == "- (0.22) missed"
     assert json.loads(json.dumps(report.data))["case"] == case.label
     assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
 
