@@ -53,6 +53,13 @@ def long_chains() -> Iterator[Report]:
     return reports()
 
 
+def added_cost() -> Iterator[Report]:
+    """What samples, friction and loss add to a solve."""
+    from benchmarks.added_cost import reports
+
+    return reports()
+
+
 def work_precision() -> Iterator[Report]:
     """Time to reach an error, of our methods and of the peers."""
     from benchmarks.work_precision import reports
@@ -123,6 +130,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "chain-lengths": chain_lengths,
     "lockstep": lockstep,
     "long-chains": long_chains,
+    "added-cost": added_cost,
     "work-precision": work_precision,
     "tolerances": tolerances,
     "callbacks": callbacks,

@@ -11,7 +11,7 @@ from softcradle.physics import State
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import chain_lengths, lockstep, steps, sweep_cost
+from benchmarks import added_cost, chain_lengths, lockstep, steps, sweep_cost
 from benchmarks.reports import at_least, at_most
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
@@ -67,6 +67,14 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
     assert report.rows[0][3] == "- (0.22) missed"
     assert json.loads(json.dumps(report.data))["case"] == case.label
     assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
+
+
+@pytest.mark.parametrize("pair", added_cost.pairs(), ids=lambda pair: pair.name)
+def test_what_is_added_to_a_solve_is_all_that_differs(pair):
+    assert pair.samples > 2 or pair.chain != pair.plain
+    assert pair.chain.mass == pair.plain.mass
+    found = added_cost.measure(pair, rounds=1)
+    assert found["ratio"] == pytest.approx(found["with"] / found["without"])
 
 
 def test_chains_in_lockstep_are_measured_beside_the_same_alone():
