@@ -31,7 +31,7 @@ demo: .venv/.installed
 	@cat out/one-on-four.txt
 
 test: .venv/.installed # kernels are compiled first, side by side: test processes would each compile all of them
-	@$(BIN)/python -c "import softcradle; softcradle.warm('accurate')" & \
+	@$(BIN)/python -c "import softcradle; softcradle.warm(['accurate', 'ensemble_ends'])" & \
 	$(BIN)/python -c "import softcradle; softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive] + ['SoftChain'])"; wait
 	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal
 

@@ -8,7 +8,7 @@ from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
-SOFT_CHAIN = "SoftChain"
+SOFT_CHAIN, ENSEMBLE_ENDS = "SoftChain", "ensemble_ends"  # what else has kernels, by its name in Python
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:
@@ -19,7 +19,7 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     Parameters
     ----------
     methods : str or iterable of str, optional
-        One name or several, "SoftChain" among them; None: all.
+        One name or several, "SoftChain" and "ensemble_ends" among them; None: all.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     """
     names = [methods] if isinstance(methods, str) else methods
     if names is None:
-        names = [*(method.name for method in METHODS), SOFT_CHAIN]
+        names = [*(method.name for method in METHODS), SOFT_CHAIN, ENSEMBLE_ENDS]
     log_compilation()
     for name in names:
         for kernels in _kernels_called(name):
@@ -41,11 +41,15 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
 
 
 def _kernels_called(name: str) -> list[KernelTiers]:
-    """The kernels of a method by name, or of SoftChain."""
+    """The kernels of a method, of SoftChain or of ensemble_ends, by name."""
     if name == SOFT_CHAIN:
         from softcradle.physics.pymunk_contacts.soft_chain import KERNELS
 
         return [KERNELS]
+    if name == ENSEMBLE_ENDS:
+        from softcradle.physics.batch.batch_ends import TIERS
+
+        return list(TIERS.values())
     found = (kernels_of(find_method(name), dissipative) for dissipative in (False, True))
     return [kernels for kernels in found if kernels is not None]
 

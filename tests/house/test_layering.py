@@ -48,9 +48,9 @@ PHYSICS = (
         "trajectory",
         "advice",
         "simulation",
-        "warm_up",
         "chain_ensemble",
         "batch",
+        "warm_up",
         "analysis",
     ),
 )

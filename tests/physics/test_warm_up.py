@@ -9,6 +9,7 @@ import sys
 
 import pytest
 from softcradle.physics.compile_log import FIRST, log_compilation
+from softcradle.physics.kernel_tiers import KernelTiers
 
 from softcradle import warm
 
@@ -58,3 +59,12 @@ def test_warm_takes_names():
     warm(["euler", "SoftChain"])
     with pytest.raises(ValueError, match="did you mean 'verlet'"):
         warm("verlt")
+
+
+def test_warm_loads_the_kernels_of_batches(monkeypatch):
+    loaded = []
+    monkeypatch.setattr(KernelTiers, "load", lambda kernels: loaded.append(kernels.name))
+    warm("ensemble_ends")
+    assert set(loaded) == {"batch-lockstep", "batch-march", "batch-march-dissipative", "batch-adaptive"}
+    warm()
+    assert {"batch-adaptive", "adaptive", "fixed-step"} <= set(loaded)
