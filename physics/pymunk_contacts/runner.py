@@ -189,6 +189,7 @@ class _Run:
 
     def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
+        self.most_steps = problem.most_steps or MOST_STEPS
         self.push = problem.state.external(problem.chain)
         self.row = _row(problem.chain, problem.state, self.h)
         self.rows = empty_samples(times.size, problem.chain.contacts)
@@ -211,10 +212,10 @@ class _Run:
         while self.state.time <= end - self.h * GRID_TOLERANCE:
             if self.kept:
                 self.kept.offer(self.steps, self.state.copy)
-            if self.steps - self.flown >= MOST_STEPS:
-                sentence = f"pymunk gave up after {MOST_STEPS} steps: take a larger step"
+            if self.steps - self.flown >= self.most_steps:
+                sentence = f"pymunk gave up after {self.most_steps} steps: take a larger step"
                 self.status = Status.OUT_OF_STEPS
-                self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": MOST_STEPS}),)
+                self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": self.most_steps}),)
                 break
             flight = self.flight_time()
             if stop and (math.isinf(flight) or (self.steps and rests(self.problem.chain, self.state))):
@@ -247,7 +248,7 @@ class _Run:
             due = self.kept.due if self.kept else math.inf
             # A contact may close and open within one step, where no flag tells of it: the run looks up after its flight.
             ahead = min(goal - state.time, flight + h) if flight > 0.0 else goal - state.time
-            most = max(1.0, min(ahead / h, min(MOST_STEPS + self.flown, due) - self.steps))
+            most = max(1.0, min(ahead / h, min(self.most_steps + self.flown, due) - self.steps))
             taken = self.row.steps(int(most), length, self.push)
             self.steps += taken
             self.evaluations += taken

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.pymunk_contacts.runner import _row
+from softcradle.physics.simulation import solve
+from softcradle.physics.status import Status
 
 MIXED = [hertz(10.0), hooke(30.0), power_law(2.0, 1.2)]
 CASES = {
@@ -124,3 +126,10 @@ def test_bodies_do_not_turn_and_walls_are_kinematic():
     row = _row(chain, State.at_start(chain, velocity), 1e-3)
     assert [body.moment for body in row.bodies] == [math.inf] * 4
     assert row.bodies[3].body_type == row.bodies[3].KINEMATIC
+
+
+def test_it_gives_up_after_the_steps_that_it_may_take():
+    found = solve(one_on(3, hertz(1.0)), [1.0, 0.0, 0.0, 0.0], None, "pymunk", step=1e-3, most_steps=50)
+    assert found.status is Status.OUT_OF_STEPS
+    assert found.steps == 50
+    assert "pymunk gave up after 50 steps" in str(found.warnings[0])

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from softcradle.physics import METHODS
 from softcradle.sandbox.film.scene_motion import scene_motions, scene_motions_quietly
 from softcradle.sandbox.user_error import GaveUpError
 from softcradle.sandbox.window.look_ahead import MOST_AT_ONCE, MOST_BEHIND, motions_ahead
@@ -33,6 +34,13 @@ def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
 @pytest.mark.parametrize("name", scenes.names())
 def test_the_window_sees_every_shipped_scene_ahead_at_once(name):
     assert motions_ahead(scenes.load(name), MOST_AT_ONCE)
+
+
+@pytest.mark.parametrize("method", [method.name for method in METHODS])
+def test_a_run_ahead_is_none_of_a_method_in_python(method):
+    """A comparison by pymunk held the window up for more than ten minutes."""
+    motions = motions_ahead(scenes.load("one-on-four").model_copy(update={"method": method}), MOST_AT_ONCE)
+    assert motions[0].method.split(",")[0] == ("conserving" if method in ("pymunk", "scipy") else method)
 
 
 def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
