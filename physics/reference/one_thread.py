@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache, wraps
-from typing import ParamSpec, TypeVar
+from threading import Lock
+from typing import Any, ParamSpec, TypeVar
 
 from threadpoolctl import ThreadpoolController
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+_lock = Lock()
+_limits: list[Any] = []  # one for each run under way; the number of threads of BLAS is one for the whole process
 
 
 @cache
@@ -18,12 +23,26 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """BLAS keeps to one thread until the last of the runs that began beside each other is over, so that digits are the same."""
+    with _lock:
+        _limits.append(_limits[0] if _limits else _controller().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _lock:
+            limit = _limits.pop()
+            if not _limits:
+                limit.restore_original_limits()
+
+
 def on_one_thread(call: Callable[P, T]) -> Callable[P, T]:
     """The function `call`, during which BLAS keeps to one thread."""
 
     @wraps(call)
     def limited(*arguments: P.args, **options: P.kwargs) -> T:
-        with _controller().limit(limits=1, user_api="blas"):
+        with one_thread():
             return call(*arguments, **options)
 
     return limited

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
-from softcradle.physics.reference.one_thread import on_one_thread
 from softcradle.physics.reference.phases import (
     LOADED,
     TOUCHING,
@@ -162,7 +161,6 @@ class _Run:
         return states, forces
 
 
-@on_one_thread
 def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
     solved = _Run(problem.chain, problem.state, problem.tolerance, problem.most_steps)
@@ -200,7 +198,6 @@ def _end(solved: _Run) -> State:
     return State(solved.time, y[:n], y[n : 2 * n], y[2 * n :], solved.phase.force(y[:n]))
 
 
-@on_one_thread
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place."""
     state = problem.state

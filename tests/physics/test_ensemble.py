@@ -66,3 +66,13 @@ def test_nothing_is_an_ensemble_too():
 def test_bad_lists_are_refused_in_a_sentence(changes, sentence):
     with pytest.raises(ValueError, match=sentence):
         ensemble(**{"chains": CHAINS, "velocities": STARTS, **changes})
+
+
+def test_the_reference_gives_the_same_digits_beside_itself():
+    """Its dense solves keep to one thread of BLAS, a number that all runs of a process share."""
+    chains = [Chain([1.0] * n, power_law(1.0, 0.3, loss=0.2)) for n in (2, 3, 4)]
+    starts = [[1.0, *[0.0] * chain.contacts] for chain in chains]
+    found = ensemble(chains, starts, method="scipy", tolerance=1e-5, workers=3)
+    for chain, start, one in zip(chains, starts, found, strict=True):
+        alone = simulate(chain, start, method="scipy", tolerance=1e-5, samples=2)
+        assert np.array_equal(one.final_velocity, alone.final_velocity)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, hertz, simulate
 from softcradle.physics.reference import stage_equations
+from softcradle.physics.reference.one_thread import one_thread
 from threadpoolctl import threadpool_info, threadpool_limits
 
 
@@ -31,3 +32,16 @@ def test_dense_solves_run_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None
         assert threads() == before
     assert seen == {1}
     assert np.isfinite(found.final_velocity).all()
+
+
+def test_threads_come_back_when_the_last_run_is_over() -> None:
+    """Runs of an ensemble overlap: the first to end gave threads back to the others, and their last digits changed."""
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        first, second = one_thread(), one_thread()
+        first.__enter__()
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert threads() == {1}
+        second.__exit__(None, None, None)
+        assert threads() == before
