@@ -14,13 +14,16 @@ def runner_of(method: str, chain: Chain) -> Runner:
 
     Kernels carry friction, loss and couplers as they are; the reference has a runner of its own for them.
     """
-    family = find_method(method).family
-    runner = _runner(family)
-    if (chain.dissipative or chain.couplers) and family is Family.REFERENCE:
+    if is_extended(method, chain):
         from softcradle.physics.reference import dissipative_runner
 
         return dissipative_runner
-    return runner
+    return _runner(find_method(method).family)
+
+
+def is_extended(method: str, chain: Chain) -> bool:
+    """Whether steps are those of the reference in extended precision, each of which takes milliseconds."""
+    return find_method(method).family is Family.REFERENCE and bool(chain.dissipative or chain.couplers)
 
 
 def _runner(family: Family) -> Runner:

@@ -16,7 +16,6 @@ from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     EITHER,
-    ERROR_EXPONENT,
     GROWTH,
     LOCAL_SQUARE,
     RADAU,
@@ -28,6 +27,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_trial,
 )
 from softcradle.physics.adaptive.undetermined import finish
+from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
@@ -65,10 +65,6 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
-STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
-STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times in the duration
-USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
 ERROR_GROWTH = 3.0  # times the sum of all local errors: the error that is stated where nothing makes it grow
 TURN_GROWTH = 1.0 / 16.0  # by each turn of an oscillation, whose phase all errors before it have moved
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
@@ -154,13 +150,6 @@ def step_budget(problem: Problem) -> int:
         longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
         passes = problem.duration / longest
     return int(usual_budget(problem.chain.contacts, problem.tolerance, passes))
-
-
-def usual_budget(contacts: int, tolerance: float, passes: Any) -> Any:
-    """Steps of motions whose durations are `passes` times their longest contact times, a number or (C,); 0 without duration."""
-    budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16) + STEPS_A_CONTACT_TIME * passes
-    finer = max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
-    return np.minimum(budget * finer, MOST_STEPS)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:

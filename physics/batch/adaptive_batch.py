@@ -7,13 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.runner import (
-    ALLOWED,
-    ERROR_GROWTH,
-    SOFTEST,
-    error_growth,
-    usual_budget,
-)
+from softcradle.physics.adaptive.runner import ALLOWED, ERROR_GROWTH, SOFTEST, error_growth
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     empty_scratch,
@@ -21,6 +15,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_trial,
 )
 from softcradle.physics.adaptive.undetermined import MOST_GROWN
+from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.batch.batch_parts import BatchRun, Part
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic

@@ -108,6 +108,7 @@ class _KeptRun:
 
     runs: list[ExtendedRun]
 
+    @on_one_thread
     def record(self, found: Record, times: Array) -> Record:
         """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
         rows = empty_samples(times.size, found.end.overlap.size)

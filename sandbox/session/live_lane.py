@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.methods import Family, find_method
+from softcradle.physics.dispatch import is_extended
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
@@ -129,9 +129,8 @@ class LiveLane:
     @property
     def _most_steps(self) -> int:
         """Steps of the method in one frame, after which `conserving` moves on: no frame freezes the window."""
-        limited = self.chain.dissipative or self.chain.couplers
-        plain = find_method(self.setup.method).family is Family.REFERENCE
-        return max(1, REFERENCE_WORK // self.chain.contacts) if plain and limited else LIVE_STEPS
+        extended = is_extended(self.setup.method, self.chain)
+        return max(1, REFERENCE_WORK // self.chain.contacts) if extended else LIVE_STEPS
 
     def _take_warning(self, warning: str) -> None:
         """Keep a new warning of the method, and drop an old one."""

@@ -35,4 +35,5 @@ def test_the_reference_takes_a_bounded_work_in_a_frame(scene: str, told: bool, m
     assert max(taken) <= most + len(session.lanes)
     assert session.time == pytest.approx(FRAMES * session.setup.frame_time)
     assert all(np.isfinite(lane.velocity).all() for lane in session.lanes)
-    assert any("gave up" in lane.warning for lane in session.lanes) >= told
+    if told:
+        assert any("gave up" in lane.warning for lane in session.lanes)
