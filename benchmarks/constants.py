@@ -25,7 +25,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
+from softcradle.physics.source_digest import digest_of
 
+from benchmarks.json_lines import append, lines
 from benchmarks.reports import Report
 from softcradle import physics
 
@@ -38,7 +40,6 @@ FACTORS = (3.0, 10.0, 100.0)  # and one over each
 TOLERANCES = (1e-4, 1e-7)
 PROMISED = 10.0  # tolerances
 MORE_WORK = 1.25  # times the steps as they are
-MOST_STEPS = 20_000  # of one case: enough for all of them
 
 
 @dataclass(frozen=True)
@@ -135,13 +136,23 @@ def _reach(constant: Constant, sign: int, base: Outcome, truths: list[Array]) ->
             value = max(round(value), 1)
         try:
             with _replaced(constant, value):
-                found = _outcome(truths)
+                good = _as_good(truths, base)
         except (ArithmeticError, IndexError, ValueError):  # plain Python raises what machine code computes on with
-            break
-        if (found.errors > np.maximum(PROMISED, base.errors)).any() or found.steps > MORE_WORK * base.steps:
+            good = False
+        if not good:
             break
         reached = factor**sign
     return reached
+
+
+def _as_good(truths: list[Array], base: Outcome) -> bool:
+    """Whether no case errs beyond what is promised and all together take few more steps; ends at the first that tells."""
+    steps, most = 0, MORE_WORK * base.steps
+    for (error, spent), usual in zip(_runs(truths), base.errors, strict=True):
+        steps += spent
+        if error > max(PROMISED, usual) or steps > most:
+            return False
+    return True
 
 
 @contextmanager
@@ -172,14 +183,17 @@ def _imported(module: Any, source: str) -> set[str]:
 
 
 def _outcome(truths: list[Array]) -> Outcome:
-    errors, steps = [], 0
+    errors, steps = zip(*_runs(truths), strict=True)
+    return Outcome(np.array(errors), sum(steps))
+
+
+def _runs(truths: list[Array]) -> Iterator[tuple[float, int]]:
+    """Error beyond the stated one, in tolerances, and steps of each case and tolerance."""
     for (chain, velocity, duration), truth in zip(cases(), truths, strict=True):
         for tolerance in TOLERANCES:
             end, stated, spent = _ends(chain, velocity, duration, tolerance)
             beyond = np.maximum(np.abs(end - truth) - stated, 0.0)
-            errors.append(float(beyond.max()) / tolerance if np.isfinite(end).all() else np.inf)
-            steps += spent
-    return Outcome(np.array(errors), steps)
+            yield float(beyond.max()) / tolerance if np.isfinite(end).all() else np.inf, spent
 
 
 def _ends(chain: Any, velocity: list[float], duration: float | None, tolerance: float) -> tuple[Array, Array, int]:
@@ -220,12 +234,21 @@ def main(arguments: list[str]) -> int:
         "--markdown", type=Path, metavar="FILE", help="write the table there too, for the documentation"
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default %(default)s)")
+    parser.add_argument(
+        "--kept", type=Path, default=Path("out/constants.jsonl"), metavar="FILE",
+        help="what is measured goes there at once, and is not measured again (default %(default)s)",
+    )  # fmt: skip
     args = parser.parse_args(arguments)
     os.environ["NUMBA_DISABLE_JIT"] = "1"  # for the processes
-    wanted = constants()
+    args.kept.parent.mkdir(parents=True, exist_ok=True)
+    every, source = constants(), digest_of(sorted(ROOM.parent.rglob("*.py")))
+    known = {(row["module"], row["name"]): row for row in lines(args.kept) if row["source"] == source}
+    wanted = [constant for constant in every if (constant.module, constant.name) not in known]
     with ProcessPoolExecutor(args.jobs, mp_context=get_context("spawn")) as processes:
-        rows = list(track(processes.map(measure, wanted), "constants", total=len(wanted)))
-    found = report(rows)
+        for row in track(processes.map(measure, wanted), "constants", total=len(wanted)):
+            known[row["module"], row["name"]] = row
+            append(args.kept, {"source": source, **row})
+    found = report([known[constant.module, constant.name] for constant in every])
     found.show(Console())
     if args.markdown:
         args.markdown.write_text(found.markdown(), encoding="utf-8")

@@ -27,20 +27,20 @@ EQUIVALENT = (
         CURVE, "by_overlap < 0.0 and overlap > 0.0:", "by_overlap < 0.0", "at 0 the bound is not below the overlap"
     ),
     Equivalent(CURVE, "towards_zero = ", "overlap > 0.0", "an overlap of 0 is asked for beside it"),
-    Equivalent(RADAU, "if slope > VERTICAL:", "slope > VERTICAL", "1e200 is as vertical as any slope near it"),
+    Equivalent(RADAU, "if slope > HUGE:", "slope > HUGE", "1e200 is as vertical as any slope near it"),
     Equivalent(
         RADAU, "= 1.0 / (1.0 + weight * slope)", "", "length of a direction; the correction along it is divided by it"
     ),
     Equivalent(GUESS, "NO_GUESS = -1.0", "1.0", "any negative number says it"),
     Equivalent(
         GUESS,
-        "if 0.3 * (force[i] - preload) < excess",
-        "0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload)",
+        "if force[i] - preload < FOLLOW * excess",
+        "force[i] - preload < FOLLOW * excess < FOLLOW * FOLLOW * (force[i] - preload)",
         "a guess just at its bound",
     ),
     Equivalent(ROOT, "NONE = 2.0", "2.0", "any part beyond 1 says it"),
     Equivalent(
-        ROOT, "move * width <= LAST_DIGITS", "b[1] < 0.0 or width <= LAST_DIGITS", "the same root, some moves later"
+        ROOT, "move * width <= ROUND_OFF", "b[1] < 0.0 or width <= ROUND_OFF", "the same root, some moves later"
     ),
     Equivalent(GRADIENT, "kept = full if rate[i] > 0.0", "rate[i] > 0.0", "a rate of 0 is left out before"),
     Equivalent(GRADIENT, "return used, 1.0", "1.0", "any part from 1 on says that there is no cut"),

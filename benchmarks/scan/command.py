@@ -8,11 +8,10 @@ are the points of a sweep: both files are written as its chunks come back, and t
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -27,6 +26,7 @@ from softcradle.sandbox.sweeps.chunk_work import Chunk
 from softcradle.sandbox.sweeps.sweep_places import Where
 from softcradle.sandbox.sweeps.swept_columns import swept
 
+from benchmarks.json_lines import append, lines
 from benchmarks.reports import Report
 from benchmarks.scan.chain_points import Entry, chain_numbers, entries
 from benchmarks.scan.families import FAMILIES, motion
@@ -56,10 +56,10 @@ def main(arguments: list[str]) -> int:
     """Scan, and print one row a family."""
     args = parser().parse_args(arguments)
     args.folder.mkdir(parents=True, exist_ok=True)
-    truths = {entry["key"]: entry for entry in _lines(args.folder / TRUTHS)}
+    truths = {entry["key"]: entry for entry in lines(args.folder / TRUTHS)}
     if args.fresh:
         _verdicts(args).unlink(missing_ok=True)
-    known = {(entry["family"], entry["seed"]): entry for entry in _lines(_verdicts(args))}
+    known = {(entry["family"], entry["seed"]): entry for entry in lines(_verdicts(args))}
     wanted = list(product(range(args.first, args.first + args.count), args.families))
     _compute([task for task in wanted if task[::-1] not in known], truths, known, args)
     found = [known[family, seed] for seed, family in wanted]
@@ -89,8 +89,8 @@ def _compute(
     def keep(chunk: Chunk) -> None:
         for truth, entry in entries(chunk, points.columns(chunk.begin, chunk.end)):
             if truth is not None:
-                _append(args.folder / TRUTHS, truth)
-            _append(_verdicts(args), entry)
+                append(args.folder / TRUTHS, truth)
+            append(_verdicts(args), entry)
             known[entry["family"], entry["seed"]] = entry
 
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -149,21 +149,3 @@ def _how_it_was_made(args: argparse.Namespace) -> str:
         options.append(f"--families {' '.join(args.families)}")
     command = " ".join(["python -m benchmarks scan", f"--count {args.count}", *options])
     return f"made by `{command}`, softcradle {version()}"
-
-
-def _lines(path: Path) -> Iterator[Entry]:
-    """Entries of a file of JSON lines; one that was cut off is left out."""
-    if not path.exists():
-        return
-    for line in path.read_text().splitlines():
-        if not line:
-            continue
-        try:
-            yield json.loads(line)
-        except json.JSONDecodeError:
-            continue
-
-
-def _append(path: Path, entry: Entry) -> None:
-    with path.open("a") as file:
-        file.write("\n" + json.dumps(entry))  # a line that was cut off does not spoil the next

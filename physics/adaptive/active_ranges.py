@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from softcradle.physics.adaptive.constants import MARGIN
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import OPEN, TOUCHING
-
-MARGIN = 4  # contacts around those that push: a wave front runs one or two a step
 
 
 @inlined

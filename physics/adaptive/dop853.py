@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.active_ranges import next_range
+from softcradle.physics.adaptive.constants import GRAZE, KINK
 from softcradle.physics.adaptive.dop853_tableau import (
     FIFTH,
     FIFTH_SQUARE,
@@ -27,12 +28,6 @@ from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, signed_force, slope_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
-
-KINK = (
-    0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
-)
-
-GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
 
 
 @jit

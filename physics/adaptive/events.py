@@ -13,6 +13,7 @@ Each row has its own guard, a polynomial over the step that is positive while no
 from __future__ import annotations
 
 import numpy as np
+from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
 from softcradle.physics.adaptive.modes import loss_of, multiplier_bounds
 from softcradle.physics.adaptive.stick_slip import bead_push
@@ -31,9 +32,6 @@ NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS = (
     np.int64(5),
 )
 STOPS, SLIPS = np.int64(6), np.int64(7)
-FORCE_SLACK = 1e-12  # of its largest value: how far a multiplier may leave its range before its row switches
-NEAR = 0.9  # of its bound: a multiplier that peaks within a step beyond this is looked at there
-PEAK_MOVES = 50  # bisections of a step for the peak of a guard
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
 
@@ -145,8 +143,8 @@ def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, w
                 row, kind, part = i, CLOSES, x
         elif mode[i] == TOUCHING:
             low, high = multiplier_bounds(regime, i, overlap[i])
-            slack = FORCE_SLACK * high
-            if min(f[0, i], f[1, i], f[2, i]) < low - slack or max(f[0, i], f[1, i], f[2, i]) > NEAR * high:
+            slack = ROUND_OFF * high
+            if min(f[0, i], f[1, i], f[2, i]) < low - slack or max(f[0, i], f[1, i], f[2, i]) > SAFETY * high:
                 x = first_root(stage_guard(1.0, slack - low, force[i], f[0, i], f[1, i], f[2, i]))
                 if x < part:
                     row, kind, part = i, EASES if overlap[i] > 0.0 else OPENS, x
@@ -185,7 +183,7 @@ def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, w
 def slip_of(j, regime, motion, trial):
     """The part of the step at which the static friction of bead j does not suffice any more."""
     most = regime.bed[j] / regime.inverse_mass[j]
-    room = most * (1.0 + FORCE_SLACK)
+    room = most * (1.0 + ROUND_OFF)
     q0 = friction_needed(j, regime, motion.force)
     q1, q2 = friction_needed(j, regime, trial.force[0]), friction_needed(j, regime, trial.force[1])
     q3 = friction_needed(j, regime, trial.force[2])
@@ -212,7 +210,7 @@ def near_switch(h, chain, regime, motion, trial, slow):
             f1, f2, f3 = trial.force[0, i], trial.force[1, i], trial.force[2, i]
             if max(f1, f2) > 0.5 * (low + high):
                 part = min(
-                    part, lowest_of(stage_guard(-1.0, high, motion.force[i], f1, f2, f3), (1.0 - NEAR) * (high - low))
+                    part, lowest_of(stage_guard(-1.0, high, motion.force[i], f1, f2, f3), (1.0 - SAFETY) * (high - low))
                 )
         elif motion.mode[i] == OPEN and motion.rate[i] > 0.0 > trial.rate[2, i]:
             guard = overlap_guard(h, -1.0, i, chain, motion, trial, slow)
@@ -229,7 +227,7 @@ def lowest_of(b, margin):
     if min(b[1], b[2], b[3], b[4]) >= margin or b[1] >= b[0] or b[4] >= b[5]:
         return 1.0
     low, high = 0.0, 1.0
-    for _ in range(PEAK_MOVES):
+    while high - low > ROUND_OFF:
         x = 0.5 * (low + high)
         y = 1.0 - x
         slope = (

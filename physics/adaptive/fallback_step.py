@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from softcradle.physics.adaptive.constants import ROUND_OFF, SHRINK
 from softcradle.physics.fixed_step.discrete_gradient import gradient_step
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import EVALUATION, FALLBACK, STEP, Motion
 from softcradle.physics.numerics.switches import copy_motion
-
-SHRINKS = 30  # of the step, by SHRINK each, until whole and halves agree
-SHRINK = 0.25
 
 
 @jit
@@ -19,7 +17,8 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
     """
     whole = as_motion(trial.overlap, trial.anchor, motion)
     halves = as_motion(trial.rate, scratch.anchor_acceleration[:2], motion)
-    for _ in range(SHRINKS):
+    least = ROUND_OFF * h
+    while True:
         copy_motion(whole, motion)
         copy_motion(halves, motion)
         for k in range(3):
@@ -28,7 +27,7 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
         agree = True  # where a rate is not a number, it is not the same as nothing
         for i in range(motion.mode.size):
             agree &= abs(whole.rate[i] - halves.rate[i]) <= wanted
-        if agree:
+        if agree or h < least:
             break
         h *= SHRINK
     copy_motion(motion, halves)

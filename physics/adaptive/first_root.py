@@ -6,13 +6,11 @@ gives a time before which it cannot vanish, so the search moves on from there an
 
 from __future__ import annotations
 
+from softcradle.physics.adaptive.constants import DOUBLE_ZERO, MOST_MOVES, ROUND_OFF
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES
 
 NONE = 2.0  # in place of a part of the step: there is no root
-LAST_DIGITS = 1e-14  # of the step: the root is located as finely
-MOST_MOVES = 120  # of the search: one that takes more has met a root that only touches zero
-DOUBLE_ZERO = 0.02  # part by which the search leaves a start at which value and slope vanish
 
 
 @jit
@@ -112,13 +110,13 @@ def first_root(b):
         if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:
             return NONE
         move = safe_move(b)
-        if move * width <= LAST_DIGITS and (b[1] < 0.0 or width <= LAST_DIGITS):
+        if move * width <= ROUND_OFF and (b[1] < 0.0 or width <= ROUND_OFF):
             return left
         _, b = halves(move, b)
         b = (max(b[0], 0.0), b[1], b[2], b[3], b[4], b[5])
         left += move * width
         width *= 1.0 - move
-        for part in (0.5, min(0.5, max(2.0 * move, LAST_DIGITS))):
+        for part in (0.5, min(0.5, max(2.0 * move, ROUND_OFF))):
             near, far = halves(part, b)
             if near[5] < 0.0:
                 b, width = near, part * width

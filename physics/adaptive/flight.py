@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.adaptive.constants import ROUND_OFF
 from softcradle.physics.adaptive.events import CLOSES, NOTHING, STOPS
 from softcradle.physics.adaptive.stick_slip import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
-
-LAST_FORCE = 1e-11  # of the preload: a touching contact that carries less pushes no more
 
 
 @jit
@@ -28,7 +27,7 @@ def nothing_pushes(chain, motion, negligible):
             ):
                 return False
         pressed = driven and chain.external[i] > 0.0
-        if motion.mode[i] == TOUCHING and (pressed or motion.force[i] > LAST_FORCE * chain.law[i, 0]):
+        if motion.mode[i] == TOUCHING and (pressed or motion.force[i] > ROUND_OFF * chain.law[i, 0]):
             return False
     return True
 

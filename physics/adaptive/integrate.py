@@ -7,6 +7,14 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.adaptive.constants import (
+    FEW_TRIES,
+    INACTIVE_PART,
+    NEWTON_PART,
+    ROUND_OFF,
+    SHRINK,
+    TOLERANCE_PART,
+)
 from softcradle.physics.adaptive.events import SLIPS, acceleration_of, bead_acceleration
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.sampling import absorbed_between, keep_step
@@ -45,14 +53,6 @@ from softcradle.physics.numerics.records import (
     SwitchLog,
 )
 
-TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step
-SLOW_PART = 1e-2  # of a step's error bound: a contact that arrives at d = 0 slower than this rests there
-STILL_PART = 0.1  # of a step's error bound: a gap that closes slower than this counts as not closing
-ROUND_OFF = 1e-15  # of the velocity scale: the least rate at which a gap closes
-BALANCED = 1e-12  # of the acceleration by a contact's force: what is left of balanced forces
-MOST_AT_ONCE = 4  # times the contacts: events one after another without a step, before a fallback step
-FALLBACK_PART = 0.25  # of a step that does not converge: the longest fallback step in its place
-
 
 @inlined
 def accept_step(kind, motion, trial, past):
@@ -76,11 +76,11 @@ def nothing_moves(chain, regime, motion):
     anchor, strongest = chain.anchor_bead, 0.0
     for j in range(regime.bed.size):
         strongest = max(strongest, regime.bed[j])
-    if motion.anchor[1] != 0.0 or abs(bead_acceleration(anchor, chain, regime, motion.force)) > BALANCED * strongest:
+    if motion.anchor[1] != 0.0 or abs(bead_acceleration(anchor, chain, regime, motion.force)) > ROUND_OFF * strongest:
         return False
     for i in range(motion.mode.size):
         push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], chain.law[i, 0])
-        rest = BALANCED * max(push, abs(chain.external[i]) if chain.external.size else 0.0)
+        rest = ROUND_OFF * max(push, abs(chain.external[i]) if chain.external.size else 0.0)
         if motion.rate[i] != 0.0 or abs(acceleration_of(i, chain, motion.force)) > rest:
             return False
     return True
@@ -116,7 +116,7 @@ def integrate(
         SwitchLog(*log_fields),
     )
     wanted = TOLERANCE_PART * tolerance * scale
-    slow, negligible = SLOW_PART * wanted, max(STILL_PART * wanted, ROUND_OFF * scale)
+    slow, negligible = NEWTON_PART * wanted, max(INACTIVE_PART * wanted, ROUND_OFF * scale)
     time, control, counter, firm = start, scratch.control, log.counter, regime.bed.size > 0
     if not resumed:
         begin(time, chain, regime, motion, wanted, slow, scratch, log)
@@ -152,7 +152,7 @@ def integrate(
             time, proposed, kind, allowed == DOP853, chain, regime, motion, wanted, slow, past_step, trial, scratch, log,
             most_steps,
         )  # fmt: skip
-        if h == 0.0 and row >= 0 and control[AT_ONCE] < MOST_AT_ONCE * motion.mode.size:
+        if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * motion.mode.size:
             control[AT_ONCE] += 1.0
             switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
             if event == SLIPS and regime.slide[row] == 0:
@@ -161,7 +161,7 @@ def integrate(
         if h == 0.0:
             if counter[STEP] + counter[REJECTED] >= most_steps:
                 return OUT_OF_STEPS, time
-            h = FALLBACK_PART * proposed
+            h = SHRINK * proposed
             time += fall_back(h, time, chain, regime, motion, wanted, slow, trial, scratch, log)
             continue
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)

@@ -8,14 +8,11 @@ one problem for all, see `acceleration_balance`.
 from __future__ import annotations
 
 from softcradle.physics.adaptive.acceleration_balance import balance
+from softcradle.physics.adaptive.constants import ROUND_OFF
 from softcradle.physics.adaptive.stick_slip import GIVE, LOAD, bead_push, is_firm, load_beads, rest_exactly
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
-
-ROUND_OFF = (
-    1e-13  # of the acceleration by the largest force of a contact: a smaller one is none, and its contact stays held
-)
 
 # rows (n+1,) of the work array
 LOW, HIGH, ACCELERATION, CARRIED = 7, 8, 9, 10  # after those of `stick_slip`

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from softcradle.physics.adaptive.active_ranges import MARGIN
+from softcradle.physics.adaptive.constants import MARGIN
 from softcradle.physics.adaptive.step_records import Scratch, empty_scratch, empty_trial
 from softcradle.physics.chain import Chain
 from softcradle.physics.numerics.records import LOADED, OPEN, SWITCH, Motion, SwitchLog

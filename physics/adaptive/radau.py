@@ -10,16 +10,12 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_NEWTON
 from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN
-
-MOST_NEWTON = 15  # iterations of one step
-DIVERGED = 1e30  # [m] an overlap beyond which Newton's iteration has diverged
-FORCE_PRECISION = 1e-3  # of the largest force: no correction of a force is larger at the end, however small the step
-VERTICAL = 1e200  # slope of the law beyond which a contact counts as touching
 
 
 @inlined
@@ -37,7 +33,7 @@ def directions(h, chain, mode, trial, scratch):
             slope = math.inf
             if mode[i] == LOADED:
                 slope = slope_at(law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i])
-            if slope > VERTICAL:
+            if slope > HUGE:
                 along[k, i], across[k, i] = 0.0, 1.0 / weight
             else:
                 along[k, i] = 1.0 / (1.0 + weight * slope)
@@ -143,7 +139,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                     stage_overlap[k, i] += by_overlap
                 else:
                     stage_force[k, i] += by_force
-                if not abs(stage_overlap[k, i]) < DIVERGED:
+                if not abs(stage_overlap[k, i]) < HUGE:
                     return 0
                 size = max(size, h * weight * abs(by_force), math.sqrt(weight * abs(by_overlap * by_force)))
                 changed, largest = max(changed, abs(by_force)), max(largest, abs(stage_force[k, i]))

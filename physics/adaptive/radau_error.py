@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.adaptive.constants import RATIO
 from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.law_curve import care, flow_into, slope_at
 from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
-
-RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
 
 @jit

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.adaptive.constants import FOLLOW, ROUND_OFF, SOFT_FOLLOW, SUDDEN
 from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
@@ -11,11 +12,6 @@ from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used
 AFTER, INSIDE = 1.0, 0.0  # where a step begins in the one whose cubics it is guessed by, as part of it
-FOLLOW = 3.0  # largest ratio of successive steps at which the cubics of the step before are extrapolated
-SOFT_FOLLOW = 1.3  # largest ratio of successive steps at which those of soft contacts are
-SUDDEN = 0.2  # of the time since an onset, or until an opening: a longer step goes on by a power of that time
-LEAST_LEFT = 0.01  # of an overlap that shrinks, in a guess
-MOST_GROWTH = math.log(3.0)  # of a guessed force
 
 
 @inlined
@@ -54,18 +50,19 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                     and (not soft_follows or (origin == AFTER and h > SUDDEN * abs(time)))
                     and overlap[i] > SMALLEST
                 ):
-                    growth = math.log(max(1.0 + h * NODES[k] / time, LEAST_LEFT))
+                    growth = math.log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
                     if own and flown <= 0.0 and preload == 0.0:
                         stage_overlap[k, i], stage_force[k, i] = flown, 0.0
                         continue
                     if not own:
                         growth *= rate[i] * time / overlap[i]
-                    growth = min(max(growth, -MOST_GROWTH / exponent), MOST_GROWTH / exponent)
+                    most = math.log(FOLLOW) / exponent
+                    growth = min(max(growth, -most), most)
                     stage_overlap[k, i] = overlap[i] * math.exp(growth)
                     stage_force[k, i] = preload + (force[i] - preload) * math.exp(exponent * growth)
                 elif soft_follows:
                     excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
-                    if 0.3 * (force[i] - preload) < excess < 3.0 * (force[i] - preload):
+                    if force[i] - preload < FOLLOW * excess < FOLLOW * FOLLOW * (force[i] - preload):
                         stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
                         stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:

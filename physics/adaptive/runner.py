@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.adaptive.constants import TOLERANCE_PART
 from softcradle.physics.adaptive.effective_chain import chain_and_regime
-from softcradle.physics.adaptive.integrate import TOLERANCE_PART, integrate
+from softcradle.physics.adaptive.integrate import integrate
 from softcradle.physics.adaptive.kept_steps import KeptSteps
 from softcradle.physics.adaptive.moving_part import MovingPart, rests_exactly
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
@@ -26,7 +27,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import finish
+from softcradle.physics.adaptive.undetermined import DOUBT, finish
 from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
@@ -65,7 +66,6 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-ERROR_GROWTH = 3.0  # times the sum of all local errors: the error that is stated where nothing makes it grow
 TURN_GROWTH = 1.0 / 16.0  # by each turn of an oscillation, whose phase all errors before it have moved
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
 PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
@@ -149,7 +149,7 @@ def step_budget(problem: Problem) -> int:
     if problem.duration is not None:
         longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
         passes = problem.duration / longest
-    return int(usual_budget(problem.chain.contacts, problem.tolerance, passes))
+    return min(int(usual_budget(problem.chain.contacts, problem.tolerance, passes)), MOST_STEPS)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:
@@ -181,7 +181,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         return _pass(problem, larger)
     counter, status, scratch = memory.log.counter, Status(code), memory.scratch
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
-    error = ERROR_GROWTH * growth * float(np.sqrt(scratch.control[LOCAL_SQUARE]))
+    error = DOUBT * growth * float(np.sqrt(scratch.control[LOCAL_SQUARE]))
     overlap, rate, anchor, force, absorbed = empty_samples(0, problem.chain.contacts)
     return Record(
         NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),

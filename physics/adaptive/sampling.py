@@ -5,17 +5,15 @@ A run keeps its steps, for without a duration it does not know before its end wh
 
 from __future__ import annotations
 
+from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau_guess import INSIDE
-from softcradle.physics.adaptive.step import NEWTON_PART, take_step
+from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into
-
-SHRINK = 0.9  # of the time to a sample where a step to it does not converge; the rest is flown
-LEAST_LENGTH = 1e-12  # of that time: the shortest such step
 
 
 @jit
@@ -122,10 +120,9 @@ def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch
     Where its stages do not converge, the step is made a little shorter and the rest drifts.
     """
     k, length, firm = log.counter[SAMPLE], passed, regime.bed.size > 0
-    precision = NEWTON_PART * wanted
-    while take_step(length, kind, firm, chain, motion, precision, h, INSIDE, trial, scratch, log) < 0.0:
-        length *= SHRINK
-        if length < LEAST_LENGTH * passed:
+    while take_step(length, kind, firm, chain, motion, wanted, h, INSIDE, trial, scratch, log) < 0.0:
+        length *= SAFETY
+        if length < ROUND_OFF * passed:
             break
     rest = passed - length
     for i in range(motion.mode.size):

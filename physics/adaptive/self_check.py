@@ -7,29 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.undetermined import MOST_GROWN, confirmed_error, undetermined
+from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, confirmed_error, undetermined
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.status import Status
 
 Array = NDArray[np.float64]
+EPSILON = float(np.finfo(np.float64).eps)
 
-FINER = 10.0  # ratio of the tolerances of successive runs
-FINEST = 1e-13  # tolerance: double precision has no room for a finer one
-MOST_APART = 9.0  # tolerances: two runs that end further apart give a warning; within one they agree
+FINER = 10.0  # ratio of the tolerances of successive runs; one that takes as many times the steps rattles where the other did not
 LEAST_PROMISED = (
     1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
 )
-DOUBT = 2.0  # times the difference between two runs: the error that is stated
-MOST_MORE = 8.0  # times the steps of a run: a finer one that takes many more rattles where the other did not
 LEAST_BUDGET = 500  # steps beside these, for runs of few steps
 MOST_CHECKING = 20_000  # steps of all runs of one motion, before no finer run is tried
-FORCE_SHAKE = (
-    0.1  # of the tolerance of a finer run: the relative change of its forces, for runs of like steps err alike
-)
-RATE_SHAKE = (
-    1e-15  # times the number of the finer run: the relative change of its rates, which shows chaos by round-off
-)
 
 
 def is_sensitive(problem: Problem, record: Record) -> bool:
@@ -51,10 +43,10 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
     tolerance, runs = problem.tolerance, 0
     while not record.warnings:
-        tolerance, runs = max(tolerance / FINER, FINEST), runs + 1
-        chain, state = _shaken(problem.chain, FORCE_SHAKE * tolerance), problem.state.copy()
-        state.rate *= _up_and_down(runs * RATE_SHAKE, state.rate.size)
-        budget = LEAST_BUDGET + int(MOST_MORE * record.steps)
+        tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
+        chain, state = _shaken(problem.chain, TOLERANCE_PART * tolerance), problem.state.copy()
+        state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
+        budget = LEAST_BUDGET + int(FINER * record.steps)
         finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))
         apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
         error = DOUBT * apart + confirmed_error(finer)
@@ -63,8 +55,8 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
         if apart.max() <= allowed:
             return replace(_with_cost_of(record, finer), velocity_error=error)
         record = replace(_with_cost_of(finer, record), velocity_error=error)
-        if tolerance <= FINEST or record.steps > MOST_CHECKING:
-            return _undetermined(record, error) if apart.max() > MOST_APART * allowed else record
+        if tolerance <= ROUND_OFF or record.steps > MOST_CHECKING:
+            return _undetermined(record, error) if apart.max() > FINER * allowed else record
     return record
 
 

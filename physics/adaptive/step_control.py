@@ -8,9 +8,19 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.step import SAFETY
+from softcradle.physics.adaptive.constants import (
+    COST_RATIO,
+    FIRST_PART,
+    INACTIVE_PART,
+    LEAST_ERROR,
+    MOST_GROWTH,
+    MOST_PREDICTED,
+    NEAR_LEFT,
+    REACH_GROWTH,
+    SAFETY,
+    STIFF,
+)
 from softcradle.physics.adaptive.step_records import (
-    CEILING,
     DOP853,
     EITHER,
     ERROR,
@@ -27,27 +37,12 @@ from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import slope_at
 from softcradle.physics.numerics.records import LOADED, OPEN
 
-MOST_GROWTH = 8.0  # of a step over the one before
-MOST_GROWTH_BETWEEN = 30.0  # of a step of dop853 over the one before, where soft contacts make radau take turns with it
-MOST_PREDICTED = 2.0  # further growth where errors fall, at the most
-LEAST_ERROR = 1e-3  # of a step's error bound: a smaller error predicts nothing
-STIFF = 9.0  # (step times local frequency)², above which a soft contact is left to radau
-COST_RATIO = 0.4  # time of a step of dop853 over one of radau
-REACH_GROWTH = 1.5  # of the next step of radau, where stiffness alone holds dop853 back: radau is tried in time
-AFTER_REJECTION = 0.9  # of a step rejected: the cap of the next ones
-CAP_GROWTH = 1.02  # of that cap, a step
-CAP_LIFTED = 1.5  # growth of a step, wanted by its error, that lifts the cap
-LAST_PUSH = 0.05  # of a step's error bound: an opening before which a contact pushes less is passed over
-NEAR_LEFT = 0.3  # of the time left to an opening: a longer next step is graded with that time
-BEFORE_OPENING_ALONE = 0.9  # of the time left to an opening: the step of dop853 alone
-FIRST_PART = 0.01  # of the fastest local period or crossing: the first step where no onset gives one
-
 
 @inlined
 def restart_control(control, h):
     """Forget the past; the next step is `h` at the most (inf: not known)."""
     control[NEXT], control[RADAU_NEXT], control[LAST] = h, h, 0.0
-    control[LEFT], control[CEILING] = math.inf, math.inf
+    control[LEFT] = math.inf
 
 
 @jit
@@ -96,7 +91,7 @@ def soft_contacts(chain, motion, wanted):
         if rate < 0.0:
             time = -overlap / rate
             pushes = weight * motion.force[i] * time
-            if time < left and time * time * stiff < 4.0 and pushes > LAST_PUSH * wanted:
+            if time < left and time * time * stiff < 4.0 and pushes > INACTIVE_PART * wanted:
                 left, push = time, pushes
     reach = math.sqrt(STIFF / stiffest) if stiffest > 0.0 else math.inf
     return reach, left, push
@@ -127,7 +122,7 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
     if min(reach, control[NEXT]) >= COST_RATIO * longest:
         kind, h = DOP853, min(reach, control[NEXT], rest)
     if left < h:
-        return kind, BEFORE_OPENING_ALONE * left if alone else before_opening(left, push, wanted), not alone
+        return kind, SAFETY * left if alone else before_opening(left, push, wanted), not alone
     if kind == DOP853 and h == reach:
         control[RADAU_NEXT] *= REACH_GROWTH
     return kind, h, False
@@ -140,8 +135,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
     `rejected` is the length of the last step rejected before this one (inf: none).
     """
     exponent = ERROR_EXPONENT[kind]
-    most = MOST_GROWTH_BETWEEN if kind == DOP853 and math.isfinite(control[REACH]) else MOST_GROWTH
-    grow = min(most, SAFETY * (wanted / max(error, 1e-300)) ** exponent)
+    grow = min(MOST_GROWTH, SAFETY * (wanted / max(error, 1e-300)) ** exponent)
     control[UNLIMITED] = h * grow
     if landing >= 0 or near:
         control[LAST] = 0.0
@@ -153,14 +147,9 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
         if h < control[LAST]:
             grow = min(grow, SAFETY * predicted * (wanted / error) ** exponent)
         elif math.isfinite(control[REACH]):
-            grow = min(most, grow * min(max(predicted, 1.0), MOST_PREDICTED))
+            grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), MOST_PREDICTED))
     control[LAST], control[ERROR], control[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
     if kind == RADAU:
         control[RADAU_NEXT] = h * grow
-        return
-    if rejected < math.inf:
-        control[CEILING] = max(h, AFTER_REJECTION * rejected)
-    elif grow > CAP_LIFTED:
-        control[CEILING] = math.inf
-    control[NEXT] = min(control[NEXT], control[CEILING])
-    control[CEILING] *= CAP_GROWTH
+    elif rejected < math.inf:
+        control[NEXT] = min(control[NEXT], max(h, SAFETY * rejected))

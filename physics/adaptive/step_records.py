@@ -23,12 +23,11 @@ ERROR = 3  # its error [m/s]
 LEFT = 4  # time left to an opening at its start [s]
 UNLIMITED = 5  # next step had no event or opening come near [s]
 REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
-CEILING = 7  # longest step soon after a rejection [s]
-PAST_STEP = 8  # length of the last step of radau [s], for the first guess of the next; 0: there is none
-AT_ONCE = 9  # events one after another without a step between them
-LOCAL_SQUARE = 10  # sum of the squares of the errors of all steps
-GROWTH = 11  # by what factor, beside 1, bounces have made errors grow
-CONTROLS = 12
+PAST_STEP = 7  # length of the last step of radau [s], for the first guess of the next; 0: there is none
+AT_ONCE = 8  # events one after another without a step between them
+LOCAL_SQUARE = 9  # sum of the squares of the errors of all steps
+GROWTH = 10  # by what factor, beside 1, bounces have made errors grow
+CONTROLS = 11
 
 STAGES = 12  # of dop853
 WORK_ROWS = 15

@@ -6,21 +6,16 @@ force vanishes smoothly or with the smallest of overlaps, and it is located afte
 
 from __future__ import annotations
 
+from softcradle.physics.adaptive.constants import FEW_TRIES, INACTIVE_PART, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.events import is_continued
 from softcradle.physics.adaptive.radau_guess import AFTER
-from softcradle.physics.adaptive.step import NEWTON_PART, take_step
+from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import GROWTH
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import cubic, flow_into
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
-
-BISECTIONS = 50  # of a step, for the root of the quintic
-QUINTIC_GAIN = 100.0  # the quintic of both ends is finer than the cubic through the stages by this factor at least
-OPENING_PART = 0.1  # of a step's error bound times its length: the overlap to which an opening is located
-TURN_RATE = 10.0  # times a step's error bound: the least rate of a contact that has turned
-OPENING_TRIES = 4  # steps of the method that locate one opening
 
 
 @inlined
@@ -56,7 +51,7 @@ def grow_errors(chain, motion, wanted, scratch):
     for i in range(motion.mode.size):
         if motion.mode[i] != LOADED:
             scratch.course[i] = 0.0
-        elif abs(motion.rate[i]) > TURN_RATE * wanted:
+        elif abs(motion.rate[i]) > wanted / TOLERANCE_PART:
             scratch.turns[i] += 1.0 if scratch.course[i] * motion.rate[i] < 0.0 else 0.0
             scratch.course[i] = motion.rate[i]
         if scratch.lateness[i] > 0.0:
@@ -72,23 +67,22 @@ def grow_errors(chain, motion, wanted, scratch):
 def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log):
     """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
     the stages tell that it may be off, by shorter steps of the method, tried in `look`."""
-    doubtful, allowed = False, OPENING_PART * wanted * h
+    doubtful, allowed = False, INACTIVE_PART * wanted * h
     opening = scratch.opening
     for i in range(motion.mode.size):
         opening[i] = -1.0
         opens = motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > trial.overlap[2, i]
         if opens and not is_continued(chain.law, i):
             opening[i], by_stages = opening_of_quintic(i, h, chain, motion, trial)
-            doubtful |= abs(by_stages) > QUINTIC_GAIN * allowed
+            doubtful |= abs(by_stages) > wanted / TOLERANCE_PART * h
     if not doubtful:
         return
-    precision = NEWTON_PART * wanted
     for i in range(motion.mode.size):
-        for _ in range(OPENING_TRIES):  # Newton on the time at which contact i opens
+        for _ in range(FEW_TRIES):  # Newton on the time at which contact i opens
             part = opening[i]
             if part <= 0.0:
                 break
-            if take_step(part, kind, firm, chain, motion, precision, past_step, AFTER, look, scratch, log) < 0.0:
+            if take_step(part, kind, firm, chain, motion, wanted, past_step, AFTER, look, scratch, log) < 0.0:
                 break
             miss, speed = look.overlap[2, i], look.rate[2, i]
             if speed >= 0.0:
@@ -107,7 +101,7 @@ def opening_of_quintic(i, h, chain, motion, trial):
     a0 = drive - flow_into(i, chain.inverse_mass, motion.force)
     a1 = drive - flow_into(i, chain.inverse_mass, trial.force[2])
     low, high = 0.0, 1.0
-    for _ in range(BISECTIONS):
+    while high - low > ROUND_OFF:
         x = 0.5 * (low + high)
         if hermite(x, h, d0, w0, a0, d1, w1, a1) > 0.0:
             low = x

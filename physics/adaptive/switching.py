@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.adaptive.constants import ROUND_OFF, SHRINK
 from softcradle.physics.adaptive.events import CLOSES, EASES, SLIPS, STOPS, TURNS, YIELDS, friction_needed, is_continued
 from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.flight import drift, next_event
@@ -16,9 +17,6 @@ from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import flow_into
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
-
-STUCK_PART = 1.0 - 1e-9  # of the static friction: a bead that needs as much slips
-AFTER_FALLBACK = 4.0  # of the fallback step: the longest next step
 
 
 @jit
@@ -74,7 +72,7 @@ def slip(j, chain, regime, motion, slow, scratch):
     """Let bead j slip, unless contacts that are held can take up what its friction lacks."""
     resolve_modes(chain, regime, motion, slow, scratch)
     needed = friction_needed(j, regime, motion.force)
-    if regime.slide[j] == 0 and abs(needed) >= STUCK_PART * regime.bed[j] / regime.inverse_mass[j]:
+    if regime.slide[j] == 0 and abs(needed) >= (1.0 - ROUND_OFF) * regime.bed[j] / regime.inverse_mass[j]:
         regime.slide[j] = 1 if needed > 0.0 else -1
 
 
@@ -159,6 +157,6 @@ def fall_back(h, time, chain, regime, motion, wanted, slow, trial, scratch, log)
     h = fallback_step(h, chain, motion, wanted, trial, scratch, log)
     resolve_modes(chain, regime, motion, slow, scratch)
     log_switches(time, time + h, motion, wanted, scratch, log)
-    restart_control(scratch.control, AFTER_FALLBACK * h)
+    restart_control(scratch.control, h / SHRINK)
     scratch.control[PAST_STEP], scratch.control[AT_ONCE] = 0.0, 0.0
     return h

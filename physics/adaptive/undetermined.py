@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 STEP_PART = 0.25  # of the default step: the longest step of these runs, or
 ELAPSED_PART = 1.0 / 1500.0  # of the time that the motion took so far, where that is longer
 PARTS = (1.0, 0.83, 0.61, 0.5)  # of the longest step, one for each run; the last one is the result
-SPREAD = 3.0  # times the largest difference between the runs: the error that is stated
+DOUBT = 3.0  # times the difference between runs, or the sum of all local errors of one: the error that is stated
 MOST_GROWN = 8.0  # factor by which errors may grow before another run has to confirm the motion
 STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
 
@@ -44,7 +44,7 @@ def finish(problem: Problem, given_up: Record, sampled: Callable[[Record, Array]
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
     velocities = np.array([end.end.velocity(problem.chain) for end in ends])
-    error = confirmed_error(given_up) + SPREAD * np.ptp(velocities, axis=0)
+    error = confirmed_error(given_up) + DOUBT * np.ptp(velocities, axis=0)
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
     if (late < last.end.time).any():

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
-from softcradle.physics.problem import MOST_STEPS
 
 CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
 STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
@@ -18,4 +16,4 @@ def usual_budget(contacts: int, tolerance: float, passes: Any) -> Any:
     """Steps of motions whose durations are `passes` times their longest contact times, a number or (C,); 0 without duration."""
     budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16) + STEPS_A_CONTACT_TIME * passes
     finer = max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
-    return np.minimum(budget * finer, MOST_STEPS)
+    return budget * finer

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.runner import ALLOWED, ERROR_GROWTH, SOFTEST, error_growth
+from softcradle.physics.adaptive.runner import ALLOWED, SOFTEST, error_growth
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     empty_scratch,
     empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import MOST_GROWN
+from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN
 from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.batch.batch_parts import BatchRun, Part
 from softcradle.physics.batch.chain_batch import ChainBatch
@@ -46,7 +46,7 @@ def accuracy_of(
     budget = np.full(batch.chains, MOST_STEPS, dtype=np.int64)
     if ALLOWED[method] != DOP853:
         passes = np.where(np.isfinite(durations), durations, 0.0) / times.max(axis=1)
-        budget = usual_budget(n, tolerance, passes).astype(np.int64)
+        budget = np.minimum(usual_budget(n, tolerance, passes), MOST_STEPS).astype(np.int64)
     grown, turns, control = (np.zeros((batch.chains, count)) for count in (n, n, 2))
     return Accuracy(method, tolerance, scale, budget, grown, turns, control)
 
@@ -69,7 +69,7 @@ def run_part(kernel: Any, accuracy: Accuracy, run: BatchRun, part: Part) -> None
 def errors(accuracy: Accuracy) -> tuple[Array, Array]:
     """(C,) the error [m/s] that each chain states, and the factor by which errors have grown."""
     growth = error_growth(accuracy.control[:, 0], accuracy.grown, accuracy.turns)
-    return ERROR_GROWTH * growth * np.sqrt(accuracy.control[:, 1]), growth
+    return DOUBT * growth * np.sqrt(accuracy.control[:, 1]), growth
 
 
 def needs_another_run(batch: ChainBatch, status: NDArray[np.int64], growth: Array) -> NDArray[np.bool_]:

@@ -130,7 +130,13 @@ def test_asv_has_every_module_of_benchmarks():
     assert {path.stem for path in folder.glob("*.py")} == {"__init__", *OVER_TIME}
 
 
-@pytest.mark.parametrize(("name", "kind"), list(benchmarks_over_time()), ids=str)
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        pytest.param(name, kind, id=name, marks=[pytest.mark.slow] if name == "films.Film" else [])
+        for name, kind in benchmarks_over_time()
+    ],
+)
 def test_benchmarks_over_time_run(name, kind, monkeypatch):
     """Each with the least work, on the code that the command measures."""
     module = importlib.import_module(kind.__module__)

@@ -84,7 +84,7 @@ def test_samples_may_be_wanted_after_the_end(method):
     assert found.velocity == pytest.approx(known.velocity, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", DISSIPATIVE)
+@pytest.mark.parametrize("name", ["loss", pytest.param("friction", marks=pytest.mark.slow)])
 def test_the_reference_takes_its_samples_from_copies_of_its_run(name):
     chain, velocity = struck(name)
     found = simulate_quietly(chain, velocity, method="scipy", samples=9, tolerance=1e-8)

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, State, draft_gear, hertz, power_law
-from softcradle.physics.adaptive.fallback_step import SHRINK, fallback_step
+from softcradle.physics.adaptive.constants import SHRINK
+from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.adaptive.switching import stop_rate
 from softcradle.physics.kernel_records import empty_log

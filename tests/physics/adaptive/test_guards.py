@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke
 from softcradle.physics.adaptive import events
+from softcradle.physics.adaptive.constants import SAFETY
 from softcradle.physics.adaptive.events import (
     CLOSES,
     EASES,
-    NEAR,
     OPENS,
     TURNS,
     YIELDS,
@@ -35,7 +35,7 @@ def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak):
     height = peak - 0.2
     step = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 4.0 * height / H, -4.0 * height / H**2]])
     found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
-    assert found == pytest.approx(0.5 if peak > NEAR * 0.8 else 1.0, abs=1e-9)
+    assert found == pytest.approx(0.5 if peak > SAFETY * 0.8 else 1.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(("peak", "near"), [(0.95, False), (0.97, True)])

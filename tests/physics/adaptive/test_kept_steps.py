@@ -42,6 +42,7 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name):
 @pytest.mark.parametrize("name", CHAINS)
 def test_samples_cost_no_second_run(name, monkeypatch):
     runs = []
+    runner.KERNELS.load_made()  # each kernel is called once as it is loaded
     monkeypatch.setattr(runner, "integrate", _counted(runner.integrate, runs))
     monkeypatch.setattr(runner.KERNELS, "of", lambda kernel, work=0.0: kernel)
     chain = CHAINS[name]

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics.adaptive.constants import FOLLOW
 from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, NO_GUESS, first_guess, set_pushed, time_since_onset
 from softcradle.physics.adaptive.step_records import empty_trial
 from softcradle.physics.numerics.law_curve import NODES
@@ -166,8 +167,8 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
     state = State.at_start(gear, [-9.0, 0.0])
     state.overlap[:], state.force[:] = 1e-4, 1.0 + 2.0 * 1e-4**0.1
     found = guessed(gear, state, [LOADED], 1e-3)
-    assert found.overlap[2, 0] == pytest.approx(1e-6)  # a hundredth is left
-    assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-6**0.1)
+    assert found.overlap[2, 0] == pytest.approx(1e-4 * FOLLOW**-10)  # the force falls to a third, no further
+    assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-4**0.1 / FOLLOW)
 
 
 def test_a_guessed_force_grows_threefold_at_the_most():

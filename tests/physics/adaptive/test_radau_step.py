@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive.radau import MOST_NEWTON, radau_step
-from softcradle.physics.adaptive.radau_error import RATIO, compliance, embedded_error
+from softcradle.physics.adaptive.constants import MOST_NEWTON, RATIO
+from softcradle.physics.adaptive.radau import radau_step
+from softcradle.physics.adaptive.radau_error import compliance, embedded_error
 from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, first_guess
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force

@@ -5,10 +5,16 @@ from __future__ import annotations
 import json
 
 import pytest
+from softcradle.physics.fixed_step import runner
 from softcradle.sandbox.cli.main import main
 
-# A hundred million steps of a picosecond end long before the beads touch.
 GIVES_UP = ("--method", "verlet", "--step", "1e-12")
+
+
+@pytest.fixture(autouse=True)
+def few_steps(monkeypatch):
+    """A thousand steps of a picosecond end long before the beads touch."""
+    monkeypatch.setattr(runner, "MOST_STEPS", 1000)
 
 
 def test_run_marks_the_velocities(capsys):

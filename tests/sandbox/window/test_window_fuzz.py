@@ -14,7 +14,7 @@ from tests.helpers.windows import Driver
 pytestmark = pytest.mark.usefixtures("own_folder")  # keys change settings
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_random_input_causes_no_exception_and_every_number_is_finite(seed: int, tmp_path: Path) -> None:
     fuzz = Fuzz(seed, tmp_path)
     run(fuzz, 1800)

@@ -32,7 +32,10 @@ from tests.helpers.figure_layout import (
     unnamed_colours,
 )
 
-NAMES = [figure.name for figure in FIGURES]
+LONG = ("softness", "spread")  # tables of many seconds
+NAMES = [
+    pytest.param(figure.name, marks=pytest.mark.slow) if figure.name in LONG else figure.name for figure in FIGURES
+]
 
 
 @pytest.mark.parametrize("name", NAMES)

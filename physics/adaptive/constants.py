@@ -1,0 +1,47 @@
+"""The constants of the steps of `radau`, `dop853` and `accurate`, in one table: what each is, and parts of what.
+
+How far each can move before errors or work tell is measured by ``python -m benchmarks constants``.
+"""
+
+from __future__ import annotations
+
+# Errors, as velocities
+TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step
+NEWTON_PART = (
+    0.01  # of a step's error bound: the precision of its stages; a contact that arrives at d = 0 slower rests there
+)
+INACTIVE_PART = 0.1  # of a step's error bound: a velocity that does not count
+ROUND_OFF = 1e-13  # of the largest of its kind: less than this of a force, an acceleration, a rate or a step is none
+FORCE_PRECISION = 1e-3  # of the largest force: no correction of a force is larger at the end of Newton's iteration
+KINK = (
+    0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
+)
+GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
+RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
+
+# Lengths of steps
+SAFETY = 0.9  # of a length that something allows: what is tried
+SHRINK = 0.25  # of a step whose stages do not converge: the next try, or the fallback step in its place
+LEAST_PART = 0.1  # of a step rejected: the next try is no shorter; of a step whose polynomial is coarse near its start: its start
+MOST_GROWTH = 8.0  # of a step over the one before
+MOST_PREDICTED = 2.0  # further growth where errors fall, at the most
+LEAST_ERROR = 1e-3  # of a step's error bound: a smaller error predicts nothing
+NEAR_LEFT = 0.3  # of the time left to an opening: a longer next step is graded with that time
+FIRST_PART = 0.01  # of the fastest local period or crossing: the first step where no onset gives one
+STIFF = 9.0  # (step times local frequency)², above which a soft contact is left to radau
+COST_RATIO = 0.4  # time of a step of dop853 over one of radau
+REACH_GROWTH = 1.5  # of the next step of radau, where stiffness alone holds dop853 back: radau is tried in time
+
+# Guesses of stages
+FOLLOW = 3.0  # largest ratio of successive steps at which the cubics of the step before are extrapolated, and of guessed forces
+SOFT_FOLLOW = 1.3  # largest ratio of successive steps at which those of soft contacts are
+SUDDEN = 0.2  # of the time since an onset, or until an opening: a longer step goes on by a power of that time
+
+# Searches
+MOST_NEWTON = 15  # iterations of one step
+MOST_LANDINGS = 20  # tries to end a step at an event
+FEW_TRIES = 4  # tries of what seldom needs more than one, before another way is taken
+MOST_MOVES = 120  # of the search for a root: one that takes more has met a root that only touches zero
+DOUBLE_ZERO = 0.02  # part by which that search leaves a start at which value and slope vanish
+HUGE = 1e200  # an overlap [m] beyond which Newton's iteration has diverged; a slope beyond which a contact counts as touching
+MARGIN = 4  # contacts around those that push: a wave front runs one or two a step
