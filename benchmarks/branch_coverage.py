@@ -49,7 +49,7 @@ TESTS = (
     "tests/physics/adaptive/test_find_event.py",
     "tests/physics/adaptive/test_guards.py",
     "tests/physics/adaptive/test_first_root.py",
-    "tests/physics/adaptive/test_acceleration_balance.py",
+    "tests/physics/adaptive/test_yield_or_slip.py",
     f"{SOFT}/test_soft_chain.py::test_a_wall_that_moves",
     f"{SOFT}/test_soft_chain.py::test_a_row_in_any_direction",
     f"{SOFT}/test_soft_chain.py::test_a_column_rests_on_its_preload",

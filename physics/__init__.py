@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softcradle.physics.advice.explicit_limits import stable_step as stable_step
+    from softcradle.physics.advice.stability_limits import stable_step as stable_step
     from softcradle.physics.batch.batch_ends import EnsembleEnds as EnsembleEnds
     from softcradle.physics.batch.batch_ends import ensemble_ends as ensemble_ends
     from softcradle.physics.batch.chain_batch import ChainBatch as ChainBatch
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from softcradle.physics.coupler import Coupler as Coupler
     from softcradle.physics.methods import METHODS as METHODS
     from softcradle.physics.own_law import OwnLaw as OwnLaw
+    from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact as SoftContact
     from softcradle.physics.pymunk_contacts.soft_chain import SoftChain as SoftChain
-    from softcradle.physics.pymunk_contacts.soft_contact import SoftContact as SoftContact
     from softcradle.physics.simulation import advance as advance
     from softcradle.physics.simulation import simulate as simulate
     from softcradle.physics.state import State as State
@@ -54,9 +54,9 @@ _HOME = {
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",
-    "stable_step": "advice.explicit_limits",
+    "stable_step": "advice.stability_limits",
     "warm": "warm_up",
-    "SoftContact": "pymunk_contacts.soft_contact",
+    "SoftContact": "pymunk_contacts.contact_constraint",
     "SoftChain": "pymunk_contacts.soft_chain",
 }
 

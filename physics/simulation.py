@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import dispatch
-from softcradle.physics.advice.explicit_limits import coarse_warnings, explicit_warnings
+from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, real_number, require_kind, shown, whole_number

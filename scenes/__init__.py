@@ -1,6 +1,6 @@
 """Scenes: TOML files, checked on reading, that describe chains, their start velocities and how they are shown."""
 
-from softcradle.scenes.library import load, names, parse, text_of
+from softcradle.scenes.catalogue import load, names, parse, text_of
 from softcradle.scenes.scene_errors import SceneError
 from softcradle.scenes.scene_schema import Lane, Scene, View
 

@@ -14,14 +14,14 @@ class Group(NamedTuple):
 
 GROUPS = {
     "law": Group(
-        ("physics/numerics/contact_law.py", "physics/numerics/law_curve.py", "physics/contact.py"),
+        ("physics/numerics/law_kernels.py", "physics/numerics/law_curve.py", "physics/contact.py"),
         ("tests/physics/test_contact.py", "tests/physics/numerics/test_law_curve.py"),
     ),
     "conserving": Group(
         (
             "physics/fixed_step/discrete_gradient.py",
             "physics/numerics/contact_solve.py",
-            "physics/numerics/bed_friction.py",
+            "physics/numerics/fixed_step_friction.py",
             "physics/numerics/resolvent.py",
         ),
         (
@@ -43,7 +43,7 @@ GROUPS = {
         ("tests/physics/adaptive/test_radau_step.py", "tests/physics/adaptive/test_radau_guess.py"),
     ),
     "events": Group(
-        ("physics/adaptive/events.py", "physics/adaptive/first_root.py"),
+        ("physics/adaptive/event_location.py", "physics/adaptive/first_root.py"),
         (
             "tests/physics/adaptive/test_first_root.py",
             "tests/physics/adaptive/test_find_event.py",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import ROUND_OFF
-from softcradle.physics.adaptive.events import CLOSES, NOTHING, STOPS
-from softcradle.physics.adaptive.stick_slip import bead_push
+from softcradle.physics.adaptive.event_location import CLOSES, NOTHING, STOPS
+from softcradle.physics.adaptive.stick_slip_friction import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING

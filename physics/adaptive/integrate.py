@@ -15,7 +15,7 @@ from softcradle.physics.adaptive.constants import (
     SHRINK,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.events import SLIPS, acceleration_of, bead_acceleration
+from softcradle.physics.adaptive.event_location import SLIPS, acceleration_of, bead_acceleration
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.sampling import absorbed_between, keep_step
 from softcradle.physics.adaptive.step import find_step

@@ -2,20 +2,20 @@
 
 Three kinds of row are held by a bounded multiplier: a contact that touches (0 <= f <= F at d = 0), a contact with loss that
 stands still ((1 - l) f(d) <= f <= f(d)), and a bead at rest on its bed (friction within -+ mu m g). Which of them give way is
-one problem for all, see `acceleration_balance`.
+one problem for all, see `yield_or_slip`.
 """
 
 from __future__ import annotations
 
-from softcradle.physics.adaptive.acceleration_balance import balance
 from softcradle.physics.adaptive.constants import ROUND_OFF
-from softcradle.physics.adaptive.stick_slip import GIVE, LOAD, bead_push, is_firm, load_beads, rest_exactly
+from softcradle.physics.adaptive.stick_slip_friction import GIVE, LOAD, bead_push, is_firm, load_beads, rest_exactly
+from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 # rows (n+1,) of the work array
-LOW, HIGH, ACCELERATION, CARRIED = 7, 8, 9, 10  # after those of `stick_slip`
+LOW, HIGH, ACCELERATION, CARRIED = 7, 8, 9, 10  # after those of `stick_slip_friction`
 CANDIDATE = 11  # 1 for contacts that may be held
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FOLLOW, ROUND_OFF, SOFT_FOLLOW, SUDDEN
-from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
+from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used

@@ -10,8 +10,8 @@ from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau_guess import INSIDE
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
-from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into
 

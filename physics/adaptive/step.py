@@ -17,7 +17,7 @@ from softcradle.physics.adaptive.constants import (
     SHRINK,
 )
 from softcradle.physics.adaptive.dop853 import dop853_step
-from softcradle.physics.adaptive.events import (
+from softcradle.physics.adaptive.event_location import (
     CLOSES,
     NOTHING,
     find_event,

@@ -89,8 +89,8 @@ class Scratch(NamedTuple):
     acceleration: Array  # (STAGES, n)
     anchor_acceleration: Array  # (STAGES,)
     work: Array  # (WORK_ROWS, n+1)
-    bounds: Array  # (2, n+1) of `acceleration_balance`
-    knots: Array  # (2, 4n+8) of `acceleration_balance`
+    bounds: Array  # (2, n+1) of `yield_or_slip`
+    knots: Array  # (2, 4n+8) of `yield_or_slip`
 
 
 def empty_trial(contacts: int) -> Trial:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, INACTIVE_PART, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.events import is_continued
+from softcradle.physics.adaptive.event_location import is_continued
 from softcradle.physics.adaptive.radau_guess import AFTER
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import GROWTH

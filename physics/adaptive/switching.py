@@ -5,14 +5,23 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SHRINK
-from softcradle.physics.adaptive.events import CLOSES, EASES, SLIPS, STOPS, TURNS, YIELDS, friction_needed, is_continued
+from softcradle.physics.adaptive.event_location import (
+    CLOSES,
+    EASES,
+    SLIPS,
+    STOPS,
+    TURNS,
+    YIELDS,
+    friction_needed,
+    is_continued,
+)
 from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.modes import resolve_modes
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
 from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_SQUARE, NEXT, PAST_STEP
-from softcradle.physics.adaptive.stick_slip import find_slides, stop_bead, stop_beside
+from softcradle.physics.adaptive.stick_slip_friction import find_slides, stop_bead, stop_beside
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import flow_into

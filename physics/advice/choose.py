@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.advice.explicit_limits import stable_step
+from softcradle.physics.advice.stability_limits import stable_step
 from softcradle.physics.advice.step_cost import SOFT, Costs, costs, kind_of
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.scales import contact_scales

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.numerics.contact_law import force as contact_force
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.law_kernels import force as contact_force
 from softcradle.physics.numerics.resolvent import EPSILON
 
 Array = NDArray[np.float64]

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.law_kernels import power
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages

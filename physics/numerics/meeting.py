@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.law_kernels import energy
 
 
 @inlined

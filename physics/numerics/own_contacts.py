@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.numerics.contact_law import force as power_force
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.law_kernels import force as power_force
 from softcradle.physics.numerics.resolvent import (
     EPSILON,
     MOST_SCALAR,

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.law_kernels import power
 
 EPSILON = 2.220446049250313e-16
 SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal

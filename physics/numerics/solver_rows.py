@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.contact_law import power
 from softcradle.physics.numerics.couplers import is_joint, joint_mean_force
 from softcradle.physics.numerics.jit import inlined
+from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.resolvent import EPSILON, mean_force
 
 ROUND_OFF = 8.0 * EPSILON  # of the terms of a residual: converged

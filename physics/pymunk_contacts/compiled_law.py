@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from softcradle.physics.numerics.contact_law import force
 from softcradle.physics.numerics.jit import c_function
+from softcradle.physics.numerics.law_kernels import force
 
 LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address of its law
 

@@ -19,7 +19,7 @@ import pymunk
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
-from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
+from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.pymunk_contacts.stopping import meets_again, rests
 from softcradle.physics.python_checkpoints import CheckpointList
 from softcradle.physics.scales import contact_scales, speed_scale

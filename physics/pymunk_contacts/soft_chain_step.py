@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_solve import solve_contacts
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import Dissipation
 from softcradle.physics.numerics.resolvent import EPSILON
 from softcradle.physics.numerics.solver_rows import HOLD, SOLVER_ROWS, loses

@@ -14,11 +14,11 @@ from softcradle.sandbox.draw.number_format import round_down, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.film.film_encoder import open_film
 from softcradle.sandbox.film.film_kinds import check
 from softcradle.sandbox.film.kymograph_camera import Camera, Pixels, stacked
 from softcradle.sandbox.film.scene_film import RenderReport
 from softcradle.sandbox.film.scene_motion import AFTER, LEAD, motion_end, scene_motions
-from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 

@@ -13,9 +13,9 @@ import pygame
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from softcradle.sandbox.draw import Picture
+from softcradle.sandbox.film.film_encoder import open_film
 from softcradle.sandbox.film.film_kinds import check
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions, strongest_row
-from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene

@@ -10,8 +10,8 @@ import pygame
 from softcradle.physics import Trajectory
 from softcradle.physics.notebook_views import InlineFilm
 from softcradle.sandbox.draw import Picture, motion_of
+from softcradle.sandbox.film.film_encoder import open_film
 from softcradle.sandbox.film.scene_film import render_scene
-from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.notebook.chain_scene import scene_of, usual_slow
 from softcradle.scenes import Scene
 

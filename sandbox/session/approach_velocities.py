@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.session.history import History
+from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices
 
 ROWS = 512  # of the history that are searched at a time

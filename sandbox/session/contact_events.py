@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.contact import is_closed
-from softcradle.sandbox.session.history import Block, History
+from softcradle.sandbox.session.frame_history import Block, History
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

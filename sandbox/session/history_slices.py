@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.session.history import Block, History, LaneRows
+from softcradle.sandbox.session.frame_history import Block, History, LaneRows
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
 

@@ -7,8 +7,8 @@ from time import perf_counter
 
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.accepted_input import Present, accepted
+from softcradle.sandbox.session.frame_history import MEMORY, History
 from softcradle.sandbox.session.frame_pacing import BUDGET, FramePacer
-from softcradle.sandbox.session.history import MEMORY, History
 from softcradle.sandbox.session.lane_setup import Setup, setup_of
 from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane
 from softcradle.sandbox.session.pointer_spring import spring_frequency

@@ -13,7 +13,7 @@ from softcradle.physics.methods import find_method
 from softcradle.sandbox.languages import N_, _, language
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.badge_numbers import BAD, BAD_ERROR, FAIR, FAIR_ERROR, LEVELS, MOST_CHATTER, WINDOW
-from softcradle.sandbox.session.history import Block, History
+from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
 from softcradle.sandbox.session.method_choice import contact_time

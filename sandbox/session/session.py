@@ -13,8 +13,8 @@ from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session.approach_velocities import approach_velocity
 from softcradle.sandbox.session.badge_numbers import BAD, LEVELS, WINDOW, Health, health_of
 from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
+from softcradle.sandbox.session.frame_history import MEMORY
 from softcradle.sandbox.session.frame_pacing import BUDGET
-from softcradle.sandbox.session.history import MEMORY
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices, last_slice
 from softcradle.sandbox.session.lane_label import lane_label
 from softcradle.sandbox.session.player import Player

@@ -12,7 +12,7 @@ from itertools import count
 
 from softcradle.sandbox.languages import N_
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.history import Block
+from softcradle.sandbox.session.frame_history import Block
 from softcradle.sandbox.session.recording import Recording
 
 MOST_STEPS = 200

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from softcradle.physics import Chain, State, hertz
-from softcradle.physics.adaptive.events import NOTHING, find_event, guard_at_end
+from softcradle.physics.adaptive.event_location import NOTHING, find_event, guard_at_end
 from softcradle.physics.adaptive.step_records import WORK_ROWS, Regime, empty_trial
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import OPEN

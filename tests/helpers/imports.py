@@ -33,7 +33,7 @@ def imported(path: Path) -> frozenset[str]:
 def import_graph() -> Graph:
     """Every module of the package, with the modules of the package that it imports.
 
-    ``from softcradle.scenes import library`` leads to `library` alone: Python runs the package's own file as well, but
+    ``from softcradle.scenes import catalogue`` leads to `catalogue` alone: Python runs the package's own file as well, but
     if that counted, every package would be in a circle with its modules.
     """
     files = {module_name(path): path for path in source_files()}

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pymunk
 from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.pymunk_contacts.soft_chain import SoftChain
-from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
 
 FRAME = 1.0 / 60.0  # [s]
 LAWS = [power_law(2.0, 0.1), hertz(50.0), hooke(30.0), draft_gear(40.0, 0.1), step_force(3.0), Contact(0.5, 7.0, 2.5)]

@@ -29,7 +29,7 @@ def test_lines_of_decorated_functions_are_kernels():
 
 
 def test_branches_outside_kernels_do_not_count():
-    name = "physics/numerics/contact_law.py"
+    name = "physics/numerics/law_kernels.py"
     source = (ROOT / name).read_text(encoding="utf-8")
     line = next(k for k, text in enumerate(source.splitlines(), 1) if "if exponent == 1.0:" in text)
     branches = {"executed_branches": [[line, line + 1], [1, 2]], "missing_branches": [[line, line + 2], [2, -1]]}

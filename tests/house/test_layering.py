@@ -87,7 +87,7 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
     "numba": ("physics/numerics/", "physics/pymunk_contacts/compiled_law.py", "physics/compile_log.py", PEERS),
     "llvmlite": ("physics/numerics/",),
     "pymunk": (
-        "physics/pymunk_contacts/soft_contact.py",
+        "physics/pymunk_contacts/contact_constraint.py",
         "physics/pymunk_contacts/compiled_force.py",
         "physics/pymunk_contacts/post_step.py",
         "physics/pymunk_contacts/soft_chain.py",

@@ -69,7 +69,7 @@ def test_a_run_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(
         GROUPS,
         "law",
-        Group(("physics/numerics/contact_law.py",), ("tests/physics/test_contact.py", "-k", "for_another")),
+        Group(("physics/numerics/law_kernels.py",), ("tests/physics/test_contact.py", "-k", "for_another")),
     )
     given = ["mutants", "--of", "law", "--seed", "2", "--folder", str(tmp_path)]
     assert command.main([*given, "--count", "3", "--seconds", "0"]) == 1  # some are left
@@ -79,7 +79,7 @@ def test_a_run_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     assert any(
         entry["killed by"].startswith("tests/physics/test_contact.py::test_kernels_take_no") for entry in kept.values()
     )
-    assert "| law | `physics/numerics/contact_law.py` | 3 |" in (tmp_path / "table.md").read_text()
+    assert "| law | `physics/numerics/law_kernels.py` | 3 |" in (tmp_path / "table.md").read_text()
     monkeypatch.setattr(mutants, "Trial", lambda *_: pytest.fail("tried again"))
     assert command.main([*given, "--count", "3"]) == 0
     assert "mutants killed" in capsys.readouterr().out

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.contact import is_closed
-from softcradle.physics.numerics import contact_law as kernel
+from softcradle.physics.numerics import law_kernels as kernel
 
 preloads = st.one_of(st.just(0.0), st.floats(1e-3, 1e3))
 stiffnesses = st.floats(1e-3, 1e3)

@@ -94,7 +94,7 @@ def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
 
 
 def _print(runs: Sequence[ScanRun]) -> None:
-    from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
+    from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
     from softcradle.physics.methods import find_method
     from softcradle.sandbox.studies.stability.failure_scans import ADAPTIVE_ERROR_FACTOR
     from softcradle.sandbox.studies.stability.failure_summary import summarise_failures

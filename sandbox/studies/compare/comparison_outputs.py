@@ -14,8 +14,8 @@ from softcradle.physics.analysis.matching import Match
 from softcradle.sandbox.film.film_kinds import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.studies.compare.comparison_report import html_page
 from softcradle.sandbox.studies.compare.comparison_results import SideResult, end_time, results_as_json
-from softcradle.sandbox.studies.compare.html_report import html_page
 from softcradle.sandbox.studies.compare.matched_side import match_as_json, match_sentence
 from softcradle.sandbox.studies.compare.sides import Comparison
 from softcradle.sandbox.user_error import UserError

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import METHODS, Chain, Contact, Trajectory, one_on, power_law, stable_step
-from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
+from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
 from softcradle.physics.methods import Method, find_method
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.csv_files import write_rows

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
+from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
 from softcradle.physics.methods import Method
 from softcradle.sandbox.studies.plot_style import BLACK, new_figure
 from softcradle.sandbox.studies.stability.failure_scans import (

@@ -15,7 +15,7 @@ from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.session.history import History
+from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
 from softcradle.sandbox.window.plots.scrolling_surface import ScrollingSurface
 from softcradle.sandbox.window.plots.time_axis import TimeSpan

@@ -7,7 +7,7 @@ import pytest
 from softcradle.physics import Chain, hertz, one_on, simulate
 from softcradle.physics.adaptive.active_ranges import next_range
 from softcradle.physics.adaptive.constants import MARGIN
-from softcradle.physics.adaptive.events import closes_inactive
+from softcradle.physics.adaptive.event_location import closes_inactive
 from softcradle.physics.numerics.records import LOADED, OPEN, ChainData, Motion
 
 N = 60

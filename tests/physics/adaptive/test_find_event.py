@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive.events import (
+from softcradle.physics.adaptive.event_location import (
     CLOSES,
     EASES,
     NOTHING,

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke
-from softcradle.physics.adaptive import events
+from softcradle.physics.adaptive import event_location
 from softcradle.physics.adaptive.constants import SAFETY
-from softcradle.physics.adaptive.events import (
+from softcradle.physics.adaptive.event_location import (
     CLOSES,
     EASES,
     OPENS,
@@ -58,7 +58,7 @@ def test_an_open_contact_that_nearly_touches_is_looked_at():
     step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
     assert near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0) == 1.0
     step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
-    guard = events.overlap_guard(H, -1.0, 0, step.data, step.motion, step.trial, 0.0)
+    guard = event_location.overlap_guard(H, -1.0, 0, step.data, step.motion, step.trial, 0.0)
     found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
     assert 0.0 < found < 1.0
     assert slope_of(guard, found) == pytest.approx(0.0, abs=1e-9)

@@ -29,7 +29,7 @@ from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 from softcradle.scenes import load, names
-from softcradle.scenes.library import SceneError
+from softcradle.scenes.catalogue import SceneError
 
 ERRORS = tuple(10.0**-k for k in range(3, 10))
 CASES = {definition.name: definition for definition in CASE_DEFINITIONS}

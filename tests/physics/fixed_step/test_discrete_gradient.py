@@ -10,8 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.fixed_step import runner
-from softcradle.physics.numerics.contact_law import energy
 from softcradle.physics.numerics.contact_solve import solve_contacts
+from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.resolvent import resolvent
 from softcradle.physics.numerics.solver_rows import SOLVER_ROWS
 from softcradle.physics.problem import Problem

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-from softcradle.physics.numerics.bed_friction import distance_to_bend
+from softcradle.physics.numerics.fixed_step_friction import distance_to_bend
 from softcradle.physics.numerics.resolvent import mean_force, resolvent, touching
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS, FORCE_AT_HOLD, FREE_VELOCITY, LEAST_AT_HOLD, UNKNOWN
 

@@ -63,7 +63,7 @@ def test_the_key_follows_every_source(tmp_path):
 
 def test_sources_of_kernels_are_all_that_they_import():
     names = {path.relative_to(PHYSICS).as_posix() for path in kernel_sources()}
-    assert {"numerics/contact_law.py", "adaptive/dop853_tableau.py", "pymunk_contacts/compiled_law.py"} <= names
+    assert {"numerics/law_kernels.py", "adaptive/dop853_tableau.py", "pymunk_contacts/compiled_law.py"} <= names
     assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/runner.py"}
 
 
@@ -93,7 +93,7 @@ def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     (written,) = (tmp_path / "cache" / "kernels").iterdir()
     assert list(written.rglob("*.nbi"))  # it was cached at all
 
-    law = home / "physics" / "numerics" / "contact_law.py"
+    law = home / "physics" / "numerics" / "law_kernels.py"
     times = law.stat()
     text = law.read_text()
     assert text.count("return base**exponent") == 1

@@ -74,7 +74,7 @@ CHECK_FALLBACK = """
 import pymunk
 from softcradle.physics import hertz
 from softcradle.physics.pymunk_contacts import compiled_force
-from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
+from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 space = pymunk.Space()
 balls = [pymunk.Body(1, 1) for _ in range(3)]
 for i, ball in enumerate(balls):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from softcradle.sandbox.draw import longest_lead
 from softcradle.sandbox.film.scene_motion import scene_motions
-from softcradle.scenes.library import parse
+from softcradle.scenes.catalogue import parse
 
 SOFT = parse("""
 title = "Soft"

@@ -11,7 +11,7 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.film.film_kinds import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
-from softcradle.scenes.library import parse
+from softcradle.scenes.catalogue import parse
 
 SIZE = (960, 540)
 

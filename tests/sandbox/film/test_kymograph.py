@@ -19,7 +19,7 @@ from softcradle.sandbox.film.kymograph import (
 from softcradle.sandbox.film.kymograph_camera import Camera, stacked
 from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
-from softcradle.scenes.library import parse
+from softcradle.scenes.catalogue import parse
 
 WIDTH = 420
 DARK = 60  # sum of red, green and blue below which a pixel is a marker's

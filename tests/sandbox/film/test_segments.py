@@ -9,9 +9,9 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.film import film_kinds, segments
+from softcradle.sandbox.film.film_encoder import open_film
 from softcradle.sandbox.film.film_kinds import pixels_of
 from softcradle.sandbox.film.segments import segment_lengths
-from softcradle.sandbox.film.writer import open_film
 from softcradle.sandbox.user_error import UserError
 
 from tests.sandbox.film.test_films import fail_at

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from softcradle.sandbox.page.motion_family import ALPHAS, SPEEDS, family
 from softcradle.sandbox.scene_runs import load_scene
-from softcradle.scenes.library import parse
+from softcradle.scenes.catalogue import parse
 
 from softcradle import one_on, power_law, simulate
 

@@ -11,7 +11,7 @@ from softcradle.sandbox.page.played_motion import PlayedMotion, scene_member
 from softcradle.sandbox.page.recorded_scene import recorded
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
-from softcradle.scenes.library import parse
+from softcradle.scenes.catalogue import parse
 
 from softcradle import one_on, power_law, simulate
 from tests.sandbox.page.conftest import unpacked

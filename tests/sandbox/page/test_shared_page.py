@@ -13,7 +13,7 @@ from softcradle.sandbox.page.motion_family import render_page
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.session import Session, SetContact
 from softcradle.sandbox.user_error import UserError
-from softcradle.scenes.library import parse
+from softcradle.scenes.catalogue import parse
 
 from softcradle import power_law, scenes, simulate
 from tests.helpers.paths import ROOT

@@ -7,7 +7,7 @@ import pytest
 from softcradle.physics import hertz, simulate
 from softcradle.sandbox.session import Session, SetContact, SetGap, SetMass, SetSlow, SetVelocity
 from softcradle.sandbox.session.contact_events import ContactEventIndex
-from softcradle.sandbox.session.history import BLOCK_ROWS
+from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 
 from softcradle import scenes
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from softcradle.sandbox.session import AddBead, Session, SetMass
-from softcradle.sandbox.session.history import BLOCK_ROWS
+from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 from softcradle.sandbox.session.history_slices import history_slices, last_slice, slice_at
 from softcradle.sandbox.session.ledger import KINETIC, STORED, energy_error
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, Contact, hertz, one_on, power_law, simulate, stable_step
-from softcradle.physics.advice.explicit_limits import TRUSTED_ERROR
+from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve

@@ -9,7 +9,7 @@ from softcradle.sandbox.session import (
     SetKind,
     SetMass,
 )
-from softcradle.sandbox.session.history import BLOCK_ROWS
+from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 
 from softcradle import scenes
 

@@ -236,7 +236,7 @@ def _checked_distance(distance: float) -> float:
 
 
 def _scalar_law(contact: Law) -> Callable[[float], float]:
-    """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.contact_law."""
+    """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.law_kernels."""
     if not callable(getattr(contact, "force", None)):
         raise ValueError(f"contact must be a Contact or have a method force(overlap), not {shown(contact)}")
     if isinstance(contact, Coupler):

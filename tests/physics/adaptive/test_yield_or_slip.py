@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from softcradle.physics.adaptive.acceleration_balance import balance
+from softcradle.physics.adaptive.yield_or_slip import balance
 
 
 def random_rows(seed):

@@ -9,7 +9,7 @@ import pymunk
 import pytest
 from softcradle.physics import draft_gear, hertz, hooke, power_law
 from softcradle.physics.pymunk_contacts import compiled_force
-from softcradle.physics.pymunk_contacts.soft_contact import SoftContact
+from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 
 from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
 
