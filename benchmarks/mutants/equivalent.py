@@ -34,8 +34,8 @@ EQUIVALENT = (
     Equivalent(GUESS, "NO_GUESS = -1.0", "1.0", "any negative number says it"),
     Equivalent(
         GUESS,
-        "if force[i] - preload < FOLLOW * excess",
-        "force[i] - preload < FOLLOW * excess < FOLLOW * FOLLOW * (force[i] - preload)",
+        "if force[i] - preload < MOST_GUESSED * excess",
+        "force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload)",
         "a guess just at its bound",
     ),
     Equivalent(ROOT, "NONE = 2.0", "2.0", "any part beyond 1 says it"),

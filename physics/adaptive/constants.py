@@ -24,24 +24,22 @@ SAFETY = 0.9  # of a length that something allows: what is tried
 SHRINK = 0.25  # of a step whose stages do not converge: the next try, or the fallback step in its place
 LEAST_PART = 0.1  # of a step rejected: the next try is no shorter; of a step whose polynomial is coarse near its start: its start
 MOST_GROWTH = 8.0  # of a step over the one before
-MOST_PREDICTED = 2.0  # further growth where errors fall, at the most
+GROWTH = 2.0  # taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853
 LEAST_ERROR = 1e-3  # of a step's error bound: a smaller error predicts nothing
-NEAR_LEFT = 0.3  # of the time left to an opening: a longer next step is graded with that time
-FIRST_PART = 0.01  # of the fastest local period or crossing: the first step where no onset gives one
+FIRST_PART = (
+    0.01  # of the fastest local period or crossing, or of a step: the first part, where nothing tells how far to go
+)
 STIFF = 9.0  # (step times local frequency)², above which a soft contact is left to radau
 COST_RATIO = 0.4  # time of a step of dop853 over one of radau
-REACH_GROWTH = 1.5  # of the next step of radau, where stiffness alone holds dop853 back: radau is tried in time
 
 # Guesses of stages
-FOLLOW = 3.0  # largest ratio of successive steps at which the cubics of the step before are extrapolated, and of guessed forces
-SOFT_FOLLOW = 1.3  # largest ratio of successive steps at which those of soft contacts are
+FOLLOW = 1.3  # largest ratio of successive steps at which the cubics of the step before are extrapolated
+MOST_GUESSED = 3.0  # growth of a force in a guess, or fall, at the most
 SUDDEN = 0.2  # of the time since an onset, or until an opening: a longer step goes on by a power of that time
 
 # Searches
-MOST_NEWTON = 15  # iterations of one step
-MOST_LANDINGS = 20  # tries to end a step at an event
+MOST_TRIES = 15  # iterations of Newton, and tries to end a step at an event
 FEW_TRIES = 4  # tries of what seldom needs more than one, before another way is taken
 MOST_MOVES = 120  # of the search for a root: one that takes more has met a root that only touches zero
-DOUBLE_ZERO = 0.02  # part by which that search leaves a start at which value and slope vanish
 HUGE = 1e200  # an overlap [m] beyond which Newton's iteration has diverged; a slope beyond which a contact counts as touching
 MARGIN = 4  # contacts around those that push: a wave front runs one or two a step

@@ -6,7 +6,7 @@ gives a time before which it cannot vanish, so the search moves on from there an
 
 from __future__ import annotations
 
-from softcradle.physics.adaptive.constants import DOUBLE_ZERO, MOST_MOVES, ROUND_OFF
+from softcradle.physics.adaptive.constants import FIRST_PART, MOST_MOVES, ROUND_OFF
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES
 
@@ -96,7 +96,7 @@ def safe_move(b):
         return hull_crossing(b, 6)
     if b[1] > 0.0:  # the root at 0 is divided out
         return hull_crossing((b[1], b[2] / 2.0, b[3] / 3.0, b[4] / 4.0, b[5] / 5.0, 0.0), 5)
-    return 0.0 if b[1] < 0.0 or b[2] < 0.0 else DOUBLE_ZERO
+    return 0.0 if b[1] < 0.0 or b[2] < 0.0 else FIRST_PART
 
 
 @jit

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_NEWTON
+from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TRIES
 from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import inlined, jit
@@ -118,7 +118,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     before, strongest = math.inf, 0.0
     for i in range(n):
         strongest = max(strongest, force[i])
-    for iteration in range(MOST_NEWTON):
+    for iteration in range(MOST_TRIES):
         directions(h, chain, mode, trial, scratch)
         eliminate(h, chain, motion, trial, scratch)
         size, changed, largest = 0.0, 0.0, strongest

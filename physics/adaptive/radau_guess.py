@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FOLLOW, ROUND_OFF, SOFT_FOLLOW, SUDDEN
+from softcradle.physics.adaptive.constants import FOLLOW, MOST_GUESSED, ROUND_OFF, SUDDEN
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
 from softcradle.physics.numerics.law_kernels import power
@@ -26,7 +26,6 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
     follows = past_step > 0.0 and h < FOLLOW * past_step
-    soft_follows = past_step > 0.0 and h < SOFT_FOLLOW * past_step
     since = time_since_onset(law, mode, overlap, rate, force)
     for i in range(overlap.size):
         preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
@@ -47,7 +46,7 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                 time = overlap[i] / rate[i] if own else since
                 if (
                     past_step >= 0.0
-                    and (not soft_follows or (origin == AFTER and h > SUDDEN * abs(time)))
+                    and (not follows or (origin == AFTER and h > SUDDEN * abs(time)))
                     and overlap[i] > SMALLEST
                 ):
                     growth = math.log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
@@ -56,13 +55,13 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                         continue
                     if not own:
                         growth *= rate[i] * time / overlap[i]
-                    most = math.log(FOLLOW) / exponent
+                    most = math.log(MOST_GUESSED) / exponent
                     growth = min(max(growth, -most), most)
                     stage_overlap[k, i] = overlap[i] * math.exp(growth)
                     stage_force[k, i] = preload + (force[i] - preload) * math.exp(exponent * growth)
-                elif soft_follows:
+                elif follows:
                     excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
-                    if force[i] - preload < FOLLOW * excess < FOLLOW * FOLLOW * (force[i] - preload):
+                    if force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload):
                         stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
                         stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:

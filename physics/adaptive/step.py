@@ -9,8 +9,7 @@ from softcradle.physics.adaptive.constants import (
     INACTIVE_PART,
     KINK,
     LEAST_PART,
-    MOST_LANDINGS,
-    MOST_NEWTON,
+    MOST_TRIES,
     NEWTON_PART,
     ROUND_OFF,
     SAFETY,
@@ -42,10 +41,10 @@ def take_step(h, kind, firm, chain, motion, wanted, past_step, origin, trial, sc
         return dop853_step(h, INACTIVE_PART * wanted, firm, chain, motion, trial, scratch)
     precision = NEWTON_PART * wanted
     used = radau_step(h, chain, motion, precision, past_step, origin, trial, scratch)
-    log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
+    log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_TRIES)
     if used == 0:
         used = radau_step(h, chain, motion, precision, NO_GUESS, AFTER, trial, scratch)
-        log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_NEWTON)
+        log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_TRIES)
     return 0.0 if used > 0 else -1.0
 
 
@@ -104,7 +103,7 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             return 0.0, 0.0, found, its_event, rejected
         if row >= 0:
             is_inactive = event == CLOSES and abs(trial.rate[2, row]) <= inactive
-            most_tries = FEW_TRIES if is_inactive else MOST_LANDINGS
+            most_tries = FEW_TRIES if is_inactive else MOST_TRIES
             if tries < most_tries and found >= 0 and part * h < h + min(miss, 0.0):
                 row, event, h = found, its_event, part * h
                 tries += 1
@@ -113,7 +112,7 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
                 h = min(max(h + miss, LEAST_PART * h), ceiling)
                 tries += 1
                 continue
-        elif found >= 0 and tries < MOST_LANDINGS:
+        elif found >= 0 and tries < MOST_TRIES:
             ceiling, tries = h, tries + 1
             if part < LEAST_PART and h > least and time + LEAST_PART * h > time:
                 h *= LEAST_PART  # the polynomial of a long step is coarse near its start

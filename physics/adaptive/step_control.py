@@ -11,12 +11,10 @@ import math
 from softcradle.physics.adaptive.constants import (
     COST_RATIO,
     FIRST_PART,
+    GROWTH,
     INACTIVE_PART,
     LEAST_ERROR,
     MOST_GROWTH,
-    MOST_PREDICTED,
-    NEAR_LEFT,
-    REACH_GROWTH,
     SAFETY,
     STIFF,
 )
@@ -114,7 +112,7 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
     if allowed != EITHER:
         reach = math.inf if allowed == DOP853 else 0.0
     alone = allowed == DOP853
-    if left < control[LEFT] < math.inf and not alone and control[NEXT] > NEAR_LEFT * left:
+    if left < control[LEFT] < math.inf and not alone:
         control[NEXT] = min(control[NEXT], control[UNLIMITED] * left / control[LEFT])
     control[LEFT], control[REACH] = left, reach
     longest = min(control[RADAU_NEXT], control[NEXT])
@@ -124,7 +122,7 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
     if left < h:
         return kind, SAFETY * left if alone else before_opening(left, push, wanted), not alone
     if kind == DOP853 and h == reach:
-        control[RADAU_NEXT] *= REACH_GROWTH
+        control[RADAU_NEXT] *= GROWTH
     return kind, h, False
 
 
@@ -147,7 +145,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
         if h < control[LAST]:
             grow = min(grow, SAFETY * predicted * (wanted / error) ** exponent)
         elif math.isfinite(control[REACH]):
-            grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), MOST_PREDICTED))
+            grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), GROWTH))
     control[LAST], control[ERROR], control[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
     if kind == RADAU:
         control[RADAU_NEXT] = h * grow

@@ -44,7 +44,8 @@ def finish(problem: Problem, given_up: Record, sampled: Callable[[Record, Array]
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
     velocities = np.array([end.end.velocity(problem.chain) for end in ends])
-    error = confirmed_error(given_up) + DOUBT * np.ptp(velocities, axis=0)
+    spread = np.ptp(velocities, axis=0)  # that of one bead may be small by chance, where those of others are not
+    error = confirmed_error(given_up) + np.maximum(DOUBT * spread, spread.max())
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
     if (late < last.end.time).any():
