@@ -25,7 +25,7 @@ def chain_numbers(
     truths: Mapping[str, Entry], method: str, tolerance: float, family: str, seed: int
 ) -> dict[str, object]:
     """One chain, judged against its truth, which is found first where `truths` does not have it."""
-    _compiled()
+    compiled()
     chosen, new = motion(family, seed), {}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
@@ -41,7 +41,7 @@ def chain_numbers(
 
 
 @cache
-def _compiled() -> None:
+def compiled() -> None:
     """Compile all kernels, once in a process: no time of a chain is that of compiling."""
     warm()
 

@@ -28,7 +28,7 @@ from softcradle.sandbox.sweeps.swept_columns import swept
 
 from benchmarks.json_lines import append, lines
 from benchmarks.reports import Report
-from benchmarks.scan.chain_points import Entry, chain_numbers, entries
+from benchmarks.scan.chain_points import Entry, chain_numbers, compiled, entries
 from benchmarks.scan.families import FAMILIES, motion
 from benchmarks.scan.verdict import PROMISE, SLOW, Verdict
 
@@ -96,6 +96,7 @@ def _compute(
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
     where: Where = "here" if args.jobs <= 1 else "processes"
+    compiled()  # once, on the disk: processes that begin side by side would each compile all kernels
     with progress_bar() as progress:
         task = progress.add_task("chains", total=len(wanted))
         told = partial(_tell, progress, task)

@@ -11,12 +11,16 @@ from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, step_force
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.reference.extended_run import ReferenceGaveUpError
+from softcradle.physics.reference.reference_end import reference_end
 from softcradle.physics.simulation import solve
 from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
 
 ERROR_LEVELS = (1e-3, 1e-6, 1e-9)  # errors of final velocities, over the closing speed, at which methods are compared
+REFERENCE_TOLERANCE = 1e-14  # of the reference in extended precision, whose outcome is the truth where it gets there
+STEPS_AND_BEADS = 30_000  # its steps times beads, some seconds, before it gives up
 TRUTH_TOLERANCE = 1e-12  # of radau, whose outcome is the truth where none is known better
 CHECK_TOLERANCE = 3e-12  # of accurate, whose distance from the truth is its uncertainty
 PEER_MARGIN = 1.001  # peers cannot see the end of a collision: they run this much longer than it lasts
@@ -140,17 +144,28 @@ class CaseDefinition:
         chain = self.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
         finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
-        truth, uncertainty, source = finest.final_velocity, 0.0, self.source
-        if self.truth is not None:
-            truth = self.truth()
-        else:
-            check = solve(chain, velocity, self.duration, "accurate", samples=2, tolerance=CHECK_TOLERANCE)
-            uncertainty = float(np.abs(truth - check.final_velocity).max() / (np.ptp(velocity) or 1.0))
-            source = f"radau at {TRUTH_TOLERANCE:g}, accurate at {CHECK_TOLERANCE:g} within {uncertainty:.0e}"
+        truth, uncertainty, source = self._truth(chain, velocity, finest.final_velocity)
         end = float(finest.time[-1])
         return Case(
             self.name, self.label, chain, velocity, self.duration, end, truth, uncertainty, source, self.aims
         )  # fmt: skip
+
+    def _truth(self, chain: Chain, velocity: Array, finest: Array) -> tuple[Array, float, str]:
+        """The truth, its uncertainty over the closing speed, and its source; `finest` is that of the finest run by radau."""
+        if self.truth is not None:
+            return self.truth(), 0.0, self.source
+        speed, most_steps = np.ptp(velocity) or 1.0, STEPS_AND_BEADS // velocity.size
+        try:
+            found = reference_end(chain, velocity, self.duration, REFERENCE_TOLERANCE, most_steps)
+        except ReferenceGaveUpError:
+            check = solve(chain, velocity, self.duration, "accurate", samples=2, tolerance=CHECK_TOLERANCE)
+            uncertainty = float(np.abs(finest - check.final_velocity).max() / speed)
+            return (
+                finest,
+                uncertainty,
+                f"radau at {TRUTH_TOLERANCE:g}, accurate at {CHECK_TOLERANCE:g} within {uncertainty:.0e}",
+            )
+        return found.velocity, found.error / speed, f"reference in extended precision, within {found.error / speed:.0e}"
 
 
 def definitions_of(scene: Scene) -> list[CaseDefinition]:
