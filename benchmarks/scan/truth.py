@@ -24,10 +24,11 @@ from benchmarks.scan.families import Motion
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-12  # of the reference
-STEPS_AND_BEADS = 20_000  # steps of the reference times beads, before it gives up
+STEPS_AND_SQUARE = 60_000  # steps of the reference times the square of beads, some seconds, before it gives up
+LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000  # of it in any case
 SHAKE = 1e-10  # relative change of the forces from one run of `conserving` to the next
 PARTS = (1000, 1300, 1700)  # steps of `conserving` in the longest contact time
-MOST_STEPS = 300_000  # of a run of `conserving`
+MOST_STEPS = 300_000  # of a run of `conserving`, about
 FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
 AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
 CONFIRMED = 20.0  # times what two steps of `conserving` differ by, and
@@ -60,10 +61,9 @@ def truth_of(motion: Motion) -> Truth:
     fine = _fine(motion) if motion.seed % BY_REFERENCE else None
     if fine is not None:
         return fine
+    most_steps = max(LEAST_STEPS, min(STEPS_AND_SQUARE // beads**2, MOST_STEPS_OF_REFERENCE))
     try:
-        found = reference_end(
-            motion.chain, motion.velocity, motion.duration, TOLERANCE, max(500, STEPS_AND_BEADS // beads)
-        )
+        found = reference_end(motion.chain, motion.velocity, motion.duration, TOLERANCE, most_steps)
     except ReferenceGaveUpError:
         return _spread(motion)
     return Truth(found.velocity, np.full(beads, found.error), REFERENCE)
@@ -71,14 +71,15 @@ def truth_of(motion: Motion) -> Truth:
 
 def _fine(motion: Motion) -> Truth | None:
     """The end of two fine runs, if they agree and `conserving` confirms them."""
-    ends = []
+    ends, last = [], 0.0
     for method, tolerance in FINE.items():
         found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
         if found.warnings:
             return None
         ends.append(found.final_velocity)
+        last = float(found.time[-1])
     apart = np.abs(ends[0] - ends[1])
-    coarse = _conserving(motion, PARTS[:2])
+    coarse = _conserving(motion, PARTS[:2], last)
     allowed = max(CONFIRMED * float(np.ptp(coarse, axis=0).max()), CONFIRMED_AT_LEAST * motion.speed)
     if apart.max() > AGREEMENT * motion.speed or np.abs(coarse - ends[1]).max() > allowed:
         return None
@@ -89,19 +90,20 @@ def _spread(motion: Motion) -> Truth:
     """Mean and spread of `conserving` at three steps, with forces that differ in the last digits, and of the finest run."""
     method, tolerance = list(FINE.items())[-1]
     finest = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
-    runs = np.vstack((_conserving(motion, PARTS), finest.final_velocity))
+    runs = np.vstack((_conserving(motion, PARTS, float(finest.time[-1])), finest.final_velocity))
     apart = float(np.ptp(runs, axis=0).max())
     return Truth(np.mean(runs, axis=0), np.full(runs.shape[1], 2.0 * apart), SPREAD)
 
 
-def _conserving(motion: Motion, parts_of_contact: tuple[int, ...]) -> Array:
-    """(runs, n+1) ends by `conserving`, each with another step and with forces that differ in the last digits."""
+def _conserving(motion: Motion, parts_of_contact: tuple[int, ...], last: float) -> Array:
+    """(runs, n+1) ends by `conserving`, each with another step and with forces that differ in the last digits.
+
+    `last` [s]: about when the motion ends.
+    """
     longest = float(np.median(contact_scales(motion.chain, motion.velocity)[1]))
     runs = []
     for k, parts in enumerate(parts_of_contact):
-        step = longest / parts
-        if motion.duration is not None:
-            step = max(step, motion.duration / MOST_STEPS)
+        step = max(longest / parts, last / MOST_STEPS)
         chain = _shaken(motion.chain, k * SHAKE)
         runs.append(solve(chain, motion.velocity, motion.duration, "conserving", step, samples=2).final_velocity)
     return np.array(runs)
