@@ -27,7 +27,8 @@ TOLERANCE = 1e-12  # of the reference
 STEPS_AND_SQUARE = 60_000  # steps of the reference times the square of beads, some seconds, before it gives up
 LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000  # of it in any case
 SHAKE = 1e-10  # relative change of the forces from one run of `conserving` to the next
-PARTS = (1000, 1300, 1700)  # steps of `conserving` in the longest contact time
+CONFIRMING = (1000, 1300)  # steps in the longest contact time of the two runs of `conserving` that confirm fine ones
+SPREADING = (300, 600, 1000, 1700, 3000)  # and of those whose spread is the truth: like steps err alike
 MOST_STEPS = 300_000  # of a run of `conserving`, about
 FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
 AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
@@ -79,7 +80,7 @@ def _fine(motion: Motion) -> Truth | None:
         ends.append(found.final_velocity)
         last = float(found.time[-1])
     apart = np.abs(ends[0] - ends[1])
-    coarse = _conserving(motion, PARTS[:2], last)
+    coarse = _conserving(motion, CONFIRMING, last)
     allowed = max(CONFIRMED * float(np.ptp(coarse, axis=0).max()), CONFIRMED_AT_LEAST * motion.speed)
     if apart.max() > AGREEMENT * motion.speed or np.abs(coarse - ends[1]).max() > allowed:
         return None
@@ -87,10 +88,10 @@ def _fine(motion: Motion) -> Truth | None:
 
 
 def _spread(motion: Motion) -> Truth:
-    """Mean and spread of `conserving` at three steps, with forces that differ in the last digits, and of the finest run."""
+    """Mean and spread of `conserving` at five steps, with forces that differ in the last digits, and of the finest run."""
     method, tolerance = list(FINE.items())[-1]
     finest = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
-    runs = np.vstack((_conserving(motion, PARTS, float(finest.time[-1])), finest.final_velocity))
+    runs = np.vstack((_conserving(motion, SPREADING, float(finest.time[-1])), finest.final_velocity))
     apart = float(np.ptp(runs, axis=0).max())
     return Truth(np.mean(runs, axis=0), np.full(runs.shape[1], 2.0 * apart), SPREAD)
 

@@ -141,6 +141,10 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                     stage_force[k, i] += by_force
                 if not abs(stage_overlap[k, i]) < HUGE:
                     return 0
+                by_overlap, by_force = (
+                    max(abs(by_overlap), abs(along[k, i] * z[k, i])),
+                    max(abs(by_force), abs(across[k, i] * z[k, i])),
+                )
                 size = max(size, h * weight * abs(by_force), math.sqrt(weight * abs(by_overlap * by_force)))
                 changed, largest = max(changed, abs(by_force)), max(largest, abs(stage_force[k, i]))
         if changed <= FORCE_PRECISION * largest and (

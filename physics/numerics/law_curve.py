@@ -68,12 +68,12 @@ def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap,
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
         soft = 1.0 + weight * exponent * (force - preload) / overlap
-        if (
-            soft < 2.0 and preload > 0.0
-        ):  # far to the right of the solution: go to the bound that d + weight f = const sets on it
+        if soft < 2.0 and preload > 0.0:  # far to the right of the solution: d + weight K d**a = rest bounds both terms
             rest = overlap + weight * (force - preload) + soft * by_overlap
             if rest > 0.0:
                 reach = power(rest / (weight * stiffness), 1.0 / exponent)
+                if rest < min(reach, overlap):
+                    return rest, preload + stiffness * power(rest, exponent)
                 if reach < overlap:
                     return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)

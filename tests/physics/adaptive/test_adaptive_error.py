@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics import Chain, Contact, draft_gear, hertz, one_on, power_law, simulate, step_force
+from softcradle.physics.reference.reference_end import reference_end
 
 from softcradle import scenes
 from tests.helpers.relations import PROMISE, closing_speed, kinetic_energy, simulate_quietly
@@ -135,3 +136,33 @@ def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
     assert np.abs(found.final_velocity - reference.final_velocity).max() < 10.0 * tolerance * speed
     assert np.ptp(found.final_velocity[1:]) > 1e-5
     assert len(found.contact_intervals[1]) == len(reference.contact_intervals[1])
+
+
+@pytest.mark.parametrize("method", ["accurate", "dop853"])
+def test_a_spring_that_is_pressed_from_rest(method):
+    """By a steady force that begins within long steps: errors of rates alone vanish there, those of overlaps do not."""
+    start = [0.65, 0.65, 0.65, 0.5236, 0.5236, -0.179]
+    for seed in range(12):
+        stiffness = np.random.default_rng(seed).uniform(3.0, 5.0)
+        laws = [
+            Contact(1.69, 3.17, 0.287),
+            Contact(0.0194, stiffness, 1.0),
+            step_force(0.272),
+            Contact(1.95, 0.172, 0.747),
+        ]
+        chain = Chain([1.0] * 6, [*laws, step_force(0.54)], gap=[0.0, 0.0, 0.3, 0.0, 0.0])
+        exact = run(chain, start, method="radau", tolerance=1e-11).final_velocity
+        for tolerance in (1e-6, 1e-7, 1e-8, 1e-9):
+            found = run(chain, start, method=method, tolerance=tolerance)
+            assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance, (seed, tolerance)
+
+
+def test_a_stiff_contact_that_yields_as_its_neighbour_presses():
+    """Newton's iteration crept there, along a law that is all but linear, and was taken to have converged."""
+    laws = [Contact(1.9, 23.6, 0.956, loss) for loss in (0.2, 0.7, 0.9)]
+    chain = Chain([8.4, 0.113, 2.86, 1.12], laws)
+    exact = reference_end(chain, [1.0, 1.0, 0.0, 0.0], 0.154, tolerance=1e-12).velocity
+    for method in ("accurate", "radau", "dop853"):
+        for tolerance in (1e-6, 1e-7, 1e-8, 1e-9):
+            found = run(chain, [1.0, 1.0, 0.0, 0.0], 0.154, method=method, tolerance=tolerance)
+            assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance, (method, tolerance)

@@ -90,7 +90,7 @@ def test_moves_toward_zero_go_by_the_force():
     """A soft contact takes the force that Newton wants, and the overlap of this force; one that wants less than none opens."""
     soft, gear = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
     assert move_along(*soft, 1.0, 0.25, 1.0, -0.1, -0.4) == pytest.approx((0.09, 0.6))
-    assert move_along(*gear, 1e-9, 0.25, 2.0, -0.1, -0.4) == pytest.approx((0.09, 1.6))
+    assert move_along(*gear, 3.0, 0.25, 2.0, -0.1, -0.4) == pytest.approx((0.09, 1.6))
     assert move_along(*gear, 1e-9, 0.25, 2.0, -0.3, -1.4) == pytest.approx((-0.04, 0.6))
     assert move_along(*soft, 1.0, 0.25, 1.0, -0.5, -2.0) == pytest.approx((-0.25, 0.0))
     assert move_along(*soft, 1.0, 0.25, 1.0, -0.1, -2.0) == (-SMALLEST, 0.0)
@@ -139,14 +139,17 @@ def test_a_soft_contact_that_wants_no_force_at_all_opens():
 
 
 def test_a_contact_far_beyond_its_solution_goes_to_the_bound_of_it():
-    """d + weight f stays what Newton's move makes it: with a preload, the overlap at which the law alone takes all of it."""
+    """d + weight f stays what Newton's move makes it: with a preload, the nearer of the overlaps at which one term takes all."""
     law = (1.0, 2.0, 0.5)
     force = signed_force(*law, 4.0)
     soft = 1.0 + 0.01 * 0.5 * (force - 1.0) / 4.0
     rest = 4.0 + 0.01 * (force - 1.0) - soft * 3.999
-    assert move_along(*law, 0.01, 4.0, force, -3.999, -1.0) == pytest.approx(
-        (min((rest / 0.02) ** 2, 4.0), 1.0 + rest / 0.01)
-    )
+    assert move_along(*law, 0.01, 4.0, force, -3.999, -1.0) == pytest.approx((rest, signed_force(*law, rest)))
+    weight = 0.9
+    soft = 1.0 + weight * 0.5 * (force - 1.0) / 4.0
+    rest = 4.0 + weight * (force - 1.0) - soft * 3.9
+    assert (rest / (2.0 * weight)) ** 2 < rest
+    assert move_along(*law, weight, 4.0, force, -3.9, -1.0) == pytest.approx(((rest / 1.8) ** 2, 1.0 + rest / weight))
 
 
 def test_forces_flow_as_the_matrix_of_the_chain_says():
