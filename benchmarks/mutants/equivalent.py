@@ -48,6 +48,27 @@ EQUIVALENT = (
     Equivalent(
         SOLVE, "if low == high or (low < s[i]", "high == s[i]", "low is never above high, and equal is asked for"
     ),
+    Equivalent(SOLVE, "break", "break", "what follows repeats the same row until its bisections are used up"),
+    Equivalent(SOLVE, "slope[i - 1] if i > 0 else 0.0", "i > 0", "what it is multiplied by is 0 there"),
+    Equivalent(SOLVE, "pivot = 1.0 - (lower", "i > 0", "lower is 0 there"),
+    Equivalent(SOLVE, "shift[i - 1] if i > 0", "i > 0", "lower is 0 there"),
+    Equivalent(SOLVE, "best, least, damping = ", "1.0", "only the length of the first move of Newton's iteration"),
+    Equivalent(SOLVE, "pressed = 0.0", "0.0", "only where Newton's iteration begins anew"),
+    Equivalent(SOLVE, "total >= best", "total >= best", "two equal sums of residuals, to the last digit"),
+    Equivalent(
+        RESOLVENT, "overlap = guess if 0.0 < guess < s", "0.0 < guess < s", "only where Newton's iteration begins"
+    ),
+    Equivalent(RESOLVENT, "if not 0.0 < guess < s:", "0.0 < guess < s", "only where Newton's iteration begins"),
+    Equivalent(RESOLVENT, "reach = (s / weight", "1.0", "only where Newton's iteration begins"),
+    Equivalent(RESOLVENT, "precision = 4.0 * EPSILON", "4.0", "round-off, in any case"),
+    Equivalent(RESOLVENT, "if excess > 0.0:", "excess > 0.0", "an excess of 0 is the root"),
+    Equivalent(RESOLVENT, "if move > 0.0 else", "move > 0.0", "a move of 0 ends the iteration"),
+    Equivalent(
+        RESOLVENT,
+        "if not low <= following <= high:",
+        "low <= following <= high",
+        "the root lies between, not at an end",
+    ),
     Equivalent(RESOLVENT, "if abs(x) < 1e-7:", "abs(x) < 1e-7", "the two formulas agree there"),
     Equivalent(RESOLVENT, "math.sqrt(low * high) if low > 0.0", "4.0", "where a bracket is divided; it holds the root"),
     Equivalent(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, Coupler, State, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.chain import GRAVITY
+from softcradle.physics.fixed_step import discrete_gradient
 from softcradle.physics.fixed_step.discrete_gradient import (
     WORK_ROWS,
     first_event,
@@ -16,8 +17,10 @@ from softcradle.physics.fixed_step.discrete_gradient import (
     gradient_steps,
     single_step,
 )
+from softcradle.physics.numerics.contact_solve import row_residual, sweep
 from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS, UNKNOWN
+from softcradle.physics.own_law import OwnLaw
 
 from tests.helpers.plain_kernels import only_plain, records_of
 
@@ -313,3 +316,59 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, ta
     assert counter[UNCONVERGED] == 0
     assert (motion.overlap[0] > 0.0) == (steps == 8)
     assert (motion.rate[0] == 0.0) == (friction == 0.2)
+
+
+@pytest.mark.parametrize("off", [-3.0, -0.01, 0.01, 3.0])
+def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
+    """With beads on a bed; the first row is the last one visited, so nothing is left of what it lacks."""
+    solve, seen = discrete_gradient.solve_contacts, []
+
+    def swept(
+        h, law, own, joints, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work
+    ):
+        given = (
+            h,
+            law,
+            own,
+            joints,
+            dissipation,
+            diagonal,
+            coupling,
+            push,
+            free,
+            start,
+            rate,
+            overlap,
+            force,
+            beads,
+            work,
+        )
+        solve(*given)
+        work[UNKNOWN] += off
+        sweep(*given)
+        lacks, terms = row_residual(h, 0, dissipation, coupling, push, free, start, rate, force, beads, work)
+        seen.append(abs(lacks) / terms)
+        return solve(*given)
+
+    monkeypatch.setattr(discrete_gradient, "solve_contacts", swept)
+    for seed in range(60):
+        chain, state, h = hard_chain(seed)
+        if chain.friction:
+            step(chain, state, h)
+    assert len(seen) > 30
+    assert max(seen) <= 1e-12
+
+
+def test_a_law_of_ones_own_steps_like_the_same_law_built_in():
+    for seed in range(20):
+        draw = np.random.default_rng(seed)
+        laws = [hertz(float(k)) for k in draw.uniform(1.0, 20.0, 2)]
+        own = [OwnLaw(lambda overlap, k=law.stiffness: k * overlap**1.5) for law in laws]
+        velocity, ends = draw.normal(size=3), []
+        for contacts in (laws, own):
+            chain = Chain([1.0, 2.0, 0.5], contacts)
+            state = State.at_start(chain, velocity)
+            state.overlap[:] = 0.1, 0.02
+            step(chain, state, 0.05)
+            ends.append([*state.overlap, *state.rate, *state.force])
+        assert ends[0] == pytest.approx(ends[1], rel=1e-9, abs=1e-12)
