@@ -24,7 +24,9 @@ STILL = 1e-2  # tolerances: a slower bead rests
 NEWTON = (
     1e-6  # tolerances: what Newton's iteration may leave; more of it sets contacts bouncing that carry next to nothing
 )
-SLACK = 1e-3  # tolerances: how far past its zero a guard of velocities may be
+SLACK = (
+    1e-3  # tolerances: how far past its zero a guard of velocities may be, and what is left of a step across a corner
+)
 FIRST_STEPS = 2  # of a run: before them the branches of rows at rest are not yet found
 NO_STEP = 1e-6  # of the crossing step: where not even a step so short converges, the run gives up
 MOST_STEPS = 20_000  # of a run, rejected ones included
@@ -127,11 +129,11 @@ class ExtendedRun:
         if self._is_crossing(float(h)):
             self._cross(h)
             return
+        slack = SLACK * self.tolerance * self.speed
         stages = Stages(self.rows, self.tableau, self.point, h, self._left_by_newton()).solve()
         if stages is None:
             self.length = 0.25 * float(h)
             return
-        slack = SLACK * self.tolerance * self.speed
         error = local_error(self.tableau, self.rows, stages, float(h)) / (self.tolerance * self.speed)
         factor = SAFETY * max(error, 1e-30) ** (-0.5 / self.stages)
         if error > 1.0:
@@ -149,8 +151,9 @@ class ExtendedRun:
             self.length = min(grown, max(corner, 0.5 * self._crossing_length()))
 
     def _left_by_newton(self) -> float:
-        """Precision [m/s] of the stages."""
-        return max(NEWTON * self.tolerance, 4.0 * EPSILON) * self.speed
+        """Precision [m/s] of the stages: beads that stick and contacts that are held keep the iteration from its last digits."""
+        part = SLACK if self.rows.bed.size or self.rows.loss.any() else NEWTON
+        return max(part * self.tolerance, 4.0 * EPSILON) * self.speed
 
     def _crossing_length(self) -> float:
         """Longest step [s] that may cross a corner."""
@@ -170,8 +173,8 @@ class ExtendedRun:
     def _cross(self, h: Extended) -> None:
         """Take a step of implicit Euler, in which every row finds its branch at the end: a monotone problem."""
         speed = float(np.abs(self.point.velocity).max()) + self.speed
-        strict = 4.0 * EPSILON * speed
-        stages = Stages(self.rows, tableau(1), self.point, h, self._left_by_newton(), strict).solve()
+        wanted, strict = SLACK * self.tolerance * self.speed, 4.0 * EPSILON * speed
+        stages = Stages(self.rows, tableau(1), self.point, h, wanted, strict).solve()
         if stages is not None:
             self._take(stages, h)
             self.length = GROWTH * float(h)
