@@ -24,7 +24,9 @@ SAFETY = 0.9  # of a length that something allows: what is tried
 SHRINK = 0.25  # of a step whose stages do not converge: the next try, or the fallback step in its place
 LEAST_PART = 0.1  # of a step rejected: the next try is no shorter; of a step whose polynomial is coarse near its start: its start
 MOST_GROWTH = 8.0  # of a step over the one before
-GROWTH = 2.0  # taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853
+FURTHER_GROWTH = (
+    2.0  # taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853
+)
 LEAST_ERROR = 1e-3  # of a step's error bound: a smaller error predicts nothing
 FIRST_PART = (
     0.01  # of the fastest local period or crossing, or of a step: the first part, where nothing tells how far to go

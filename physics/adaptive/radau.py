@@ -108,8 +108,8 @@ def eliminate(h, chain, motion, trial, scratch):
 def solve_stages(h, chain, motion, precision, trial, scratch):
     """Newton on all stages from the guess in `trial`; `precision` is the velocity [m/s] to converge to.
 
-    A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df). Returns the
-    iterations used, 0 where they did not converge.
+    A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df); one that a move along
+    the curve makes shorter counts in full. Returns the iterations used, 0 where they did not converge.
     """
     law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
@@ -126,6 +126,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
                 by_overlap, by_force = along[k, i] * z[k, i], across[k, i] * z[k, i]
+                asked_overlap, asked_force = abs(by_overlap), abs(by_force)
                 if not math.isfinite(by_overlap) or not math.isfinite(by_force):
                     return 0
                 if mode[i] == LOADED:
@@ -141,12 +142,9 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                     stage_force[k, i] += by_force
                 if not abs(stage_overlap[k, i]) < HUGE:
                     return 0
-                by_overlap, by_force = (
-                    max(abs(by_overlap), abs(along[k, i] * z[k, i])),
-                    max(abs(by_force), abs(across[k, i] * z[k, i])),
-                )
-                size = max(size, h * weight * abs(by_force), math.sqrt(weight * abs(by_overlap * by_force)))
-                changed, largest = max(changed, abs(by_force)), max(largest, abs(stage_force[k, i]))
+                by_overlap, by_force = max(abs(by_overlap), asked_overlap), max(abs(by_force), asked_force)
+                size = max(size, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
+                changed, largest = max(changed, by_force), max(largest, abs(stage_force[k, i]))
         if changed <= FORCE_PRECISION * largest and (
             size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before)
         ):

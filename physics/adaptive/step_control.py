@@ -11,7 +11,7 @@ import math
 from softcradle.physics.adaptive.constants import (
     COST_RATIO,
     FIRST_PART,
-    GROWTH,
+    FURTHER_GROWTH,
     INACTIVE_PART,
     LEAST_ERROR,
     MOST_GROWTH,
@@ -122,7 +122,7 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
     if left < h:
         return kind, SAFETY * left if alone else before_opening(left, push, wanted), not alone
     if kind == DOP853 and h == reach:
-        control[RADAU_NEXT] *= GROWTH
+        control[RADAU_NEXT] *= FURTHER_GROWTH
     return kind, h, False
 
 
@@ -145,7 +145,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
         if h < control[LAST]:
             grow = min(grow, SAFETY * predicted * (wanted / error) ** exponent)
         elif math.isfinite(control[REACH]):
-            grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), GROWTH))
+            grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), FURTHER_GROWTH))
     control[LAST], control[ERROR], control[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
     if kind == RADAU:
         control[RADAU_NEXT] = h * grow

@@ -324,26 +324,8 @@ def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
     """With beads on a bed; the first row is the last one visited, so nothing is left of what it lacks."""
     solve, seen = discrete_gradient.solve_contacts, []
 
-    def swept(
-        h, law, own, joints, dissipation, diagonal, coupling, push, free, start, rate, overlap, force, beads, work
-    ):
-        given = (
-            h,
-            law,
-            own,
-            joints,
-            dissipation,
-            diagonal,
-            coupling,
-            push,
-            free,
-            start,
-            rate,
-            overlap,
-            force,
-            beads,
-            work,
-        )
+    def swept(*given):
+        h, _, _, _, dissipation, _, coupling, push, free, start, rate, _, force, beads, work = given
         solve(*given)
         work[UNKNOWN] += off
         sweep(*given)
