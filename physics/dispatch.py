@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from softcradle.physics import timed_force_pieces
 from softcradle.physics.chain import Chain
 from softcradle.physics.methods import Family, find_method
@@ -26,6 +28,7 @@ def is_extended(method: str, chain: Chain) -> bool:
     return find_method(method).family is Family.REFERENCE and bool(chain.dissipative or chain.couplers)
 
 
+@cache
 def _runner(family: Family) -> Runner:
     match family:
         case Family.FIXED_STEP:

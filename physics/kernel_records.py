@@ -16,7 +16,7 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-FIRST_LOG = 1024  # rows of the log of contact switches at first
+FIRST_LOG = 4096  # rows of the log of contact switches at first
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 NOTHING = np.zeros(0)
 NO_FLAGS = np.zeros(0, dtype=np.int8)
@@ -90,6 +90,15 @@ def larger_log(log: SwitchLog) -> int:
     """The rows that a run needs whose log was too small; 0 where it was not, or where it may not be larger."""
     wanted, size = int(log.counter[SWITCH]), log.contact.size
     return min(4 * wanted, MOST_LOG) if wanted > size and size < MOST_LOG else 0
+
+
+def with_free_rows(log: SwitchLog) -> SwitchLog:
+    """The log, with four times the rows where half of them are taken, and more are allowed."""
+    size = log.contact.size
+    if not 0 < size < min(2 * int(log.counter[SWITCH]), MOST_LOG):
+        return log
+    rows = min(4 * size, MOST_LOG)
+    return log._replace(contact=np.resize(log.contact, rows), time=np.resize(log.time, rows))
 
 
 def kept_switches(log: SwitchLog) -> tuple[NDArray[np.int64], Array]:

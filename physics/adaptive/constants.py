@@ -6,11 +6,10 @@ How far each can move before errors or work tell is measured by ``python -m benc
 from __future__ import annotations
 
 # Errors, as velocities
-TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step
+TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step; of this bound: a velocity that does not count
 NEWTON_PART = (
-    0.01  # of a step's error bound: the precision of its stages; a contact that arrives at d = 0 slower rests there
+    0.01  # of a step's error bound: the precision of its stages; a smaller error, or rate at d = 0, counts as none
 )
-INACTIVE_PART = 0.1  # of a step's error bound: a velocity that does not count
 ROUND_OFF = 1e-13  # of the largest of its kind: less than this of a force, an acceleration, a rate or a step is none
 FORCE_PRECISION = 1e-3  # of the largest force: no correction of a force is larger at the end of Newton's iteration
 KINK = (
@@ -27,7 +26,6 @@ MOST_GROWTH = 8.0  # of a step over the one before
 FURTHER_GROWTH = (
     2.0  # taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853
 )
-LEAST_ERROR = 1e-3  # of a step's error bound: a smaller error predicts nothing
 FIRST_PART = (
     0.01  # of the fastest local period or crossing, or of a step: the first part, where nothing tells how far to go
 )

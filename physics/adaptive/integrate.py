@@ -9,7 +9,6 @@ import math
 
 from softcradle.physics.adaptive.constants import (
     FEW_TRIES,
-    INACTIVE_PART,
     NEWTON_PART,
     ROUND_OFF,
     SHRINK,
@@ -116,7 +115,7 @@ def integrate(
         SwitchLog(*log_fields),
     )
     wanted = TOLERANCE_PART * tolerance * scale
-    slow, negligible = NEWTON_PART * wanted, max(INACTIVE_PART * wanted, ROUND_OFF * scale)
+    slow, negligible = NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
     time, control, counter, firm = start, scratch.control, log.counter, regime.bed.size > 0
     if not resumed:
         begin(time, chain, regime, motion, wanted, slow, scratch, log)

@@ -92,8 +92,11 @@ class MovingPart:
         room = max((high - low) // 2, SHORTEST)
         return max(low - room, 0), min(high + room, self._size)
 
-    def steps(self, most: int) -> int:
-        """How many steps, `most` at the most, the part lasts for; where these are few, it is made anew."""
+    def steps(self, log: SwitchLog, most: int) -> int:
+        """How many steps, `most` at the most, the part lasts for; where these are few, it is made anew. They log into `log`."""
+        if log is not self._log:
+            self._log = log
+            self.log = tuple(log._replace(closed=log.closed[self.first : self.last]))
         if not self._divisible:
             return most
         low, high = self._moving(self.first, self.last)

@@ -39,6 +39,7 @@ from softcradle.physics.kernel_records import (
     larger_log,
     log_warnings,
     motion_record,
+    with_free_rows,
 )
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
@@ -68,6 +69,7 @@ Array = NDArray[np.float64]
 
 TURN_GROWTH = 1.0 / 16.0  # by each turn of an oscillation, whose phase all errors before it have moved
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
+SWITCH_ROWS = 4  # rows of the log of switches for each step until a pause, at which it grows
 PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
 PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
 SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
@@ -102,12 +104,13 @@ def run(problem: Problem) -> Record:
     KERNELS.load_made()  # so that the cost measured is that of the motion
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
-        record = checked(problem, record, _scale(problem), completed)
+        record = checked(problem, record, _scale(problem), usual_steps(problem), completed)
     if record.kept is not None and not problem.later:
         began = perf_counter()
         record = _sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began
-    before, change = problem.state.energy(problem.chain), _ledger_error(problem, record)
+    before = problem.state.energy(problem.chain)
+    change = _ledger_error(problem, record, before)
     record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
     if change > MOST_ENERGY * problem.tolerance * before:
         record.warnings += (_energy_warning(problem, change / before),)
@@ -145,6 +148,11 @@ def step_budget(problem: Problem) -> int:
         return MOST_STEPS
     if problem.budget is not None:
         return problem.budget
+    return usual_steps(problem)
+
+
+def usual_steps(problem: Problem) -> int:
+    """The usual budget of a run."""
     passes = 0.0
     if problem.duration is not None:
         longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
@@ -195,14 +203,16 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
     data, regime = chain_and_regime(problem.chain, state)
     most, counter, stop = step_budget(problem), memory.log.counter, problem.duration is None
-    code, time, resumed, end, log = PAUSED, state.time, False, problem.end, memory.log
+    code, time, resumed, end = PAUSED, state.time, False, problem.end
     divisible = kept is not None and not kept.steps.time.size and _is_divisible(problem)
     part = MovingPart(
-        data, regime, motion_record(state, memory.mode, memory.held), memory.trial, memory.look, memory.scratch, log, time,
-        divisible,
+        data, regime, motion_record(state, memory.mode, memory.held), memory.trial, memory.look, memory.scratch,
+        memory.log, time, divisible,
     )  # fmt: skip
     while code == PAUSED:
-        most_now, logged, before = part.steps(PAUSE), int(log.counter[SWITCH]), time
+        memory.log = with_free_rows(memory.log)
+        most_now = part.steps(memory.log, min(PAUSE, memory.log.contact.size // SWITCH_ROWS or PAUSE))
+        logged, before = int(counter[SWITCH]), time
         work = PLAIN_COST * PLAIN_PAUSE * part.contacts
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
         compiled = kernel is integrate
@@ -254,14 +264,14 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _ledger_error(problem: Problem, record: Record) -> float:
-    """By how much the energy ledger [J] of an undriven chain does not close; 0 where work is done on it."""
+def _ledger_error(problem: Problem, record: Record, before: float) -> float:
+    """By how much the energy [J] of an undriven chain, `before` at its start, is off in the end; 0 where work is done on it."""
     chain, start = problem.chain, problem.state
     moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0) if chain.walls else NO_FLAGS
     if start.external(chain) is not None or moved.any():
         return 0.0
     absorbed = float((record.end.absorbed - start.absorbed).sum())
-    return abs(float(record.end.energy(chain) + absorbed - start.energy(chain)))
+    return abs(float(record.end.energy(chain) + absorbed - before))
 
 
 def _unresolved(chain: Chain, change: float) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, confirmed_error, undetermined
+from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.status import Status
@@ -20,8 +21,6 @@ FINER = 10.0  # ratio of the tolerances of successive runs; one that takes as ma
 LEAST_PROMISED = (
     1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
 )
-LEAST_BUDGET = 500  # steps beside these, for runs of few steps
-MOST_CHECKING = 20_000  # steps of all runs of one motion, before no finer run is tried
 
 
 def is_sensitive(problem: Problem, record: Record) -> bool:
@@ -35,10 +34,13 @@ def is_sensitive(problem: Problem, record: Record) -> bool:
     return record.growth > MOST_GROWN or (driven and soft)
 
 
-def checked(problem: Problem, record: Record, scale: float, complete: Callable[[Problem], Record]) -> Record:
+def checked(
+    problem: Problem, record: Record, scale: float, usual: int, complete: Callable[[Problem], Record]
+) -> Record:
     """The first record with which a finer one of a slightly different chain agrees, or the finest, which is undetermined.
 
-    `scale` is the velocity [m/s] that the tolerance is relative to; `complete` runs a problem by the same method.
+    `scale` is the velocity [m/s] that the tolerance is relative to; `usual` steps are the most of a finer run, and of all runs
+    before another is tried; `complete` runs a problem by the same method.
     """
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
     tolerance, runs = problem.tolerance, 0
@@ -46,7 +48,7 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         chain, state = _shaken(problem.chain, TOLERANCE_PART * tolerance), problem.state.copy()
         state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
-        budget = LEAST_BUDGET + int(FINER * record.steps)
+        budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))
         apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
         error = DOUBT * apart + confirmed_error(finer)
@@ -55,7 +57,7 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
         if apart.max() <= allowed:
             return replace(_with_cost_of(record, finer), velocity_error=error)
         record = replace(_with_cost_of(finer, record), velocity_error=error)
-        if tolerance <= ROUND_OFF or record.steps > MOST_CHECKING:
+        if tolerance <= ROUND_OFF or record.steps + finer.steps > usual:
             return _undetermined(record, error) if apart.max() > FINER * allowed else record
     return record
 

@@ -6,7 +6,6 @@ import math
 
 from softcradle.physics.adaptive.constants import (
     FEW_TRIES,
-    INACTIVE_PART,
     KINK,
     LEAST_PART,
     MOST_TRIES,
@@ -14,6 +13,7 @@ from softcradle.physics.adaptive.constants import (
     ROUND_OFF,
     SAFETY,
     SHRINK,
+    TOLERANCE_PART,
 )
 from softcradle.physics.adaptive.dop853 import dop853_step
 from softcradle.physics.adaptive.event_location import (
@@ -38,7 +38,7 @@ def take_step(h, kind, firm, chain, motion, wanted, past_step, origin, trial, sc
     """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
     if kind == DOP853:
-        return dop853_step(h, INACTIVE_PART * wanted, firm, chain, motion, trial, scratch)
+        return dop853_step(h, TOLERANCE_PART * wanted, firm, chain, motion, trial, scratch)
     precision = NEWTON_PART * wanted
     used = radau_step(h, chain, motion, precision, past_step, origin, trial, scratch)
     log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_TRIES)
@@ -79,7 +79,7 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
     Returns its length (0 with an event: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
     kind of the event, and the length of the last step rejected for its error (inf: none).
     """
-    rejected, inactive, counter = math.inf, INACTIVE_PART * wanted, log.counter
+    rejected, inactive, counter = math.inf, TOLERANCE_PART * wanted, log.counter
     row, event, tries, failures, ceiling, looked, least = NO_CONTACT, NOTHING, 0, 0, h, 0, ROUND_OFF * h
     firm, work = regime.bed.size > 0, scratch.work
     while counter[STEP] + counter[REJECTED] < most_steps:

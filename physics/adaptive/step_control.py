@@ -12,11 +12,11 @@ from softcradle.physics.adaptive.constants import (
     COST_RATIO,
     FIRST_PART,
     FURTHER_GROWTH,
-    INACTIVE_PART,
-    LEAST_ERROR,
     MOST_GROWTH,
+    NEWTON_PART,
     SAFETY,
     STIFF,
+    TOLERANCE_PART,
 )
 from softcradle.physics.adaptive.step_records import (
     DOP853,
@@ -89,7 +89,7 @@ def soft_contacts(chain, motion, wanted):
         if rate < 0.0:
             time = -overlap / rate
             pushes = weight * motion.force[i] * time
-            if time < left and time * time * stiff < 4.0 and pushes > INACTIVE_PART * wanted:
+            if time < left and time * time * stiff < 4.0 and pushes > TOLERANCE_PART * wanted:
                 left, push = time, pushes
     reach = math.sqrt(STIFF / stiffest) if stiffest > 0.0 else math.inf
     return reach, left, push
@@ -146,7 +146,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
             grow = min(grow, SAFETY * predicted * (wanted / error) ** exponent)
         elif math.isfinite(control[REACH]):
             grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), FURTHER_GROWTH))
-    control[LAST], control[ERROR], control[NEXT] = h, max(error, LEAST_ERROR * wanted), h * grow
+    control[LAST], control[ERROR], control[NEXT] = h, max(error, NEWTON_PART * wanted), h * grow
     if kind == RADAU:
         control[RADAU_NEXT] = h * grow
     elif rejected < math.inf:

@@ -6,7 +6,7 @@ force vanishes smoothly or with the smallest of overlaps, and it is located afte
 
 from __future__ import annotations
 
-from softcradle.physics.adaptive.constants import FEW_TRIES, INACTIVE_PART, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.event_location import is_continued
 from softcradle.physics.adaptive.radau_guess import AFTER
@@ -67,7 +67,7 @@ def grow_errors(chain, motion, wanted, scratch):
 def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log):
     """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
     the stages tell that it may be off, by shorter steps of the method, tried in `look`."""
-    doubtful, allowed = False, INACTIVE_PART * wanted * h
+    doubtful, allowed = False, TOLERANCE_PART * wanted * h
     opening = scratch.opening
     for i in range(motion.mode.size):
         opening[i] = -1.0
