@@ -19,6 +19,7 @@ EVERY = "*"  # a path of every item of a list
 KEPT_BASES = 64  # scenes with other beads, laws or methods that are kept in memory
 
 Change = Callable[[Mapping[str, Any]], Any]  # gives a scene or a part of it with the values of a point, by path
+Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # the lanes of a scene, and its keywords of `simulate`
 
 
 class Start(NamedTuple):
@@ -39,30 +40,27 @@ class ScenePoints:
 
     scene: Scene
     _bases: dict[tuple[Any, ...], Scene] = field(default_factory=dict, repr=False, compare=False)
-    _changes: dict[tuple[Any, ...], Change] = field(default_factory=dict, repr=False, compare=False)
+    _moving: dict[tuple[Any, ...], Callable[[Mapping[str, Any]], Moving]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     def __getstate__(self) -> dict[str, Any]:
         """The scene as a table: the models of its contacts are made when they are first needed, and cannot be sent."""
         return self.scene.model_dump()
 
     def __setstate__(self, table: dict[str, Any]) -> None:
-        self.scene, self._bases, self._changes = Scene.model_validate(table), {}, {}
+        self.scene, self._bases, self._moving = Scene.model_validate(table), {}, {}
 
     def starts(self, values: Mapping[str, Any]) -> list[Start]:
         """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
-        scene = self._changing(structure, tuple(path for path in values if path not in structure))(values)
-        settings = scene.settings()
-        return [Start(lane.chain(), lane.velocity, settings) for lane in scene.lanes]
-
-    def _changing(self, structure: Mapping[str, Any], paths: tuple[str, ...]) -> Change:
-        """What makes the scene with numbers at `paths`, made once for all points that share the rest."""
-        key = (*structure.items(), paths)
-        if key not in self._changes:
-            if len(self._changes) >= KEPT_BASES:
-                self._changes.clear()
-            self._changes[key] = change_of(self._base(structure), [(path.split("."), path) for path in paths])
-        return self._changes[key]
+        key = (*structure.items(), tuple(path for path in values if path not in structure))
+        if key not in self._moving:
+            if len(self._moving) >= KEPT_BASES:
+                self._moving.clear()
+            self._moving[key] = _moving_at(self._base(structure), key[-1])
+        lanes, settings = self._moving[key](values)
+        return [Start(lane.chain(), lane.velocity, settings) for lane in lanes]
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
         """The scene at a point, checked as a file is. Raises SceneError."""
@@ -85,6 +83,21 @@ class ScenePoints:
                 self._bases.clear()
             self._bases[key] = validated(scene)
         return self._bases[key]
+
+
+def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
+    """What gives the lanes and settings of the scene with numbers at `paths`; made once for all points that share the rest."""
+    places = [(path.split("."), path) for path in paths]
+    if all(keys[0] == "lanes" for keys, _ in places):
+        lanes, settings = change_of(scene.lanes, [(keys[1:], path) for keys, path in places]), scene.settings()
+        return lambda values: (lanes(values), settings)
+    change = change_of(scene, places)
+
+    def moving(values: Mapping[str, Any]) -> Moving:
+        changed: Scene = change(values)
+        return changed.lanes, changed.settings()
+
+    return moving
 
 
 def is_structure(path: str, value: Any) -> bool:
