@@ -27,7 +27,7 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
         agree = True  # where a rate is not a number, it is not the same as nothing
         for i in range(motion.mode.size):
             agree &= abs(whole.rate[i] - halves.rate[i]) <= wanted
-        if agree or h < least:
+        if agree or not h > least:
             break
         h *= SHRINK
     copy_motion(motion, halves)

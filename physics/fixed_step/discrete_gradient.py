@@ -180,7 +180,10 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     )
     free, end, diagonal = work[FREE], work[END], work[DIAGONAL]
     for i in range(overlap.size):
-        diagonal[i] = inverse_mass[i] + inverse_mass[i + 1]
+        weight = inverse_mass[i] + inverse_mass[i + 1]
+        diagonal[i] = (
+            weight if weight > 0.0 else 1.0
+        )  # between beads that no force moves a row of its own, without effect
         if 0.0 < overlap[i] < SMALLEST:
             overlap[i] = 0.0
         if dissipation is not None and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:
@@ -197,6 +200,9 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     )  # fmt: skip
     if used < 0 and not forced:
         return used, 1.0
+    for i in range(overlap.size):
+        if inverse_mass[i] + inverse_mass[i + 1] == 0.0:
+            end[i] = overlap[i] + free[i]
     if dissipation is not None:
         if not whole:
             part = first_event(h, chain.joints, dissipation, motion, beads, work)

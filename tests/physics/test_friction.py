@@ -21,7 +21,9 @@ from softcradle.physics import (
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.default_step import default_step
 from softcradle.physics.methods import METHODS, find_method
+from softcradle.physics.simulation import solve
 
+from benchmarks.scan import families
 from tests.helpers.relations import ledger_error, simulate_quietly
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
@@ -202,3 +204,17 @@ def test_a_bead_slips_where_a_soft_contact_needs_no_time_to_push():
     found = simulate_quietly(chain, [1.0, 0.0, 0.0], 1.0, samples=2)
     other = simulate_quietly(chain, [1.0, 0.0, 0.0], 1.0, "conserving", step=1e-5, samples=2)
     assert found.final_velocity == pytest.approx(other.final_velocity, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [784, 819])
+def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_its_end(seed):
+    """A step of the fallback made no numbers of them, and then went on for ever: found by the scan."""
+    motion = families.motion("friction", seed)
+    runs = [
+        solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=1e-11).final_velocity
+        for method in ("radau", "accurate")
+    ]
+    np.testing.assert_allclose(runs[0], runs[1], rtol=0.0, atol=1e-9)
+    step = motion.duration / 20_000
+    coarse = solve(motion.chain, motion.velocity, motion.duration, "conserving", step, samples=2)
+    np.testing.assert_allclose(coarse.final_velocity, runs[1], rtol=0.0, atol=1e-4)

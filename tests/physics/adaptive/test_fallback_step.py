@@ -52,6 +52,23 @@ def test_it_shrinks_until_whole_and_halves_agree():
         assert shrinks == pytest.approx(round(shrinks), abs=1e-9)
 
 
+@pytest.mark.parametrize("wanted", [1e3, 1e-12, 0.0])
+def test_contacts_between_beads_that_stick_stay_as_they_are(wanted):
+    """Their equations have no weight at all: rates that were no numbers agreed at no length, and the loop went on for ever."""
+    chain = Chain([1.0, 2.0, 1.5, 1.0, 1.0], power_law(2.0, 0.1, loss=0.1), gap=[0.0, 0.01, -0.3, 0.0])
+    state = State.at_start(chain, [1.0, 0.0, 0.0, 0.0, 0.0])
+    before = state.copy()
+    data, _, motion = records_of(chain, state)
+    data.inverse_mass[2:] = 0.0  # as of beads that stick
+    motion.mode[:] = LOADED
+    taken = fallback_step(0.2, data, motion, wanted, empty_trial(4), empty_scratch(4), empty_log(4, 0))
+    assert 0.0 <= taken <= 0.2
+    np.testing.assert_array_equal(motion.overlap[2:], before.overlap[2:])
+    np.testing.assert_array_equal(motion.rate[2:], before.rate[2:])
+    assert np.isfinite(motion.overlap).all()
+    assert np.isfinite(motion.force).all()
+
+
 @pytest.mark.parametrize("i", [0, 1, 2])
 @pytest.mark.parametrize("anchored", [0.0, math.inf])
 def test_a_rate_that_is_taken_leaves_the_momentum(i, anchored):
