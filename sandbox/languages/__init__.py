@@ -1,6 +1,6 @@
 """The languages of the window: English in the code, the others in a catalogue each, LC_MESSAGES/softcradle.po."""
 
-from softcradle.sandbox.languages.refusals import refusal_words
+from softcradle.sandbox.languages.refusals import error_words, refusal_words
 from softcradle.sandbox.languages.scene_words import label_words, scene_words
 from softcradle.sandbox.languages.translation import (
     ENGLISH,
@@ -29,6 +29,7 @@ __all__ = [
     "Language",
     "_",
     "english",
+    "error_words",
     "gettext",
     "label_words",
     "language",

@@ -6,6 +6,7 @@ import re
 from functools import lru_cache
 
 from softcradle.sandbox.languages.translation import N_, gettext, localized
+from softcradle.sandbox.user_error import GaveUpError
 
 # Physics and scenes know no language and fill their sentences themselves: here they are told by their words.
 # The first that fits is taken, so a special one stands before a general one. {least}, {most} and {given} are numbers.
@@ -35,6 +36,14 @@ REFUSALS = (
 )
 WHAT = (N_("contact preload"), N_("contact stiffness"), N_("every mass (inf is a wall)"))
 NUMBERS = ("least", "most", "given")
+
+
+GAVE_UP = N_("the method gave up before the end: take another one, a larger step or a looser tolerance")
+
+
+def error_words(error: object) -> str:
+    """What an error says, in the language in use where its sentence is known there; a run that gave up says what helps."""
+    return gettext(GAVE_UP) if isinstance(error, GaveUpError) else refusal_words(str(error))
 
 
 def refusal_words(text: str) -> str:

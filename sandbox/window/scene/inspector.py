@@ -13,7 +13,7 @@ from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, write
-from softcradle.sandbox.languages import NP_, _, pgettext
+from softcradle.sandbox.languages import NP_, _, error_words, pgettext
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
@@ -158,7 +158,7 @@ class Inspector:
         try:
             self.host.put_over(SweepBoard(self.host, self.session, self.pick, parameter, take))
         except ValueError as error:
-            self.host.messages.show(_("this cannot be swept: {error}", error=error), warning=True)
+            self.host.messages.show(_("this cannot be swept: {error}", error=error_words(error)), warning=True)
 
     def handle(self, event: pygame.Event) -> bool:
         """Sliders and typed numbers."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from softcradle.sandbox.draw.png_file import write_png
-from softcradle.sandbox.languages import N_, _, english
+from softcradle.sandbox.languages import N_, _, english, error_words
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page import write_page
 from softcradle.sandbox.session.session import Session
@@ -151,7 +151,7 @@ def share_page(session: Session, path: Path) -> None:
     try:
         scene = session.to_scene()
     except ValueError as error:
-        raise UserError(_("this cannot be shared: {error}", error=error)) from None
+        raise UserError(_("this cannot be shared: {error}", error=error_words(error))) from None
     with english():  # as all else on a page
         write_page(found, scene, path)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pygame
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.menu import Menu
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
@@ -92,7 +92,7 @@ class SceneTools:
         try:
             scene = beside_itself(self.session.to_scene())
         except ValueError as error:
-            self.host.messages.show(_("this cannot be compared: {error}", error=error), warning=True)
+            self.host.messages.show(_("this cannot be compared: {error}", error=error_words(error)), warning=True)
         else:
             self.open_scene(scene)
 

@@ -11,7 +11,7 @@ from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.session.parameter_sweep import Variant, variants
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.look_ahead import motions_ahead
@@ -62,7 +62,7 @@ class SweepBoard(Overlay):
             self._make_panels()
         else:
             self.close()
-            self.host.messages.show(_("this cannot be swept: {error}", error=found), warning=True)
+            self.host.messages.show(_("this cannot be swept: {error}", error=error_words(found)), warning=True)
 
     def make_widgets(self) -> None:
         """Take a place in the middle of the page, with a button that closes it."""

@@ -10,7 +10,8 @@ import pygame
 import pytest
 from softcradle.physics import METHODS
 from softcradle.sandbox.draw.text import width
-from softcradle.sandbox.languages import LANGUAGES, VARIABLES, language, translation
+from softcradle.sandbox.languages import LANGUAGES, VARIABLES, _, error_words, language, translation
+from softcradle.sandbox.user_error import GaveUpError
 from softcradle.sandbox.window import page_geometry
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.hanging import hanging_controls, hanging_cradle
@@ -227,6 +228,16 @@ def test_no_text_of_the_window_stays_english(other: Driver, start: str | None) -
                 app.dialog.close()
             app.help = False
     assert not found, "\n".join(map(str, sorted(found)[:40]))
+
+
+def test_what_an_error_says_within_a_message_is_in_the_language(other: Driver) -> None:
+    """Of a run that gave up as of a refusal: the sentence of physics stood there in English."""
+    refused = ValueError("two walls side by side: a contact between them could never be solved")
+    for error in (refused, GaveUpError("a film needs the whole motion: euler gave up after 2000000 steps")):
+        other.app.messages.show(_("this cannot be swept: {error}", error=error_words(error)))
+        other.frames(1)
+    assert len(other.messages) >= 2
+    assert not [word for text in other.messages for word in english_words(text)]
 
 
 def test_lessons_are_asked_and_answered_in_the_language(other: Driver) -> None:
