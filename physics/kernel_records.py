@@ -17,6 +17,7 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 Array = NDArray[np.float64]
 
 FIRST_LOG = 4096  # rows of the log of contact switches at first
+ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 NOTHING = np.zeros(0)
 NO_FLAGS = np.zeros(0, dtype=np.int8)

@@ -34,6 +34,7 @@ from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
     NO_FLAGS,
+    ROWS_A_STEP,
     empty_log,
     kept_switches,
     larger_log,
@@ -69,7 +70,6 @@ Array = NDArray[np.float64]
 
 TURN_GROWTH = 1.0 / 16.0  # by each turn of an oscillation, whose phase all errors before it have moved
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
-SWITCH_ROWS = 4  # rows of the log of switches for each step until a pause, at which it grows
 PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
 PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
 SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
@@ -211,7 +211,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     )  # fmt: skip
     while code == PAUSED:
         memory.log = with_free_rows(memory.log)
-        most_now = part.steps(memory.log, min(PAUSE, memory.log.contact.size // SWITCH_ROWS or PAUSE))
+        most_now = part.steps(memory.log, min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE))
         logged, before = int(counter[SWITCH]), time
         work = PLAIN_COST * PLAIN_PAUSE * part.contacts
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
