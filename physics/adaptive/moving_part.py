@@ -92,11 +92,8 @@ class MovingPart:
         room = max((high - low) // 2, SHORTEST)
         return max(low - room, 0), min(high + room, self._size)
 
-    def steps(self, log: SwitchLog, most: int) -> int:
-        """How many steps, `most` at the most, the part lasts for; where these are few, it is made anew. They log into `log`."""
-        if log is not self._log:
-            self._log = log
-            self.log = tuple(log._replace(closed=log.closed[self.first : self.last]))
+    def steps(self, most: int) -> int:
+        """How many steps, `most` at the most, the part lasts for; where these are few, it is made anew."""
         if not self._divisible:
             return most
         low, high = self._moving(self.first, self.last)
@@ -130,8 +127,12 @@ class MovingPart:
         self.records = (
             chain, regime, tuple(moved), tuple(empty_trial(count)), tuple(empty_trial(count)), tuple(scratch)
         )  # fmt: skip
-        self.log = tuple(self._log._replace(closed=self._log.closed[inside]))
+        self.log_into(self._log)
         self._holds_anchor = holds_anchor
+
+    def log_into(self, log: SwitchLog) -> None:
+        """Log into `log`, that of the whole chain, from now on."""
+        self._log, self.log = log, tuple(log._replace(closed=log.closed[self.first : self.last]))
 
     def stepped(self, logged: int, passed: float) -> None:
         """Bring what is beyond the part up to date after `passed` [s] of its steps; `logged` switches were in the log before."""

@@ -28,7 +28,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_trial,
 )
 from softcradle.physics.adaptive.undetermined import DOUBT, finish
-from softcradle.physics.adaptive.usual_budget import usual_budget
+from softcradle.physics.adaptive.usual_budget import usual_steps
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
@@ -62,7 +62,7 @@ from softcradle.physics.problem import (
     with_ends_as_samples,
     with_samples_of,
 )
-from softcradle.physics.scales import closing_scale, contact_scales
+from softcradle.physics.scales import closing_scale
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -104,7 +104,7 @@ def run(problem: Problem) -> Record:
     KERNELS.load_made()  # so that the cost measured is that of the motion
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
-        record = checked(problem, record, _scale(problem), usual_steps(problem), completed)
+        record = checked(problem, record, _scale(problem), completed)
     if record.kept is not None and not problem.later:
         began = perf_counter()
         record = _sampled(record, problem.sample_times(record.end.time))
@@ -149,15 +149,6 @@ def step_budget(problem: Problem) -> int:
     if problem.budget is not None:
         return problem.budget
     return usual_steps(problem)
-
-
-def usual_steps(problem: Problem) -> int:
-    """The usual budget of a run."""
-    passes = 0.0
-    if problem.duration is not None:
-        longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
-        passes = problem.duration / longest
-    return min(int(usual_budget(problem.chain.contacts, problem.tolerance, passes)), MOST_STEPS)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:
@@ -211,7 +202,8 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     )  # fmt: skip
     while code == PAUSED:
         memory.log = with_free_rows(memory.log)
-        most_now = part.steps(memory.log, min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE))
+        part.log_into(memory.log)
+        most_now = part.steps(min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE))
         logged, before = int(counter[SWITCH]), time
         work = PLAIN_COST * PLAIN_PAUSE * part.contacts
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, confirmed_error, undetermined
-from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT
+from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.status import Status
@@ -34,16 +34,14 @@ def is_sensitive(problem: Problem, record: Record) -> bool:
     return record.growth > MOST_GROWN or (driven and soft)
 
 
-def checked(
-    problem: Problem, record: Record, scale: float, usual: int, complete: Callable[[Problem], Record]
-) -> Record:
+def checked(problem: Problem, record: Record, scale: float, complete: Callable[[Problem], Record]) -> Record:
     """The first record with which a finer one of a slightly different chain agrees, or the finest, which is undetermined.
 
-    `scale` is the velocity [m/s] that the tolerance is relative to; `usual` steps are the most of a finer run, and of all runs
-    before another is tried; `complete` runs a problem by the same method.
+    `scale` is the velocity [m/s] that the tolerance is relative to; `complete` runs a problem by the same method. The usual
+    budget bounds the steps of each finer run, and those of all runs before another is tried.
     """
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
-    tolerance, runs = problem.tolerance, 0
+    tolerance, runs, usual = problem.tolerance, 0, usual_steps(problem)
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         chain, state = _shaken(problem.chain, TOLERANCE_PART * tolerance), problem.state.copy()

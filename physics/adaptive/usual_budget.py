@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
+from softcradle.physics.problem import MOST_STEPS, Problem
+from softcradle.physics.scales import contact_scales
 
 CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
 STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
@@ -17,3 +19,11 @@ def usual_budget(contacts: int, tolerance: float, passes: Any) -> Any:
     budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16) + STEPS_A_CONTACT_TIME * passes
     finer = max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
     return budget * finer
+
+
+def usual_steps(problem: Problem) -> int:
+    """The usual budget of a run."""
+    passes = 0.0
+    if problem.duration is not None:
+        passes = problem.duration / contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
+    return min(int(usual_budget(problem.chain.contacts, problem.tolerance, passes)), MOST_STEPS)

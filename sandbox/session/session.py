@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from softcradle.physics.trajectory import Trajectory
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session.approach_velocities import approach_velocity
@@ -102,7 +102,7 @@ class Session(Player):
         try:
             text = self.to_scene().to_toml()
         except ValueError as error:
-            raise UserError(_("this cannot be a scene file: {error}", error=error)) from None
+            raise UserError(_("this cannot be a scene file: {error}", error=error_words(error))) from None
         with output_file(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
         self.undo_stack.mark_saved()

@@ -88,16 +88,9 @@ class ScenePoints:
 def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
     """What gives the lanes and settings of the scene with numbers at `paths`; made once for all points that share the rest."""
     places = [(path.split("."), path) for path in paths]
-    if all(keys[0] == "lanes" for keys, _ in places):
-        lanes, settings = change_of(scene.lanes, [(keys[1:], path) for keys, path in places]), scene.settings()
-        return lambda values: (lanes(values), settings)
-    change = change_of(scene, places)
-
-    def moving(values: Mapping[str, Any]) -> Moving:
-        changed: Scene = change(values)
-        return changed.lanes, changed.settings()
-
-    return moving
+    lanes = change_of(scene.lanes, [(keys[1:], path) for keys, path in places if keys[0] == "lanes"])
+    others = change_of(scene, [(keys, path) for keys, path in places if keys[0] != "lanes"])
+    return lambda values: (lanes(values), others(values).settings())
 
 
 def is_structure(path: str, value: Any) -> bool:

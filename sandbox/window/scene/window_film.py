@@ -8,7 +8,7 @@ from typing import Any
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.scene.file_names import shown_path
 from softcradle.sandbox.window.window_page import Host
@@ -57,7 +57,7 @@ class WindowFilm:
         try:
             stack.close()
         except (UserError, OSError, ValueError) as error:
-            self.host.messages.show(_("the film is lost: {error}", error=error), warning=True)
+            self.host.messages.show(_("the film is lost: {error}", error=error_words(error)), warning=True)
         else:
             text = _("saved {seconds:.0f} s to {path}", seconds=self.seconds, path=shown_path(self.path))
             self.host.messages.show(text)
@@ -76,7 +76,7 @@ class WindowFilm:
             _copy_whole(surface, frame)
             self.film.add(frame)
         except (UserError, OSError, ValueError, pygame.error) as error:
-            self.host.messages.show(_("the film stopped: {error}", error=error), warning=True)
+            self.host.messages.show(_("the film stopped: {error}", error=error_words(error)), warning=True)
             self.end()
 
     @property

@@ -91,8 +91,8 @@ def test_what_rests_is_not_stepped(monkeypatch):
     stepped: list[int] = []
     steps = MovingPart.steps
 
-    def counted(part, log, most):
-        found = steps(part, log, most)
+    def counted(part, most):
+        found = steps(part, most)
         stepped.append(part.contacts)
         return found
 
@@ -108,10 +108,10 @@ def test_no_step_reaches_the_edge_of_a_part(monkeypatch):
     reached = []
     steps = MovingPart.steps
 
-    def looked(part, log, most):
+    def looked(part, most):
         if part.contacts < N:
             reached.append(part.last - part._moving(part.first, part.last)[1])
-        return steps(part, log, most)
+        return steps(part, most)
 
     monkeypatch.setattr(MovingPart, "steps", looked)
     solve(chain, velocity, 300.0, samples=2, tolerance=1e-6)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law
 from softcradle.physics.adaptive import runner, undetermined
+from softcradle.physics.adaptive.usual_budget import usual_steps
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import closing_scale
 from softcradle.physics.simulation import solve
@@ -138,7 +139,7 @@ def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, 
     chain = one_on(n, power_law(1.0, exponent))
     found = solve(chain, struck(chain), samples=2, tolerance=tolerance)
     problem = Problem(chain, State.at_start(chain, struck(chain)), "accurate", None, 0.0, tolerance, 2)
-    assert found.steps < 3 * runner.usual_steps(problem)
+    assert found.steps < 3 * usual_steps(problem)
     finer = solve(chain, struck(chain), samples=2, tolerance=tolerance / 30.0)
     apart = np.abs(finer.final_velocity - found.final_velocity)
     assert (apart <= found.velocity_error + finer.velocity_error).all()
