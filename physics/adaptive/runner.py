@@ -15,8 +15,8 @@ from softcradle.physics.adaptive.kept_steps import KeptSteps
 from softcradle.physics.adaptive.moving_part import MovingPart, rests_exactly
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
+    ALLOWED,
     DOP853,
-    EITHER,
     GROWTH,
     LOCAL_SQUARE,
     RADAU,
@@ -28,7 +28,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_trial,
 )
 from softcradle.physics.adaptive.undetermined import DOUBT, finish
-from softcradle.physics.adaptive.usual_budget import usual_steps
+from softcradle.physics.adaptive.usual_budget import step_budget
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
@@ -54,7 +54,6 @@ from softcradle.physics.numerics.records import (
     SwitchLog,
 )
 from softcradle.physics.problem import (
-    MOST_STEPS,
     NO_TIMES,
     Problem,
     Record,
@@ -74,7 +73,6 @@ PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is take
 PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
 SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
 MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
-ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
 
 
 @dataclass
@@ -138,17 +136,6 @@ def _sampled(record: Record, times: Array) -> Record:
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = _pass(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
     return with_samples_of(record, _sampled(again, times))
-
-
-def step_budget(problem: Problem) -> int:
-    """Steps, rejected ones included, after which a motion rattles more than it determines; or what the problem allows."""
-    if problem.most_steps is not None:
-        return problem.most_steps
-    if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
-        return MOST_STEPS
-    if problem.budget is not None:
-        return problem.budget
-    return usual_steps(problem)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:

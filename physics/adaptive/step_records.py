@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 RADAU, DOP853 = 0, 1  # kinds of step; tables below are indexed by them
 EITHER = 2  # in place of a kind, for a method that takes whichever is cheaper
+ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
 FLOWN = 2  # in place of a kind, for a free flight among the steps that are kept
 ERROR_EXPONENT = (0.2, 0.125)  # by kind: one over the order of the error estimate, for the next step size
 TRY_EVALUATIONS = (0, 15)  # by kind: evaluations of all contacts in one try; radau counts its iterations itself

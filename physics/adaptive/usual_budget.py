@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
+from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, ERROR_EXPONENT, RADAU
 from softcradle.physics.problem import MOST_STEPS, Problem
 from softcradle.physics.scales import contact_scales
 
@@ -27,3 +27,14 @@ def usual_steps(problem: Problem) -> int:
     if problem.duration is not None:
         passes = problem.duration / contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
     return min(int(usual_budget(problem.chain.contacts, problem.tolerance, passes)), MOST_STEPS)
+
+
+def step_budget(problem: Problem) -> int:
+    """Steps, rejected ones included, after which a motion rattles more than it determines; or what the problem allows."""
+    if problem.most_steps is not None:
+        return problem.most_steps
+    if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
+        return MOST_STEPS
+    if problem.budget is not None:
+        return problem.budget
+    return usual_steps(problem)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.runner import ALLOWED, SOFTEST, error_growth
+from softcradle.physics.adaptive.runner import SOFTEST, error_growth
 from softcradle.physics.adaptive.step_records import (
+    ALLOWED,
     DOP853,
     empty_scratch,
     empty_steps,

@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.runner
+import softcradle.physics.adaptive.usual_budget
 from softcradle.physics import METHODS, Chain, Contact, State, advance, one_on, power_law, simulate
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
@@ -53,7 +53,7 @@ def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
 def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(chain, steps, monkeypatch):
     """Wherever it happens; what it says of its end is then true of it."""
     exact = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
-    monkeypatch.setattr(softcradle.physics.adaptive.runner, "MOST_STEPS", steps)
+    monkeypatch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", steps)
     found = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
     (warning,) = found.warnings
     assert found.status == Status.UNDETERMINED

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.runner
+import softcradle.physics.adaptive.usual_budget
 import softcradle.physics.reference.phases
 import softcradle.physics.reference.runner
 from hypothesis import assume, given, settings
@@ -43,7 +43,7 @@ def few_steps():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 200)
         patch.setattr(softcradle.physics.reference.phases, "MOST_EVALUATIONS", 20_000)
-        patch.setattr(softcradle.physics.adaptive.runner, "MOST_STEPS", 5_000)
+        patch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", 5_000)
         yield
 
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.runner
+import softcradle.physics.adaptive.usual_budget
 from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.status import Status
 
@@ -197,7 +197,7 @@ def test_cost_grows_with_the_order_of_the_method(law):
 def test_a_budget_that_ends_is_a_value(monkeypatch):
     chain, start = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
     whole = {method: run(chain, start, method=method).final_velocity for method in KERNELS}
-    monkeypatch.setattr(softcradle.physics.adaptive.runner, "MOST_STEPS", 20)
+    monkeypatch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", 20)
     for method in KERNELS:
         with pytest.warns(RuntimeWarning, match=r"final velocities are determined to .* m/s only"):
             found = run(chain, start, method=method)
