@@ -277,7 +277,7 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
 def _call_kernels() -> None:
     """Call every kernel once."""
     chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
-    run(Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", 1e-3, tolerance=1e-8))
+    run(Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", 1e-3, tolerance=1e-8, samples=3))
 
 
 KERNELS = KernelTiers("adaptive", __name__, _call_kernels)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pymunk
@@ -51,6 +52,32 @@ def test_plain_python_gives_the_digits_of_machine_code(cold, seed, method):
     plainly = simulate(chain, velocity, 1.0, **options)
     cold.undo()
     assert digits(simulate(chain, velocity, 1.0, **options)) == digits(plainly)
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau", "dop853", "conserving", "verlet"])
+@pytest.mark.parametrize("friction", [0.0, 0.01])
+def test_what_runs_call_is_made_before(monkeypatch, method, friction):
+    """A kernel that is not called when its tier is loaded would be compiled in the first run, which waits for it."""
+    called: dict[str, set[str]] = {}
+
+    def of(self, kernel, work=0.0):
+        called.setdefault(self.name, set()).add(kernel.__name__)
+        return kernel
+
+    monkeypatch.setattr(KernelTiers, "of", of)
+    monkeypatch.setattr(KernelTiers, "of_frame", of)
+    monkeypatch.setattr(KernelTiers, "in_memory", False)
+    monkeypatch.setattr(KernelTiers, "load_made", lambda self: None)
+    chain, velocity = replace(one_on(2, power_law(1.0, 0.5)), friction=friction), [1, 0, 0]
+    for options in ({"samples": 2}, {"samples": 9}, {"duration": 1.0}, {"duration": 1.0, "samples": [0.5, 0.7]}):
+        simulate(chain, velocity, method=method, **options)
+    advance(chain, State.at_start(chain, velocity), 0.1, method)
+    needed, called = called, {}
+    for kernels in ALL:
+        kernels.call_all()
+    assert needed
+    for name, kernels in needed.items():
+        assert kernels <= called[name]
 
 
 def test_machine_code_takes_over_between_steps(cold):
