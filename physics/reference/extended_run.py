@@ -28,6 +28,7 @@ SLACK = (
     1e-3  # tolerances: how far past its zero a guard of velocities may be, and what is left of a step across a corner
 )
 FIRST_STEPS = 2  # of a run: before them the branches of rows at rest are not yet found
+ROUND_OFF = 64.0 * EPSILON  # of the speed, and of the depth that the quickest contact reaches: no gap, and no closing
 NO_STEP = 1e-6  # of the crossing step: where not even a step so short converges, the run gives up
 MOST_STEPS = 20_000  # of a run, rejected ones included
 
@@ -193,7 +194,10 @@ class ExtendedRun:
         self.position, self.time = self.position + moved, self.time + h
 
     def _round_to_rest(self, before: Point, moved: Array) -> None:
-        """Set to 0 what is 0 but for round-off: velocities of beads that stick, rates of contacts that touch or are held."""
+        """Set to 0 what is 0 but for round-off: velocities of beads that stick, rates of contacts that touch or are held.
+
+        And gaps between beads that move side by side: a push that closes one would make it bounce at the root of the round-off.
+        """
         point = self.point
         rests = np.abs(point.velocity) <= 4.0 * EPSILON * self.speed
         if self.rows.bed.size:
@@ -211,6 +215,9 @@ class ExtendedRun:
         point.rate[rests[joint] & rests[joint + 1]] = 0.0
         fixed = np.isin(point.branch, (TOUCHING, HELD)) & (np.abs(point.rate) < 10.0 * self.tolerance * self.speed)
         point.rate[fixed] = 0.0
+        side_by_side = (point.branch == OPEN) & (np.abs(point.rate) <= ROUND_OFF * self.speed)
+        side_by_side &= np.abs(point.overlap) <= ROUND_OFF * self.speed * self.quickest
+        point.overlap[side_by_side] = point.rate[side_by_side] = 0.0
 
     def _absorb(self, start: Point, moved: Array) -> None:
         """Add what contacts with loss and the bed absorb in a step."""

@@ -13,6 +13,7 @@ joint.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,9 @@ from softcradle.physics.reference.collocation import Array, Extended
 Branches = NDArray[np.int8]
 
 OPEN, TOUCHING, PRESSED, HELD, RELEASED = 0, 1, 2, 3, 4
+LEAST = np.finfo(Extended).tiny  # overlap [m] at which a slope may still be evaluated
+RESOLVENT_ITERATIONS = 9  # at the most, of a convex equation: the start is at most log 2 from its root
+SETTLED = 1e-10  # last change of a logarithm: the next would be its square
 BACKWARD, STICKS, FORWARD = -1, 0, 1
 
 
@@ -81,6 +85,26 @@ class Rows:
         """Number m of contacts, each part of a coupler for itself."""
         return self.preload.size
 
+    @cached_property
+    def order(self) -> NDArray[np.intp]:
+        """(m+b,) contacts and beds from one end of the chain to the other."""
+        beds = np.arange(self.bed.size)
+        return np.argsort(np.concatenate((self.joint + 0.5, beds)), kind="stable")
+
+    @cached_property
+    def answers(self) -> dict[int, tuple[NDArray[np.intp], NDArray[np.float64]]]:
+        """By distance k in that order: places p, and the response of the row there to the one at p + k."""
+        response = self.response[np.ix_(self.order, self.order)]
+        first, second = response.nonzero()
+        reach, count = int(np.abs(first - second).max(initial=0)), self.order.size
+        places = {k: np.arange(max(0, -k), min(count, count - k)) for k in range(-reach, reach + 1)}
+        return {k: (place, response[place, place + k]) for k, place in places.items()}
+
+    @cached_property
+    def single(self) -> bool:
+        """Whether every two neighbours have one contact between them."""
+        return bool(self.joint.size == self.inverse_mass.size - 1)
+
     def of_contacts(self, joints: Array, origin: bool = False) -> Array:
         """(..., m) of each contact what the differences (..., n) of neighbours are for it; of overlaps less its `origin`."""
         found: Array = joints[..., self.joint] - self.origin if origin else joints[..., self.joint]
@@ -92,6 +116,8 @@ class Rows:
 
     def on_joints(self, force: Array) -> Array:
         """(..., n) forces between neighbours, from those (..., m) of contacts; negative where they pull."""
+        if self.single:
+            return self.side * force
         total = np.zeros((self.inverse_mass.size - 1, *force.shape[:-1]), dtype=force.dtype)
         np.add.at(total, self.joint, np.moveaxis(self.side * force, -1, 0))
         return np.moveaxis(total, 0, -1)
@@ -125,6 +151,28 @@ class Rows:
         return np.where(
             (overlap > 0.0) & np.isfinite(found), found, np.where(self.exponent == 1.0, self.stiffness, 0.0)
         )
+
+    def steepness(self, overlap: Array) -> Array:
+        """(..., n) derivative of `law` at overlaps > 0, infinite where it is too large."""
+        found: Array = self.exponent * self.stiffness * np.maximum(overlap, LEAST) ** (self.exponent - 1.0)
+        return found
+
+    def resolvent(self, excess: Array, weight: Array) -> Array:
+        """(..., n) overlaps d > 0 at which d + weight * stiffness * d**exponent is `excess` > 0: Newton's iteration in log d."""
+        pull = weight * self.stiffness
+        most = np.minimum(excess, np.where(pull > 0.0, (excess / pull) ** (1.0 / self.exponent), excess))
+        place = np.log(np.maximum(most, LEAST))
+        for _ in range(RESOLVENT_ITERATIONS):
+            own, law = np.exp(place), pull * np.exp(self.exponent * place)
+            change = (own + law - excess) / (own + self.exponent * law)
+            place = place - change
+            if np.abs(change).max(initial=0.0) < SETTLED:
+                break
+        overlap = np.exp(place)
+        law = pull * overlap**self.exponent
+        slack = self.exponent * law < overlap
+        found: Array = np.where(slack, np.maximum(excess - law, 0.5 * overlap), overlap)
+        return found
 
     def inverse(self, force: Array) -> Array:
         """(..., n) overlaps at which `law` is `force`; 0 where the preload alone carries it."""

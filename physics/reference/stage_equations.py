@@ -1,7 +1,9 @@
 """The stages of one collocation step: points on the graphs of all rows that fulfil the step's equations, by Newton's iteration.
 
-At each stage a row is linearised along its graph, so a stiff contact moves by its force and a slack one by its overlap; a point
-that runs over a corner goes on along the next branch. The matrix is in double precision, residuals are in extended precision.
+At each stage the unknown of a contact is its place on its graph, overlap + weight * force with the weight of the force in its own
+equation (Minty's parametrisation): overlap and force are functions of it that change by no more than it does, so no step of the
+iteration makes a stiff force or a slack overlap run away, and a corner is a place like any other. The matrix is in double
+precision, residuals are in extended precision.
 """
 
 from __future__ import annotations
@@ -23,12 +25,15 @@ from softcradle.physics.reference.monotone_rows import (
     Branches,
     Rows,
 )
+from softcradle.physics.reference.newton_matrix import solved
 
 Double = NDArray[np.float64]
 
 MOST_ITERATIONS = 40  # of Newton's method, in a step that is then tried shorter
 UNDAMPED_ITERATIONS, DAMPED = 12, 0.5  # before steps count by half, for contacts that alternate between two branches
-SINGULAR = 1e-10  # of the largest eigenvalue or singular value: one below it counts as 0
+LEAST = float(
+    np.finfo(np.float64).tiny
+)  # change of an overlap with its place that is not yet 0, as it is for a fixed row
 
 
 @dataclass
@@ -150,69 +155,40 @@ class Stages:
         primal[:, :n], dual[:, :n] = self._tangent(stages)
         primal[:, n:], dual[:, n:] = stages.side != STICKS, stages.side == STICKS
         rule = np.where(held[:, :, None], self.once_double[:, None, :], self.twice_double[:, None, :])
-        matrix = rule[:, :, :, None] * rows.response[None, :, None, :] * dual[None, None]
-        matrix = matrix.reshape(s * (n + b), s * (n + b))
-        matrix[np.diag_indices(s * (n + b))] += primal.ravel()
-        error = np.hstack((contact_error, bed_error)).ravel() if b else contact_error.ravel()
-        step = _solved(matrix, -error, self._is_determined(primal)).reshape(s, n + b)
+        error = np.hstack((contact_error, bed_error)) if b else contact_error
+        step = solved(rows, rule, primal, dual, -error.astype(np.float64))
         return step[:, :n], step[:, n:]
 
-    def _is_determined(self, primal: Double) -> bool:
-        """Whether the motion determines all multipliers: not between beads that stick, or between two walls."""
-        fixed = (primal == 0.0).all(axis=0)
-        if fixed.sum() < 2:
-            return True
-        coupling = self.rows.response[np.ix_(fixed, fixed)]
-        size = np.sqrt(coupling.diagonal())
-        if not size.all():
-            return False
-        return bool(np.linalg.eigvalsh(coupling / np.outer(size, size))[0] > SINGULAR)
-
     def _tangent(self, stages: Point) -> tuple[Double, Double]:
-        """(s, n) changes of primal and dual values along the graph of each contact: the larger, as they weigh, is 1."""
+        """(s, n) changes of primal and dual values with the place of a contact on its graph; of fixed ones with their force."""
+        part, overlap, weight = self._part(stages.branch), stages.overlap, self.yielding
         loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
-        slope = np.where(loaded, self._part(stages.branch) * self.rows.slope(stages.overlap), 0.0)
-        stiff = self.yielding * slope > 1.0
-        with np.errstate(divide="ignore", over="ignore"):
-            primal = np.where(stiff, 1.0 / slope, 1.0)
-        dual = np.where(stiff, 1.0, slope)
+        stiffness = np.where(loaded, weight * part * self.rows.steepness(overlap), 0.0)
+        primal = np.where(loaded, np.maximum(1.0 / (1.0 + stiffness), LEAST), 1.0)
+        dual = np.where(loaded, 1.0 / (weight * (1.0 + 1.0 / stiffness)), 0.0)
         fixed = (stages.branch == TOUCHING) | (stages.branch == HELD)
         return np.where(fixed, 0.0, primal).astype(np.float64), np.where(fixed, 1.0, dual).astype(np.float64)
 
     def _move_contacts(self, stages: Point, step: Double) -> None:
-        """Move along the graphs, in place, over corners to the next branch."""
-        rows, branch, part = self.rows, stages.branch, self._part(stages.branch)
-        overlap, force, weight = stages.overlap.copy(), stages.force.copy(), self.yielding
-        loaded = (branch == PRESSED) | (branch == RELEASED)
-        slope = part * rows.slope(overlap)
-        stiff = loaded & (weight * slope > 1.0)
-        slack = loaded & ~stiff
-        # a position along the graph: overlap + weight * force, from the branch's own variable
-        new_force = np.where(stiff | (branch == TOUCHING) | (branch == HELD), force + step, force)
-        new_overlap = np.where(slack | (branch == OPEN), overlap + step, overlap)
-        corner = part * rows.preload
-        beyond = np.zeros_like(overlap)  # signed way past the corner at overlap 0, in overlaps
-        leaves_loaded = (stiff & (new_force <= corner)) | (slack & (new_overlap <= 0.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            beyond = np.where(stiff, weight * new_force, np.where(slack, new_overlap + weight * corner, beyond))
-        beyond = np.where(branch == OPEN, new_overlap, np.where(branch == TOUCHING, weight * new_force, beyond))
-        at_corner = leaves_loaded | (branch == OPEN) | (branch == TOUCHING)
-        enters = at_corner & (beyond > weight * rows.preload) & ~leaves_loaded
-        touches = at_corner & ~enters & (beyond > 0.0) & (rows.preload > 0.0)
-        opens = at_corner & ~enters & ~touches
-        # loaded and staying loaded
-        stays = loaded & ~leaves_loaded
-        stages.overlap = np.where(stays & stiff, rows.inverse(new_force / part), new_overlap)
-        stages.force = np.where(stays & slack, part * rows.law(np.maximum(new_overlap, 0.0)), new_force)
-        # from the corner into the law: by overlap where the law is slack, by force where it is stiff
-        excess = np.where(enters, beyond - weight * rows.preload, 0.0)
-        by_overlap = weight * rows.stiffness * excess**rows.exponent <= excess
-        pushed = rows.preload + excess / weight
-        stages.overlap = np.where(enters, np.where(by_overlap, excess, rows.inverse(pushed)), stages.overlap)
-        stages.force = np.where(enters, np.where(by_overlap, rows.law(excess), pushed), stages.force)
-        stages.overlap = np.where(touches, 0.0, np.where(opens, np.minimum(beyond, 0.0), stages.overlap))
-        stages.force = np.where(touches, np.minimum(beyond / weight, rows.preload), np.where(opens, 0.0, stages.force))
-        branch[enters], branch[touches], branch[opens] = PRESSED, TOUCHING, OPEN
+        """Move along the graphs, in place, over corners to the next branch.
+
+        The place on a graph is overlap + weight * force: both are functions of it that change by no more than it does.
+        """
+        rows, branch, weight = self.rows, stages.branch, self.yielding
+        held, part = branch == HELD, self._part(branch)
+        place = stages.overlap + weight * stages.force + np.where(held | (branch == TOUCHING), weight * step, step)
+        corner = np.where(held, 0.0, weight * part * rows.preload)
+        opens, touches = ~held & (place <= 0.0), ~held & (place > 0.0) & (place <= corner)
+        loaded = ~held & (place > corner)
+        overlap = rows.resolvent(np.where(loaded, place - corner, 1.0), weight * part)
+        slack = weight * part * rows.steepness(overlap) < 1.0
+        force = np.where(slack, part * rows.law(overlap), (place - overlap) / weight)
+        force = np.where(loaded, force, np.where(touches, place / weight, 0.0))
+        overlap = np.where(loaded, overlap, np.where(opens, place, 0.0))
+        stages.force = np.where(held, stages.force + step, force)
+        stages.overlap = np.where(held, stages.overlap, overlap)
+        branch[touches], branch[opens] = TOUCHING, OPEN
+        branch[loaded & (branch != RELEASED)] = PRESSED
         self._release(stages)
 
     def _release(self, stages: Point) -> None:
@@ -233,18 +209,3 @@ class Stages:
         stages.side[friction > self.rows.bed] = FORWARD
         stages.side[friction < -self.rows.bed] = BACKWARD
         stages.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
-
-
-def _solved(matrix: Double, right: Array, is_determined: bool) -> Double:
-    """Solution of the equations, of those there are the least; NaN where there is none."""
-    rows = np.abs(matrix).max(axis=1)
-    rows[rows == 0.0] = 1.0
-    scaled, wanted = matrix / rows[:, None], (right / rows).astype(np.float64)
-    try:
-        if is_determined:
-            return np.linalg.solve(scaled, wanted)
-        columns = np.abs(scaled).max(axis=0)
-        columns[columns == 0.0] = 1.0
-        return np.linalg.lstsq(scaled / columns, wanted, rcond=SINGULAR)[0] / columns
-    except np.linalg.LinAlgError:
-        return np.full(right.size, np.nan)

@@ -98,7 +98,7 @@ HOMES = {  # package: the files, or folders ending in /, that may import it
     ),
     # the reference, special functions of closed forms, the search for the nearest contact, and peers of the charts
     "scipy": (
-        "physics/reference/runner.py",
+        "physics/reference/",
         "physics/analysis/closed_forms.py",
         "physics/analysis/matching.py",
         "sandbox/studies/verify/",

@@ -44,7 +44,7 @@ def even_costs(monkeypatch):
 
 @pytest.fixture(scope="module", params=list(CASES))
 def case(request):
-    return CASES[request.param].solve()
+    return CASES[request.param].solve(by_reference=False)
 
 
 @pytest.mark.parametrize("error", ERRORS)

@@ -17,13 +17,13 @@ def threads() -> set[int]:
 
 def test_dense_solves_run_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: set[int] = set()
-    solved = stage_equations._solved
+    solved = stage_equations.solved
 
     def watched(*arguments: object) -> object:
         seen.update(threads())
         return solved(*arguments)
 
-    monkeypatch.setattr(stage_equations, "_solved", watched)
+    monkeypatch.setattr(stage_equations, "solved", watched)
     with threadpool_limits(limits=2, user_api="blas"):
         before = threads()
         found = simulate(

@@ -80,7 +80,7 @@ def assert_gives_up(module, case, monkeypatch):
 def test_scipy_gives_up_at_its_time_limit(definitions, monkeypatch):
     from softcradle.sandbox.studies.precision.peers import scipy_peer
 
-    assert_gives_up(scipy_peer, definitions["one-on-10"].solve(), monkeypatch)
+    assert_gives_up(scipy_peer, definitions["one-on-10"].solve(by_reference=False), monkeypatch)
 
 
 @needs_numba
@@ -88,7 +88,7 @@ def test_sundae_gives_up_at_its_time_limit(definitions, monkeypatch):
     pytest.importorskip("sksundae")
     from softcradle.sandbox.studies.precision.peers import sundae_peer
 
-    assert_gives_up(sundae_peer, definitions["one-on-10"].solve(), monkeypatch)
+    assert_gives_up(sundae_peer, definitions["one-on-10"].solve(by_reference=False), monkeypatch)
 
 
 def test_missing_peers_are_left_out(monkeypatch):
