@@ -31,6 +31,8 @@ PLAIN_WORK = (
     80_000  # fixed steps times contacts that a process runs as plain Python, about three seconds, before it waits
 )
 LOOKING = 0.25  # seconds between two looks whether machine code has come
+# what a process behind runs: as one that yields to others from its first import on, so that frames drawn meanwhile go first
+PROGRAM = "import os; getattr(os, 'nice', int)(10); from {module} import TIERS; TIERS[{name!r}].compile_and_unlock()"
 LONGEST_COMPILATION = 600.0  # seconds after which a process that should compile is given up
 
 logger = logging.getLogger("softcradle")
@@ -126,12 +128,12 @@ class KernelTiers:
         try:
             self._lock.parent.mkdir(parents=True, exist_ok=True)
             self._process = _Detached(
-                [sys.executable, "-c", f"from {self.module} import TIERS; TIERS[{self.name!r}].compile_and_unlock()"],
+                [sys.executable, "-c", PROGRAM.format(module=self.module, name=self.name)],
                 env={**os.environ, "PYTHONPATH": _search_path(), "SOFTCRADLE_COMPILE": "first"},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                start_new_session=True,
+                process_group=0,  # which no Ctrl+C reaches, but in our session: where these share the processors, niceness counts
             )
             self._lock.write_text(str(self._process.pid))
         except OSError:  # no room, or no right to write: this process compiles for itself when it has to

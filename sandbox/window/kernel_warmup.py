@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import sys
 import threading
 from collections.abc import Callable, Iterable
 from time import sleep
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 COMPILED_AT_ONCE = 2
 LOOKING = 0.1  # seconds between two looks whether machine code has been made
+INTERVAL = 2e-4  # seconds for which a thread of Python keeps another waiting; drawing lets Python go some ten times a frame
 PLAIN_FRAME = 100  # steps times contacts of a frame that plain Python computes in some three milliseconds
 
 
@@ -35,13 +37,16 @@ class KernelWarmup:
         self._jobs: queue.SimpleQueue[tuple[Callable[[Any], None], Callable[[], Any]] | None] = queue.SimpleQueue()
         self._results: queue.SimpleQueue[tuple[Callable[[Any], None], Any]] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
+        self._interval = sys.getswitchinterval()
 
     def start(self) -> None:
-        """Begin."""
+        """Begin; the thread that draws does not wait for this one for long whenever it has let Python go."""
+        sys.setswitchinterval(INTERVAL)
         self._thread.start()
 
     def stop(self) -> None:
         """End the thread after its present job."""
+        sys.setswitchinterval(self._interval)
         self._jobs.put(None)
 
     def submit(self, take: Callable[[Any], None], job: Callable[[], Any]) -> None:

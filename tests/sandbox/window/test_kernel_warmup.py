@@ -26,6 +26,15 @@ driver.close()
 """
 
 
+def test_the_thread_that_draws_waits_for_no_other_for_long():
+    """Python's own five milliseconds, some ten times a frame, made frames late while modules were imported."""
+    usual, warmup = sys.getswitchinterval(), KernelWarmup()
+    warmup.start()
+    assert sys.getswitchinterval() < 1e-3
+    warmup.stop()
+    assert sys.getswitchinterval() == pytest.approx(usual)
+
+
 def test_all_kernels_are_loaded_and_jobs_done_between():
     warmup, done = KernelWarmup(), []
     warmup.start()
