@@ -31,8 +31,10 @@ PLAIN_WORK = (
     80_000  # fixed steps times contacts that a process runs as plain Python, about three seconds, before it waits
 )
 LOOKING = 0.25  # seconds between two looks whether machine code has come
-# what a process behind runs: as one that yields to others from its first import on, so that frames drawn meanwhile go first
-PROGRAM = "import os; getattr(os, 'nice', int)(10); from {module} import TIERS; TIERS[{name!r}].compile_and_unlock()"
+YIELDING = 10  # niceness of a process that compiles behind frames, which are to be drawn in time
+PROGRAM = (
+    "import os; getattr(os, 'nice', int)({}); from {} import TIERS; TIERS[{!r}].compile_and_unlock()"  # of that process
+)
 LONGEST_COMPILATION = 600.0  # seconds after which a process that should compile is given up
 
 logger = logging.getLogger("softcradle")
@@ -81,7 +83,7 @@ class KernelTiers:
                 self._loader = threading.Thread(target=self.load, name="load kernels", daemon=True)
                 self._loader.start()
             else:
-                self.compile_behind()
+                self.compile_behind(YIELDING)
         return plain(kernel)
 
     # ---- machine code
@@ -117,7 +119,7 @@ class KernelTiers:
         if not self.in_memory and self.on_disk:
             self.load()
 
-    def compile_behind(self) -> bool:
+    def compile_behind(self, niceness: int = 0) -> bool:
         """Begin to compile in a process of its own, unless one does already; whether one does."""
         if self._process is not None:
             return self._process.poll() is None
@@ -128,7 +130,7 @@ class KernelTiers:
         try:
             self._lock.parent.mkdir(parents=True, exist_ok=True)
             self._process = _Detached(
-                [sys.executable, "-c", PROGRAM.format(module=self.module, name=self.name)],
+                [sys.executable, "-c", PROGRAM.format(niceness, self.module, self.name)],
                 env={**os.environ, "PYTHONPATH": _search_path(), "SOFTCRADLE_COMPILE": "first"},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.active_ranges import next_range
-from softcradle.physics.adaptive.constants import GRAZE, KINK
+from softcradle.physics.adaptive.constants import GRAZE, KINK, ROUND_OFF
 from softcradle.physics.adaptive.dop853_tableau import (
     FIFTH,
     FIFTH_SQUARE,
@@ -31,8 +31,12 @@ from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
 
 
 @jit
-def accelerate(first, last, chain, mode, overlap, force, acceleration, upper):
-    """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage."""
+def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, upper):
+    """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage.
+
+    Where contacts from one wall to another all touch, a force through all of them moves nothing: the last keeps what it has
+    `carried` (n,).
+    """
     law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
     touching = False
     for i in range(first, last):
@@ -61,7 +65,8 @@ def accelerate(first, last, chain, mode, overlap, force, acceleration, upper):
                         upper[i] = inverse_mass[i + 1] / pivot
                     else:
                         load += inverse_mass[i + 1] * force[i + 1]
-                force[i] = load / pivot
+                free = pivot <= ROUND_OFF * (inverse_mass[i] + inverse_mass[i + 1])
+                force[i] = carried[i] if free else load / pivot
         for i in range(last - 2, first - 1, -1):
             if mode[i] == TOUCHING and mode[i + 1] == TOUCHING:
                 force[i] += upper[i] * force[i + 1]
@@ -129,7 +134,7 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
         for k in range(2):
             for i in range(n):
                 trial.force[k, i] = 0.0
-            accelerate(ZERO, n, chain, mode, trial.overlap[k], trial.force[k], stage, upper)
+            accelerate(ZERO, n, chain, mode, motion.force, trial.overlap[k], trial.force[k], stage, upper)
             for i in range(n):
                 if mode[i] == FROZEN:
                     trial.force[k, i] = motion.force[i]
@@ -147,7 +152,7 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
             stage[i] = overlap[i] + NODES[s] * h * rate[i]
         for k in range(s):
             add_scaled(square * SQUARE[s, k], acceleration[k], first, last, stage)
-        accelerate(first, last, chain, mode, stage, force, acceleration[s], upper)
+        accelerate(first, last, chain, mode, motion.force, stage, force, acceleration[s], upper)
         if moves_anchor:
             scratch.anchor_acceleration[s] = anchor_acceleration(chain, force)
     end_overlap, end_rate, fifth, third = trial.overlap[2], trial.rate[2], trial.overlap[0], trial.overlap[1]
@@ -165,7 +170,7 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = overlap[i], 0.0
     worst = error_of_range(h, first, last, chain, motion, trial, force)
-    accelerate(first, last, chain, mode, end_overlap, force, stage, upper)
+    accelerate(first, last, chain, mode, motion.force, end_overlap, force, stage, upper)
     for k in range(2):
         for i in range(first, last):
             trial.overlap[k, i] = hermite(

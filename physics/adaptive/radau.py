@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TRIES
+from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TRIES, ROUND_OFF
 from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
-from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 
 @inlined
@@ -47,7 +47,7 @@ def eliminate(h, chain, motion, trial, scratch):
     Row (k, i): sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external acceleration e.
     """
     inverse_mass, external, overlap, rate = chain.inverse_mass, chain.external, motion.overlap, motion.rate
-    stage_overlap, stage_force = trial.overlap, trial.force
+    stage_overlap, stage_force, mode = trial.overlap, trial.force, motion.mode
     along, across, block, z = scratch.along, scratch.across, scratch.block, scratch.correction
     n = overlap.size
     square = h * h
@@ -86,7 +86,10 @@ def eliminate(h, chain, motion, trial, scratch):
         i00, i01, i02 = m11 * m22 - m12 * m21, m02 * m21 - m01 * m22, m01 * m12 - m02 * m11
         i10, i11, i12 = m12 * m20 - m10 * m22, m00 * m22 - m02 * m20, m02 * m10 - m00 * m12
         i20, i21, i22 = m10 * m21 - m11 * m20, m01 * m20 - m00 * m21, m00 * m11 - m01 * m10
-        scale = 1.0 / (m00 * i00 + m01 * i10 + m02 * i20)
+        free = mode[i] == TOUCHING and m00 <= ROUND_OFF * (left + right) * across[0, i]
+        scale = (
+            0.0 if free else 1.0 / (m00 * i00 + m01 * i10 + m02 * i20)
+        )  # 0: a force from wall to wall stays as it is
         m = block[i]
         m[0], m[1], m[2] = i00 * scale, i01 * scale, i02 * scale
         m[3], m[4], m[5] = i10 * scale, i11 * scale, i12 * scale

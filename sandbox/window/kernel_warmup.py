@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from time import sleep
 from typing import TYPE_CHECKING, Any
 
-from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.kernel_tiers import YIELDING, KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 from softcradle.physics.warm_up import kernels_of
 from softcradle.sandbox.languages import _
@@ -96,7 +96,9 @@ class KernelWarmup:
         """Load kernels whose machine code has been made; begin to make what has not, two at a time, and look again later."""
         made = next((kernels for kernels in waiting if kernels.in_memory or kernels.on_disk), None)
         compiling = (
-            [kernels for kernels in waiting[:COMPILED_AT_ONCE] if kernels.compile_behind()] if made is None else []
+            [kernels for kernels in waiting[:COMPILED_AT_ONCE] if kernels.compile_behind(YIELDING)]
+            if made is None
+            else []
         )
         if compiling:
             sleep(LOOKING)

@@ -33,7 +33,7 @@ def cold(monkeypatch):
         monkeypatch.setattr(kernels, "_first", False)
         monkeypatch.setattr(kernels, "spent", 0.0)
     monkeypatch.setattr(KernelTiers, "on_disk", False)
-    monkeypatch.setattr(KernelTiers, "compile_behind", lambda self: False)
+    monkeypatch.setattr(KernelTiers, "compile_behind", lambda self, niceness=0: False)
     return monkeypatch
 
 
@@ -206,9 +206,11 @@ def test_an_empty_cache_is_filled_behind(tmp_path):
         "import os\n"
         "from softcradle import one_on, power_law, simulate\n"
         "from softcradle.physics.adaptive.runner import KERNELS\n"
+        "from softcradle.physics.kernel_tiers import YIELDING\n"
+        "KERNELS.compile_behind(YIELDING)\n"
         "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
-        "while os.name == 'posix' and os.getpriority(os.PRIO_PROCESS, KERNELS._process.pid) < 10:\n"
-        "    pass\n"  # it yields to frames that are drawn meanwhile; one that never does is gone in the end, an error
+        "while os.name == 'posix' and os.getpriority(os.PRIO_PROCESS, KERNELS._process.pid) < YIELDING:\n"
+        "    pass\n"  # a process that never yields to frames is gone in the end, an error
         "KERNELS.wait()\n"
         "KERNELS.load_made()\n"
         "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
