@@ -119,6 +119,12 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             else:
                 row, event, h = found, its_event, part * h
             continue
+        if (
+            found >= 0 and part * h < h + min(miss, 0.0) and h > least
+        ):  # not met in so many tries; no step passes over it
+            counter[REJECTED] += 1
+            row, tries, h = NO_CONTACT, 0, SHRINK * h
+            continue
         early = 1.0 if alone else opened_early(h, chain, motion, trial, wanted)
         if (error <= wanted and early == 1.0) or time + h <= time:
             near = 1.0 if looked == FEW_TRIES else near_switch(h, chain, regime, motion, trial, slow)
@@ -127,10 +133,10 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
                 continue
             return h, error, row, event, rejected
         counter[REJECTED] += 1
+        row, tries = NO_CONTACT, 0  # a shorter step has events of its own
         if early < 1.0 and error <= 10.0 * wanted:
-            h, row = SAFETY * early * h, NO_CONTACT
+            h *= SAFETY * early
             continue
         rejected = h if early == 1.0 else rejected
         h *= max(LEAST_PART, SAFETY * (wanted / error) ** ERROR_EXPONENT[kind])
-        row = NO_CONTACT
     return 0.0, 0.0, NO_CONTACT, NOTHING, rejected

@@ -10,7 +10,9 @@ import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.reference.reference_end import reference_end
+from softcradle.physics.simulation import solve
 
+from benchmarks.scan.families import motion
 from tests.helpers.relations import simulate_quietly
 
 ADAPTIVE = ("radau", "dop853", "accurate")
@@ -105,3 +107,34 @@ def step_forces_with_loss(seed):
     chain, velocity = Chain([1.0] * beads, laws), draw.uniform(-1.0, 1.0, beads)
     duration = float(draw.uniform(1.0, 3.0))
     return chain, velocity, duration, reference_end(chain, velocity, duration, tolerance=1e-11).velocity
+
+
+def test_a_closing_that_only_a_shorter_step_meets_is_not_passed_over():
+    """Tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing."""
+    chain = Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0])
+    found = [simulate_quietly(chain, [0, 1, 1, 0], 24.0, tolerance=tolerance, samples=2) for tolerance in (1e-4, 1e-10)]
+    closings = [run.contact_intervals[1][0][0] for run in found]
+    assert closings[0] == pytest.approx(closings[1], abs=1e-3)
+    assert np.abs(found[0].final_velocity - found[1].final_velocity).max() < 1e-3
+
+
+def test_an_opening_behind_a_guard_that_comes_and_goes_is_not_passed_over():
+    """A light bead beside a heavy one shivers: whether a long step foretells its opening depends on the length of the step."""
+    chain = Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)])
+    found = [simulate_quietly(chain, [1, 1, 0], tolerance=tolerance, samples=2) for tolerance in (1e-4, 1e-10)]
+    assert np.abs(found[0].final_velocity - found[1].final_velocity).max() < 1e-3
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("family", ["hooke-hertz", "gears", "clusters", "walls", "extreme", "loss"])
+def test_loose_tolerances_err_no_more_than_they_state(family, tolerance):
+    for seed in range(40):
+        chosen = motion(family, seed)
+        loose, fine = (
+            solve(chosen.chain, chosen.velocity, chosen.duration, samples=2, tolerance=value)
+            for value in (tolerance, 1e-9)
+        )
+        if loose.warnings or fine.warnings:
+            continue
+        error = np.abs(loose.final_velocity - fine.final_velocity)
+        assert error.max() <= max(10.0 * tolerance * chosen.speed, float(loose.velocity_error.max())), seed
