@@ -12,7 +12,7 @@ joint.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -75,9 +75,7 @@ class Rows:
             bed[beads] += Extended(max(brake.force))
         bed = bed if chain.on_bed else np.zeros(0, dtype=Extended)
         force = np.zeros(n + 1, dtype=Extended) if external is None else external.astype(Extended)
-        difference = (np.eye(n, n + 1) - np.eye(n, n + 1, 1))[joint] * side.astype(np.float64)[:, None]
-        rows = np.vstack((difference, np.eye(n + 1))) if chain.on_bed else difference
-        response = rows * inverse_mass.astype(np.float64) @ rows.T
+        response = _response(joint, side, inverse_mass, chain.on_bed)
         return cls(joint, side, origin, preload, stiffness, exponent, loss, inverse_mass, bed, force, response)
 
     @property
@@ -122,16 +120,30 @@ class Rows:
         np.add.at(total, self.joint, np.moveaxis(self.side * force, -1, 0))
         return np.moveaxis(total, 0, -1)
 
-    def acceleration(self, force: Array, friction: Array) -> Array:
-        """(..., n+1) accelerations of the beads under contact forces (..., m) and bed friction (..., n+1 or 0)."""
+    def push(self, force: Array) -> Array:
+        """(..., n+1) forces on the beads by contacts (..., m) and from outside."""
         joints = self.on_joints(force)
         net = np.empty((*force.shape[:-1], self.external.size), dtype=Extended)
         net[...] = self.external
         net[..., :-1] -= joints
         net[..., 1:] += joints
+        return net
+
+    def acceleration(self, force: Array, friction: Array) -> Array:
+        """(..., n+1) accelerations of the beads under contact forces (..., m) and bed friction (..., n+1 or 0)."""
+        net = self.push(force)
         if self.bed.size:
             net -= friction
         return net * self.inverse_mass
+
+    def with_firm(self, firm: NDArray[np.bool_]) -> Rows:
+        """The rows with the beads that are `firm` (n+1,) as walls."""
+        if not firm.any():
+            return self
+        inverse_mass = np.where(firm, 0.0, self.inverse_mass)
+        return replace(
+            self, inverse_mass=inverse_mass, response=_response(self.joint, self.side, inverse_mass, self.bed.size > 0)
+        )
 
     def law(self, overlap: Array) -> Array:
         """(..., n) forces of contacts that are pressed in, at overlaps >= 0."""
@@ -180,6 +192,15 @@ class Rows:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             found = (excess / self.stiffness) ** (1.0 / self.exponent)
         return np.where(excess > 0.0, found, 0.0)
+
+
+def _response(joint: NDArray[np.intp], side: Array, inverse_mass: Array, on_bed: bool) -> NDArray[np.float64]:
+    """(m+b, m+b) see `Rows`."""
+    n = inverse_mass.size - 1
+    difference = (np.eye(n, n + 1) - np.eye(n, n + 1, 1))[joint] * side.astype(np.float64)[:, None]
+    rows = np.vstack((difference, np.eye(n + 1))) if on_bed else difference
+    found: NDArray[np.float64] = rows * inverse_mass.astype(np.float64) @ rows.T
+    return found
 
 
 def _parts(contact: Joint) -> tuple[tuple[Contact, float, float], ...]:

@@ -79,10 +79,31 @@ class Stages:
         self.round_off = 8.0 * EPSILON * (np.abs(start.overlap) + np.abs(h * start.rate))
         diagonal = rows.response.diagonal()[: rows.contacts]
         self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # overlap that a force of 1 N takes away
+        # (n+1,) beads that do not move in this step, or (0,) without a bed; the rows with these as walls
+        self.firm, self.free = np.zeros(rows.bed.size, dtype=bool), rows
         self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
 
     def solve(self) -> Point | None:
-        """The stages, or None where Newton's iteration does not converge."""
+        """The stages, or None where Newton's iteration does not converge.
+
+        Beads that stick at the start are walls at first; those that take more friction than there is are set free again.
+        """
+        start, bed = self.start, self.rows.bed
+        self.firm = (
+            (start.side == STICKS) & (start.velocity == 0.0) & (bed > 0.0) if bed.size else np.zeros(0, dtype=bool)
+        )
+        while True:
+            self.free = self.rows.with_firm(self.firm)
+            stages = self._solve()
+            if stages is None or not self.firm.any():
+                return stages
+            slips = self.firm & (np.abs(stages.friction) > bed).any(axis=0)
+            if not slips.any():
+                return stages
+            self.firm &= ~slips
+
+    def _solve(self) -> Point | None:
+        """The stages while beads that are firm do not move."""
         stages = self._guess()
         for iteration in range(MOST_ITERATIONS):
             contact_error, bed_error = self._residuals(stages)
@@ -101,7 +122,7 @@ class Stages:
         """Every stage with the forces of the start; contacts that are not stiff at the overlaps to which these lead."""
         start, rows, shape = self.start, self.rows, self.drift.shape
         stages = Point(*(np.broadcast_to(v, (shape[0], v.size)).copy() for v in vars(start).values()))
-        acceleration = rows.acceleration(start.force, start.friction)
+        acceleration = self.free.acceleration(start.force, start.friction)
         ahead = self.drift + self.twice.sum(axis=1)[:, None] * rows.closing(acceleration)
         loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
         slack = loaded & (self.yielding * rows.slope(start.overlap) < 1.0) & (ahead > 0.0)
@@ -115,7 +136,9 @@ class Stages:
 
     def _residuals(self, stages: Point) -> tuple[Array, Array]:
         """Primal values less what the stage equations make them, of contacts and beds; updates rates and velocities."""
-        acceleration = self.rows.acceleration(stages.force, stages.friction)
+        if self.firm.any():
+            stages.friction[:, self.firm] = self.rows.push(stages.force)[:, self.firm]
+        acceleration = self.free.acceleration(stages.force, stages.friction)
         closing = self.rows.closing(acceleration)
         overlap = self.drift + self.twice @ closing
         stages.rate = self.start.rate + self.once @ closing
@@ -124,7 +147,8 @@ class Stages:
         stages.overlap = np.where(held, overlap, stages.overlap)
         contact_error = np.where(held, -stages.rate, stages.overlap - overlap)
         stages.velocity = velocity
-        bed_error = np.where(stages.side == STICKS, -velocity, 0.0) if self.rows.bed.size else stages.friction
+        sticks = (stages.side == STICKS) & ~self.firm if self.rows.bed.size else stages.side
+        bed_error = np.where(sticks, -velocity, 0.0) if self.rows.bed.size else stages.friction
         return contact_error, bed_error
 
     def _is_small(self, contact_error: Array, branch: Branches, bed_error: Array, wanted: float) -> bool:
@@ -148,15 +172,21 @@ class Stages:
 
     def _newton_step(self, stages: Point, contact_error: Array, bed_error: Array) -> tuple[Double, Double]:
         """(s, n) and (s, b) steps along the graphs."""
-        rows, (s, n), b = self.rows, stages.force.shape, self.rows.bed.size
+        (s, n), b = stages.force.shape, self.rows.bed.size
         held = np.zeros((s, n + b), dtype=bool)
         held[:, :n], held[:, n:] = stages.branch == HELD, True
         primal, dual = np.empty((s, n + b)), np.empty((s, n + b))
         primal[:, :n], dual[:, :n] = self._tangent(stages)
-        primal[:, n:], dual[:, n:] = stages.side != STICKS, stages.side == STICKS
+        moves_nothing = (
+            self.free.response.diagonal()[:n] == 0.0
+        )  # between beads that do not move a force stays as it is
+        primal[:, :n] = np.where(moves_nothing & (primal[:, :n] == 0.0), 1.0, primal[:, :n])
+        dual[:, :n][:, moves_nothing] = 0.0
+        sticks = (stages.side == STICKS) & ~self.firm if b else stages.side == STICKS
+        primal[:, n:], dual[:, n:] = ~sticks, sticks
         rule = np.where(held[:, :, None], self.once_double[:, None, :], self.twice_double[:, None, :])
         error = np.hstack((contact_error, bed_error)) if b else contact_error
-        step = solved(rows, rule, primal, dual, -error.astype(np.float64))
+        step = solved(self.free, rule, primal, dual, -error.astype(np.float64))
         return step[:, :n], step[:, n:]
 
     def _tangent(self, stages: Point) -> tuple[Double, Double]:
@@ -206,6 +236,6 @@ class Stages:
         if not self.rows.bed.size:
             return
         friction = np.where(stages.side == STICKS, stages.friction + step, stages.side * self.rows.bed)
-        stages.side[friction > self.rows.bed] = FORWARD
-        stages.side[friction < -self.rows.bed] = BACKWARD
+        stages.side[(friction > self.rows.bed) & ~self.firm] = FORWARD
+        stages.side[(friction < -self.rows.bed) & ~self.firm] = BACKWARD
         stages.friction = np.clip(friction, -self.rows.bed, self.rows.bed)

@@ -142,3 +142,14 @@ def test_method_scipy_takes_friction_and_loss_by_it():
     assert len(found.contact_intervals[0]) >= 1
     fine = reference_end(chain, [1.0, 0.0, 0.0], found.time[20], 1e-12).velocity
     assert found.velocity[20] == pytest.approx(fine, abs=1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("friction", [0.01, 0.1, 1.0])
+def test_soft_contacts_on_a_bed(friction, tolerance):
+    """Contacts between beads that stick carried what round-off pressed them in by, to the power of a tenth."""
+    chain = Chain([1.0] * 5, power_law(1.0, 0.1), friction=friction)
+    found = reference_end(chain, [1, 0, 0, 0, 0], 0.3, tolerance)
+    ours = simulate(chain, [1, 0, 0, 0, 0], 0.3, tolerance=1e-10, samples=2)
+    assert found.error < 30.0 * tolerance
+    assert ours.final_velocity == pytest.approx(found.velocity, abs=30.0 * tolerance + 1e-8)
