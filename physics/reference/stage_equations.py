@@ -89,9 +89,8 @@ class Stages:
         Beads that stick at the start are walls at first; those that take more friction than there is are set free again.
         """
         start, bed = self.start, self.rows.bed
-        self.firm = (
-            (start.side == STICKS) & (start.velocity == 0.0) & (bed > 0.0) if bed.size else np.zeros(0, dtype=bool)
-        )
+        if bed.size:
+            self.firm = (start.side == STICKS) & (start.velocity == 0.0) & (bed > 0.0)
         while True:
             self.free = self.rows.with_firm(self.firm)
             stages = self._solve()
