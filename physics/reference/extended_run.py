@@ -139,7 +139,9 @@ class ExtendedRun:
         factor = SAFETY * max(error, 1e-30) ** (-0.5 / self.stages)
         if error > 1.0:
             self.length = float(h) * min(0.5, max(0.1, factor))
-        elif hides_switch(self.tableau, self.rows, self.point, stages, float(h), slack):
+        elif hides_switch(
+            self.tableau, self.rows, self.point, stages, float(h), slack, STILL * self.tolerance * self.speed
+        ):
             self.length = 0.5 * float(h)
         else:
             corner = next_corner(

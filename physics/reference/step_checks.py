@@ -27,10 +27,12 @@ def local_error(tableau: Tableau, rows: Rows, stages: Point, h: float) -> float:
     return float((h * tail * decay**1.0).max())
 
 
-def hides_switch(tableau: Tableau, rows: Rows, start: Point, stages: Point, h: float, slack: float) -> bool:
+def hides_switch(
+    tableau: Tableau, rows: Rows, start: Point, stages: Point, h: float, slack: float, still: float
+) -> bool:
     """Whether a guard may change its sign inside the step: one of its Bernstein coefficients has the other sign.
 
-    `slack` [m/s]: a guard of velocities that is past its zero by less does not count.
+    `slack` [m/s]: a guard of velocities that is past its zero by less does not count; nor a slide of a bead slower than `still`.
     """
     kinked = (rows.preload > 0.0) | (rows.loss > 0.0)
     weight = h * rows.response.diagonal()  # change of a row's velocity by a force of 1 N
@@ -61,7 +63,7 @@ def hides_switch(tableau: Tableau, rows: Rows, start: Point, stages: Point, h: f
         side = stages.side[0]
         velocity = start.velocity + h * (tableau.bernstein_once @ acceleration)
         friction = tableau.bernstein_value @ stages.friction
-        found |= bool((side * velocity < -slack).any())
+        found |= bool((side * velocity < -still).any())
         found |= bool(((side == STICKS) & (np.abs(friction) > rows.bed * (1.0 + 1e-12))).any())
     return found
 

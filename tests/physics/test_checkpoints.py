@@ -87,10 +87,10 @@ def test_samples_may_be_wanted_after_the_end(method):
 @pytest.mark.parametrize("name", ["loss", pytest.param("friction", marks=pytest.mark.slow)])
 def test_the_reference_takes_its_samples_from_copies_of_its_run(name):
     chain, velocity = struck(name)
-    found = simulate_quietly(chain, velocity, method="scipy", samples=9, tolerance=1e-7)
-    known = simulate_quietly(chain, velocity, found.time[-1], method="scipy", samples=9, tolerance=1e-7)
-    assert found.overlap == pytest.approx(known.overlap, abs=3e-7)
-    assert found.velocity == pytest.approx(known.velocity, abs=3e-7)
+    found = simulate_quietly(chain, velocity, method="scipy", samples=9, tolerance=1e-8)
+    known = simulate_quietly(chain, velocity, found.time[-1], method="scipy", samples=9, tolerance=1e-8)
+    assert found.overlap == pytest.approx(known.overlap, abs=3e-8)
+    assert found.velocity == pytest.approx(known.velocity, abs=3e-8)
 
 
 @pytest.mark.parametrize(
