@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import NamedTuple, SupportsFloat, cast
+from functools import cached_property, wraps
+from typing import Any, NamedTuple, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.timed_force import TimedForce, checked_forces, summed
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 Joint = Contact | OwnLaw | Coupler  # what a chain holds between two beads
 OneLaw = Contact | Coupler | Law | Callable[[float], SupportsFloat]  # what it takes: a law of one's own as it is, too
@@ -119,6 +120,11 @@ class Chain:
 
     def _repr_html_(self) -> str:
         return notebook_views.html_of(self)
+
+    @cached_property
+    def derived(self) -> dict[str, Any]:
+        """What functions marked :func:`per_chain` have found, by their names."""
+        return {}
 
     @property
     def contacts(self) -> int:
@@ -291,6 +297,20 @@ class Chain:
         force = np.array(self.drive)
         force.setflags(write=False)
         return force
+
+
+def per_chain(compute: Callable[[Chain], T]) -> Callable[[Chain], T]:
+    """The function `compute` of a chain alone, computed once for each chain: runs of one chain by the thousand share it."""
+    name = f"{compute.__module__}.{compute.__qualname__}"
+
+    @wraps(compute)
+    def found(chain: Chain) -> T:
+        known = chain.derived
+        if name not in known:
+            known[name] = compute(chain)
+        return cast("T", known[name])
+
+    return found
 
 
 def _shortened(values: Sequence[object]) -> str:

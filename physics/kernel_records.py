@@ -84,7 +84,7 @@ def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> t
 def empty_log(contacts: int, size: int) -> SwitchLog:
     """A log with `size` rows for a chain whose contacts are all open."""
     closed, counter = np.zeros(contacts, dtype=np.int8), np.zeros(COUNTERS, dtype=np.int64)
-    return SwitchLog(np.zeros(size, dtype=np.int64), np.zeros(size), closed, counter)
+    return SwitchLog(np.empty(size, dtype=np.int64), np.empty(size), closed, counter)
 
 
 def larger_log(log: SwitchLog) -> int:

@@ -27,14 +27,12 @@ from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, 
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-PLAIN_WORK = (
-    80_000  # fixed steps times contacts that a process runs as plain Python, about three seconds, before it waits
-)
+# fixed steps times contacts that a process runs as plain Python, about three seconds, before it waits
+PLAIN_WORK = 80_000
 LOOKING = 0.25  # seconds between two looks whether machine code has come
 YIELDING = 10  # niceness of a process that compiles behind frames, which are to be drawn in time
-PROGRAM = (
-    "import os; getattr(os, 'nice', int)({}); from {} import TIERS; TIERS[{!r}].compile_and_unlock()"  # of that process
-)
+# of that process
+PROGRAM = "import os; getattr(os, 'nice', int)({}); from {} import TIERS; TIERS[{!r}].compile_and_unlock()"
 LONGEST_COMPILATION = 600.0  # seconds after which a process that should compile is given up
 
 logger = logging.getLogger("softcradle")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +63,11 @@ class Problem:
 
     def sample_times(self, end: float) -> Array:
         """(T,) sample times [s] for a run that ends at `end`."""
+        start = self.state.time
+        if self.ends_alone:
+            return np.array((start, start + (end - start)))
         if isinstance(self.samples, int):
-            return self.state.time + np.linspace(0.0, end - self.state.time, self.samples)
+            return start + np.linspace(0.0, end - start, self.samples)
         return self.samples
 
 
@@ -153,14 +156,8 @@ def empty_samples(count: int, contacts: int) -> Rows:
     return np.zeros(wide), np.zeros(wide), np.zeros(narrow), np.zeros(wide), np.zeros(narrow)
 
 
-SAMPLED = (
-    "time",
-    "overlap",
-    "rate",
-    "anchor",
-    "force",
-    "absorbed",
-)  # fields of a Record with one row a sample, as of Samples
+# fields of a Record with one row a sample, as of Samples
+SAMPLED = "time", "overlap", "rate", "anchor", "force", "absorbed"
 GIVEN = "given"  # one more, of forces over time
 Pass = Callable[[Problem, float, Array, bool], Record]
 
@@ -192,7 +189,9 @@ def with_samples_of(found: Record, sampled: Record) -> Record:
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
-    late = (times > start.time)[:, None]
-    names = (*SAMPLED[1:], GIVEN)
-    rows = {name: np.where(late, getattr(found.end, name), getattr(start, name)) for name in names}
+    states = [found.end if time > start.time else start for time in times.tolist()]
+    rows: dict[str, Any] = {}
+    for name in (*SAMPLED[1:], GIVEN):
+        numbers = getattr(start, name).size
+        rows[name] = np.array([getattr(state, name) for state in states]).reshape(times.size, numbers)
     return replace(found, time=times, kept=None, **rows)

@@ -6,19 +6,16 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
 
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
-LEAST_SCALE = (
-    1e-10  # of the largest difference of velocities: the least scale, for round-off of velocities ends not far below
-)
-LEAST_DEPTH, MOST_DEPTH = (
-    1e-60,
-    1e25,
-)  # [m] of contacts that are computed: with powers of them, floats end not far beyond
+# of the largest difference of velocities: the least scale, for round-off of velocities ends not far below
+LEAST_SCALE = 1e-10
+# [m] of contacts that are computed: with powers of them, floats end not far beyond
+LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 
 
 def closing_speed(velocity: ArrayLike) -> float:
@@ -35,10 +32,16 @@ def _approach(values: Array) -> float:
 
 def speed_scale(chain: Chain, velocity: ArrayLike) -> float:
     """Largest of the closing speed and the speeds that the drive and pressed contacts can give [m/s]; 1 where all are 0."""
+    inner = _inner_speed(chain)
+    return max(float(np.ptp(np.asarray(velocity))), inner) if inner else closing_speed(velocity)
+
+
+@per_chain
+def _inner_speed(chain: Chain) -> float:
+    """Largest speed [m/s] that the drive and contacts pressed at the start can give; 0 where there is neither."""
     overlap = -np.asarray(chain.gap, dtype=np.float64)
     driven = max((_driven_speed(chain, force) for force in chain.drives), default=0.0)
-    inner = max(driven, _released_speed(chain, overlap))
-    return max(float(np.ptp(np.asarray(velocity))), inner) if inner else closing_speed(velocity)
+    return max(driven, _released_speed(chain, overlap))
 
 
 def closing_scale(
@@ -49,8 +52,8 @@ def closing_scale(
     It is the largest of the speeds at which beads approach, that contacts have stored, that `external` forces (n+1,) [N] can
     give by pressing on contacts and over the gaps; in a motion without any of these, of what moves at all.
     """
-    approach = _approach(velocity)
-    if approach <= ROUND_OFF * float(np.abs(velocity).max()):
+    high, low, approach = float(velocity.max()), float(velocity.min()), _approach(velocity)
+    if approach <= ROUND_OFF * max(high, -low):
         approach = 0.0
     found = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external))
     if external is not None:
@@ -63,7 +66,7 @@ def closing_scale(
         found = max(found, fall)
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
-    return max(found, LEAST_SCALE * float(np.ptp(velocity))) or closing_speed(velocity)
+    return max(found, LEAST_SCALE * (high - low)) or closing_speed(velocity)
 
 
 def _released_speed(chain: Chain, overlap: Array) -> float:
@@ -124,9 +127,34 @@ def _scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     return depth, times
 
 
+def speeds_to_depth(chain: Chain, depth: ArrayLike) -> Array:
+    """(..., n) speeds [m/s] at which a contact that is struck alone is pressed in to `depth` (..., n) or (..., 1) [m].
+
+    The inverse of the depths of :func:`contact_scales`; not for contacts with laws of one's own.
+    """
+    preload, stiffness, exponent = chain.law_rows.T
+    power = 1.0 + exponent
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        energy = np.fmax(np.multiply(preload, depth), stiffness * np.power(depth, power) / power)
+        speeds: Array = np.sqrt(2.0 * energy * chain.inverse_reduced_mass)
+    return speeds
+
+
+@per_chain
+def _computable_speeds(chain: Chain) -> tuple[float, float]:
+    """Scales of speed [m/s] between which every contact is pressed to depths that are computed; none with laws of one's own."""
+    if chain.own_laws:
+        return math.inf, 0.0
+    least, most = speeds_to_depth(chain, [[LEAST_DEPTH], [MOST_DEPTH]])
+    return max(SMALLEST, float(least.max())), float(most.min())
+
+
 def require_computable(chain: Chain, velocity: ArrayLike) -> None:
     """Raise ValueError where a contact would be pressed so little or so far that powers of it are no floats any more."""
     speed = speed_scale(chain, velocity)
+    least, most = _computable_speeds(chain)
+    if least < speed < most:
+        return
     if not speed >= SMALLEST:
         raise ValueError(f"the closing speed must be 0 or at least {SMALLEST:g} m/s, not {speed:g}: choose other units")
     with np.errstate(over="ignore", under="ignore"):

@@ -231,7 +231,7 @@ def _problem(
 ) -> Problem:
     state = State.at_start(chain, velocity)
     _require_carried(method.name, chain)
-    require_computable(chain, state.velocity(chain))
+    require_computable(chain, velocity)
     if duration is None:
         _require(chain.walls < 2, TWO_WALLS)
         _require(not chain.lasts, DRIVEN)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown
 from softcradle.physics.contact import is_closed
 from softcradle.physics.status import Status, Warnings
@@ -66,15 +66,9 @@ class State:
         """The start of a scene: bead 0 at position 0, the chain's gaps between neighbours, `velocity` (n+1,) [m/s]."""
         require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
-        gap = np.array(chain.gap)
-        position = np.concatenate(([0.0], np.cumsum(gap)))
-        anchor = np.array([position[chain.anchor], speeds[chain.anchor]])
-        force = np.zeros(chain.contacts)
-        for i in np.flatnonzero(gap < 0.0).tolist() + [
-            i for i, coupler in chain.couplers if -gap[i] < coupler.pulls_below
-        ]:
-            force[i] = float(chain.contact[i].force(-gap[i]))
-        return cls(0.0, 0.0 - gap, speeds[:-1] - speeds[1:], anchor, force)
+        overlap, place, force = _start(chain)
+        anchor = np.array([place, speeds[chain.anchor]])
+        return cls(0.0, overlap.copy(), speeds[:-1] - speeds[1:], anchor, force.copy())
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -91,8 +85,7 @@ class State:
 
     def energy(self, chain: Chain) -> float:
         """Kinetic and contact energy [J], walls left out."""
-        kinetic = 0.5 * float((chain.finite_mass * self.velocity(chain) ** 2).sum())
-        return kinetic + float(chain.stored_energy(self.overlap).sum())
+        return float(energy(chain, self.velocity(chain), self.overlap))
 
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
@@ -114,13 +107,31 @@ class State:
         return State(self.time, *arrays, push, self.switches, self.absorbed.copy(), self.given.copy())
 
 
+@per_chain
+def _start(chain: Chain) -> tuple[Array, float, Array]:
+    """Overlaps (n,) [m] at the start, the position [m] of the anchor bead, and contact forces (n,) [N]."""
+    gap = np.array(chain.gap)
+    force = np.zeros(chain.contacts)
+    pulled = [i for i, coupler in chain.couplers if -gap[i] < coupler.pulls_below]
+    for i in [*np.flatnonzero(gap < 0.0).tolist(), *pulled]:
+        force[i] = float(chain.contact[i].force(-gap[i]))
+    position = np.concatenate(([0.0], np.cumsum(gap)))
+    return 0.0 - gap, float(position[chain.anchor]), force
+
+
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
     """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
-    (-difference).cumsum(axis=-1, out=down[..., 1:])
-    down -= down[..., anchor : anchor + 1].copy()
-    down += np.asarray(value)[..., None]
+    np.add.accumulate(-difference, axis=-1, out=down[..., 1:])
+    down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
+    down += np.asarray(value)[..., None] if down.ndim > 1 else value
     return down
+
+
+def energy(chain: Chain, velocity: Array, overlap: Array) -> Any:
+    """Kinetic and contact energy (...) [J] at velocities (..., n+1) [m/s] and overlaps (..., n) [m], walls left out."""
+    kinetic = 0.5 * (chain.finite_mass * velocity**2).sum(axis=-1)
+    return kinetic + chain.stored_energy(overlap).sum(axis=-1)
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
@@ -128,10 +139,9 @@ def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
     speeds = number_array("velocity", velocity)
     if speeds.shape != (chain.contacts + 1,):
         raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not {shown(velocity)}")
-    if not np.isfinite(speeds).all():
+    fastest = np.abs(speeds).max()
+    if not np.isfinite(fastest):
         raise ValueError("every velocity must be finite")
-    if np.abs(speeds).max() > LARGEST:
-        raise ValueError(
-            f"every velocity must be at most {LARGEST:g} m/s, not {np.abs(speeds).max():g}: choose other units"
-        )
+    if fastest > LARGEST:
+        raise ValueError(f"every velocity must be at most {LARGEST:g} m/s, not {fastest:g}: choose other units")
     return speeds.copy()

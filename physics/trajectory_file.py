@@ -26,13 +26,8 @@ from softcradle.physics.timed_force import TimedForce
 from softcradle.physics.version import version
 
 FORMAT = 5
-READABLE = (
-    1,
-    2,
-    3,
-    4,
-    5,
-)  # 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers
+# 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers
+READABLE = 1, 2, 3, 4, 5
 
 Array = NDArray[np.float64]
 Path = str | PathLike[str]

@@ -16,20 +16,12 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.numerics.records import LOADED, OPEN, SWITCH, Motion, SwitchLog
 from softcradle.physics.state import State
 
-SHORTEST = (
-    128  # contacts beside those that move, so that a part lasts for some steps; a chain that is no longer is one part
-)
+# contacts beside those that move, so that a part lasts for some steps; a chain that is no longer is one part
+SHORTEST = 128
 ADVANCE = MARGIN + 1  # contacts by which what moves grows a step at either side; one of them where a closing is stopped
 LEAST_STEPS = 8  # steps for which a part lasts, or it is made anew
-OWN_ROWS = (
-    "opening",
-    "opened",
-    "lateness",
-    "grown",
-    "most_grown",
-    "course",
-    "turns",
-)  # fields of Scratch, a number a contact
+# fields of Scratch, a number a contact
+OWN_ROWS = "opening", "opened", "lateness", "grown", "most_grown", "course", "turns"
 
 
 def rests_exactly(chain: Chain, state: State, explicit: bool) -> bool:

@@ -87,9 +87,8 @@ def eliminate(h, chain, motion, trial, scratch):
         i10, i11, i12 = m12 * m20 - m10 * m22, m00 * m22 - m02 * m20, m02 * m10 - m00 * m12
         i20, i21, i22 = m10 * m21 - m11 * m20, m01 * m20 - m00 * m21, m00 * m11 - m01 * m10
         free = mode[i] == TOUCHING and m00 <= ROUND_OFF * (left + right) * across[0, i]
-        scale = (
-            0.0 if free else 1.0 / (m00 * i00 + m01 * i10 + m02 * i20)
-        )  # 0: a force from wall to wall stays as it is
+        # a force from wall to wall is not determined, and stays as it is
+        scale = 0.0 if free else 1.0 / (m00 * i00 + m01 * i10 + m02 * i20)
         m = block[i]
         m[0], m[1], m[2] = i00 * scale, i01 * scale, i02 * scale
         m[3], m[4], m[5] = i10 * scale, i11 * scale, i12 * scale

@@ -29,7 +29,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.adaptive.undetermined import DOUBT, finish
 from softcradle.physics.adaptive.usual_budget import step_budget
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
@@ -62,7 +62,7 @@ from softcradle.physics.problem import (
     with_samples_of,
 )
 from softcradle.physics.scales import closing_scale
-from softcradle.physics.state import State
+from softcradle.physics.state import State, energy, from_anchor
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -107,8 +107,7 @@ def run(problem: Problem) -> Record:
         began = perf_counter()
         record = _sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began
-    before = problem.state.energy(problem.chain)
-    change = _ledger_error(problem, record, before)
+    before, change = _ledger(problem, record)
     record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
     if change > MOST_ENERGY * problem.tolerance * before:
         record.warnings += (_energy_warning(problem, change / before),)
@@ -243,14 +242,18 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _ledger_error(problem: Problem, record: Record, before: float) -> float:
-    """By how much the energy [J] of an undriven chain, `before` at its start, is off in the end; 0 where work is done on it."""
-    chain, start = problem.chain, problem.state
-    moved = np.isinf(chain.mass) & (start.velocity(chain) != 0.0) if chain.walls else NO_FLAGS
-    if start.external(chain) is not None or moved.any():
-        return 0.0
-    absorbed = float((record.end.absorbed - start.absorbed).sum())
-    return abs(float(record.end.energy(chain) + absorbed - before))
+def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
+    """The energy [J] of a chain at the start, and by how much it is off in the end, 0 where work is done on it."""
+    chain, states = problem.chain, (problem.state, record.end)
+    rate, overlap, absorbed = (
+        np.array([getattr(state, name) for state in states]) for name in ("rate", "overlap", "absorbed")
+    )
+    velocity = from_anchor(rate, np.array([state.anchor[1] for state in states]), chain.anchor)
+    before, after = energy(chain, velocity, overlap).tolist()
+    moved = np.isinf(chain.mass) & (velocity[0] != 0.0) if chain.walls else NO_FLAGS
+    if problem.state.external(chain) is not None or moved.any():
+        return before, 0.0
+    return before, abs(after + float((absorbed[1] - absorbed[0]).sum()) - before)
 
 
 def _unresolved(chain: Chain, change: float) -> float:
@@ -259,10 +262,14 @@ def _unresolved(chain: Chain, change: float) -> float:
     A cluster of such contacts is all but rigid: rattling far below the closing speed can be damped in every run alike, so that
     none tells of it, and of its energy alone is known that it is no more than what the ledger lacks.
     """
+    return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max())) if _rattles(chain) else 0.0
+
+
+@per_chain
+def _rattles(chain: Chain) -> bool:
+    """Whether contacts are so soft that a cluster of them rattles."""
     law = chain.law_rows
-    if not ((law[:, 0] == 0.0) & (law[:, 2] < SOFTEST)).any():
-        return 0.0
-    return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max()))
+    return bool(((law[:, 0] == 0.0) & (law[:, 2] < SOFTEST)).any())
 
 
 def _energy_warning(problem: Problem, error: float) -> CodedWarning:

@@ -18,9 +18,8 @@ Array = NDArray[np.float64]
 EPSILON = float(np.finfo(np.float64).eps)
 
 FINER = 10.0  # ratio of the tolerances of successive runs; one that takes as many times the steps rattles where the other did not
-LEAST_PROMISED = (
-    1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
-)
+# tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
+LEAST_PROMISED = 1e-11
 
 
 def is_sensitive(problem: Problem, record: Record) -> bool:
@@ -29,9 +28,10 @@ def is_sensitive(problem: Problem, record: Record) -> bool:
     They grow by bounces and by many oscillations. Where a steady push brings a soft contact back to zero overlap, a change d of
     the overlap is one of sqrt(d) in velocity.
     """
-    soft = any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.power_laws)
+    if record.growth > MOST_GROWN:
+        return True
     driven = problem.state.external(problem.chain) is not None
-    return record.growth > MOST_GROWN or (driven and soft)
+    return driven and any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.power_laws)
 
 
 def checked(problem: Problem, record: Record, scale: float, complete: Callable[[Problem], Record]) -> Record:

@@ -119,9 +119,8 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             else:
                 row, event, h = found, its_event, part * h
             continue
-        if (
-            found >= 0 and part * h < h + min(miss, 0.0) and h > least
-        ):  # not met in so many tries; no step passes over it
+        if found >= 0 and part * h < h + min(miss, 0.0) and h > least:
+            # an event that was not met in so many tries: no step passes over it
             counter[REJECTED] += 1
             row, tries, h = NO_CONTACT, 0, SHRINK * h
             continue

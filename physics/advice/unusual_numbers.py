@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
-from softcradle.physics.chain import Chain
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.chain import Chain, per_chain
+from softcradle.physics.scales import ROUND_OFF, contact_scales, speeds_to_depth
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 LARGEST_TOLERANCE = 0.1  # of the closing speed: beyond, velocities are not determined
@@ -36,10 +38,10 @@ def _of_tolerance(tolerance: float) -> Warnings:
 
 def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
     """A warning for the gear that yields least, where that is hardly at all."""
-    preload, stiffness, exponent = chain.law_rows.T
-    gears = (preload > 0.0) & (stiffness > 0.0) & (exponent == 1.0)
-    if not (gears.any() and np.ptp(np.asarray(velocity)) > 0.0):
+    usual = _usual_speed_of_gears(chain)
+    if not (usual and 0.0 < np.ptp(np.asarray(velocity)) < usual):
         return ()
+    gears, (preload, stiffness, _) = _gears(chain), chain.law_rows.T
     depth = contact_scales(chain, velocity)[0]
     share = np.full(chain.contacts, np.inf)
     np.divide(depth * stiffness, preload, out=share, where=gears)
@@ -52,6 +54,22 @@ def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
         "would: is the precompression given in metres?"
     )
     return (CodedWarning(WarningCode.UNUSUAL, sentence, {"precompression": float(length), "yield": float(depth[i])}),)
+
+
+def _gears(chain: Chain) -> Any:
+    """(n,) whether each contact is a preloaded spring."""
+    preload, stiffness, exponent = chain.law_rows.T
+    return (preload > 0.0) & (stiffness > 0.0) & (exponent == 1.0)
+
+
+@per_chain
+def _usual_speed_of_gears(chain: Chain) -> float:
+    """Closing speed [m/s] from which on every gear yields by a usual share of its precompression; 0 without gears."""
+    gears, (preload, stiffness, _) = _gears(chain), chain.law_rows.T
+    if not gears.any():
+        return 0.0
+    depth = np.divide(LEAST_YIELD * preload, stiffness, out=np.zeros(chain.contacts), where=gears)
+    return float(np.max(speeds_to_depth(chain, depth), where=gears, initial=0.0)) * (1.0 + ROUND_OFF)
 
 
 def _of_friction(friction: float) -> Warnings:

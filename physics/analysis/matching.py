@@ -29,10 +29,8 @@ Family = Literal["power_law", "draft_gear"]
 
 NEAR = 0.1  # largest distance that counts as near: forces that differ by 10 %
 ALPHAS = (1.0 / 50.0, 3.0)  # range of the exponents that are searched
-PRECOMPRESSIONS = (
-    1e-4,
-    1e4,
-)  # range of the precompressions that are searched, in largest overlaps of the given contact
+# range of the precompressions that are searched, in largest overlaps of the given contact
+PRECOMPRESSIONS = 1e-4, 1e4
 FORCES = (1e-3, 1e3)  # range of the forces that are searched, in that of the first guess
 LOGARITHM_TOLERANCE = 1e-5  # of the logarithms of the two numbers, at which the search ends
 AT_END = 1e-3  # of a logarithm: a number this near to an end of its range counts as lying there

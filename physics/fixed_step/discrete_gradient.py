@@ -35,9 +35,8 @@ from softcradle.physics.numerics.switches import any_switched, copy_into
 # rows (n,) of scratch memory of a step, after those of the solver
 FREE, END, DIAGONAL, FIRST_FORCE = SOLVER_ROWS, SOLVER_ROWS + 1, SOLVER_ROWS + 2, SOLVER_ROWS + 3
 WORK_ROWS = SOLVER_ROWS + 4
-SMALLEST_PART = (
-    2.0**-10
-)  # of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
+# of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
+SMALLEST_PART = 2.0**-10
 TOUCHES = (
     1e-14  # of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
 )
@@ -181,9 +180,8 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
     free, end, diagonal = work[FREE], work[END], work[DIAGONAL]
     for i in range(overlap.size):
         weight = inverse_mass[i] + inverse_mass[i + 1]
-        diagonal[i] = (
-            weight if weight > 0.0 else 1.0
-        )  # between beads that no force moves a row of its own, without effect
+        # between beads that no force moves a row of its own, without effect
+        diagonal[i] = weight if weight > 0.0 else 1.0
         if 0.0 < overlap[i] < SMALLEST:
             overlap[i] = 0.0
         if dissipation is not None and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:

@@ -55,10 +55,8 @@ if COMPILED:
 
         return types.float64(types.int64), generate
 
-    bits_of.py_func, float_of.py_func = (
-        _plain_bits,
-        _plain_float,
-    )  # what plain Python calls in their place, as of a kernel
+    # what plain Python calls in their place, as of a kernel
+    bits_of.py_func, float_of.py_func = _plain_bits, _plain_float
 
 else:
     bits_of, float_of = _plain_bits, _plain_float

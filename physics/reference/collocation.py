@@ -13,9 +13,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-Extended = (
-    np.longdouble
-)  # 64 bits of mantissa on x86, 113 on ARM with Linux; where it is double, the reference is no finer
+# 64 bits of mantissa on x86, 113 on ARM with Linux; where it is double, the reference is no finer
+Extended = np.longdouble
 Array = NDArray[np.longdouble]
 EPSILON = float(np.finfo(Extended).eps)
 

@@ -206,9 +206,8 @@ class ExtendedRun:
             past = point.side * point.velocity < 0.0  # by less than the iteration may leave: it has come to rest
             rests |= ((point.side == STICKS) | past) & (self.rows.bed > 0.0)
             acceleration = self.rows.acceleration(point.force, point.friction)
-            still = (
-                np.abs(point.velocity) <= STILL * self.tolerance * self.speed
-            )  # nor does it gain: it would creep on for ever
+            # nor does it gain: it would creep on for ever
+            still = np.abs(point.velocity) <= STILL * self.tolerance * self.speed
             still &= point.side * acceleration <= 1e-12 * self.rows.bed * self.rows.inverse_mass
             rests |= still & (self.rows.bed > 0.0)
             point.side[rests & (past | still)] = STICKS

@@ -31,9 +31,8 @@ Double = NDArray[np.float64]
 
 MOST_ITERATIONS = 40  # of Newton's method, in a step that is then tried shorter
 UNDAMPED_ITERATIONS, DAMPED = 12, 0.5  # before steps count by half, for contacts that alternate between two branches
-LEAST = float(
-    np.finfo(np.float64).tiny
-)  # change of an overlap with its place that is not yet 0, as it is for a fixed row
+# change of an overlap with its place that is not yet 0, as it is for a fixed row
+LEAST = float(np.finfo(np.float64).tiny)
 
 
 @dataclass
@@ -176,9 +175,8 @@ class Stages:
         held[:, :n], held[:, n:] = stages.branch == HELD, True
         primal, dual = np.empty((s, n + b)), np.empty((s, n + b))
         primal[:, :n], dual[:, :n] = self._tangent(stages)
-        moves_nothing = (
-            self.free.response.diagonal()[:n] == 0.0
-        )  # between beads that do not move a force stays as it is
+        # between beads that do not move a force is not determined, and stays as it is
+        moves_nothing = self.free.response.diagonal()[:n] == 0.0
         primal[:, :n] = np.where(moves_nothing & (primal[:, :n] == 0.0), 1.0, primal[:, :n])
         dual[:, :n][:, moves_nothing] = 0.0
         sticks = (stages.side == STICKS) & ~self.firm if b else stages.side == STICKS

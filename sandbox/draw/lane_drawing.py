@@ -33,10 +33,8 @@ from softcradle.scenes import View
 KEY = 26.0  # design pixels of the line with name and key, above the bars
 FORCE_LABEL = 17.0  # design pixels of a force above its bar
 RULER = 150.0  # design pixels of the ruler with its words, at the right end of that line
-TALLEST_BEAD, LEAST_BEAD = (
-    0.40,
-    0.30,
-)  # of the height of the drawing: a bead, and what is left to it where bars need room
+# of the height of the drawing: a bead, and what is left to it where bars need room
+TALLEST_BEAD, LEAST_BEAD = 0.40, 0.30
 BAR_LIFT = 8.0  # design pixels from the tops of the beads to the axis of the bars
 LEAST_BAR = 18.0  # design pixels of the highest bar, for which beads give way
 GROUND = 30.0  # design pixels from the ground line to the lower edge of the drawing

@@ -20,12 +20,8 @@ METHOD = "accurate"
 TOLERANCE = 1e-9  # of that run
 MOST_STEPS = 20_000  # of that run from one check to the next: some tenths of a second; beyond it the error is not known
 LEAST_FRAMES = 30  # between two checks: a quarter of a second
-UNTOUCHING = (
-    inputs.SetSlow,
-    inputs.SetMethod,
-    inputs.SetStep,
-    inputs.Resume,
-)  # inputs after which the motion is the same
+# inputs after which the motion is the same
+UNTOUCHING = inputs.SetSlow, inputs.SetMethod, inputs.SetStep, inputs.Resume
 
 
 @dataclass(frozen=True)

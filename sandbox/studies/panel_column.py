@@ -15,9 +15,8 @@ if TYPE_CHECKING:
 MOST_IN_A_COLUMN = 3  # panels; more stand two abreast
 Place = tuple[int, int]  # row and column of a panel in the wide figure
 
-_grids: WeakKeyDictionary[Figure, tuple[Any, bool]] = (
-    WeakKeyDictionary()
-)  # panels, and whether all share their abscissa
+# panels, and whether all share their abscissa
+_grids: WeakKeyDictionary[Figure, tuple[Any, bool]] = WeakKeyDictionary()
 
 
 def panels_below_each_other(

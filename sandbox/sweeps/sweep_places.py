@@ -53,9 +53,8 @@ class Places:
             sendable(work)
         self._work, self._executor, self._scheduler, self._workers = work, executor, scheduler, workers
         self.remote = scheduler is not None or not isinstance(executor, str)
-        self._dask = (
-            self._dask_pool() if scheduler is not None else None
-        )  # before any work, so that a wrong address is told at once
+        # before any work, so that a wrong address is told at once
+        self._dask = self._dask_pool() if scheduler is not None else None
 
     def _dask_pool(self) -> Pool:
         from softcradle.sandbox.sweeps.dask_pool import DaskPool

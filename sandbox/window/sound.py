@@ -14,16 +14,8 @@ OVERTONE = 2.5  # frequency of the second sine, relative to the first
 DECAY = 90.0  # 1/s
 PEAK = 0.6  # of the largest sample
 LEAST_VOLUME = 0.15  # of the slowest impact
-TONES = (
-    131.0,
-    165.0,
-    196.0,
-    247.0,
-    294.0,
-    349.0,
-    440.0,
-    523.0,
-)  # Hz, of the first contacts: thirds, so that they sound together
+# Hz, of the first contacts: thirds, so that they sound together
+TONES = 131.0, 165.0, 196.0, 247.0, 294.0, 349.0, 440.0, 523.0
 TONE_SECONDS = 1.0  # of a tone before it begins again: whole periods, for all of TONES are whole numbers
 TONE_VOLUME = 0.3  # of the greatest force, so that all of them together do not clip
 TONE_CURVE = 0.5  # exponent of the loudness over the force: small forces are heard too

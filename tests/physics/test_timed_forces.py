@@ -76,9 +76,8 @@ def test_a_brake_stops_a_bead_and_holds_it(name):
 def test_methods_agree_on_a_train_that_is_pushed_from_both_ends(method):
     reference = simulate(PUSHING, REST, 1.5, method="radau", tolerance=1e-6)
     found = simulate(PUSHING, REST, 1.5, **settings(method, 2e-4))
-    bound = (
-        0.3 if method.name in ("euler", "verlet", "yoshida4", "pymunk") else 2e-4
-    )  # explicit steps chatter on preload
+    # explicit steps chatter on preload
+    bound = 0.3 if method.name in ("euler", "verlet", "yoshida4", "pymunk") else 2e-4
     np.testing.assert_allclose(found.final_velocity, reference.final_velocity, atol=bound)
     np.testing.assert_allclose(found.momentum, found.impulse, atol=1e-9)
 

@@ -35,9 +35,8 @@ CLAIMS: tuple[Claim, ...] = (
 
 LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")  # a tenth of all each: measured first,
 # so that in the end no core waits long for another
-REFERENCE_CASE = (
-    -1
-)  # in place of the number of a case: the paper's own by the reference, which takes long and comes first
+# in place of the number of a case: the paper's own by the reference, which takes long and comes first
+REFERENCE_CASE = -1
 
 
 def claim_named(name: str) -> Claim:

@@ -12,22 +12,8 @@ from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
 from softcradle.sandbox.studies.claims.soft_chains import OWN, first_opening, soft_chain, start, while_struck
 from softcradle.sandbox.studies.claims.solver import FINER_SECOND, NotSolvedError, Solver
 
-EDGES = (
-    1e-6,
-    1e-4,
-    0.01,
-    0.1,
-    0.25,
-    0.5,
-    0.75,
-    0.9,
-    0.95,
-    0.97,
-    0.98,
-    0.99,
-    0.995,
-    1.0,
-)  # of the time until a force ends
+# of the time until a force ends
+EDGES = 1e-6, 1e-4, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 1.0
 SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105

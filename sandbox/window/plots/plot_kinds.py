@@ -179,11 +179,8 @@ def _row_axis(names: Sequence[str]) -> Axis:
     return Axis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
 
 
-VELOCITIES, KYMOGRAPH, OWN = (
-    NP_("button", "velocities"),
-    NP_("button", "kymograph"),
-    "x-y",
-)  # kinds that are asked for by name
+# kinds that are asked for by name
+VELOCITIES, KYMOGRAPH, OWN = NP_("button", "velocities"), NP_("button", "kymograph"), "x-y"
 
 PLOT_KINDS: dict[str, PlotKind] = {
     kind.name: kind

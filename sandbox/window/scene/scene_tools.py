@@ -18,6 +18,7 @@ from softcradle.sandbox.window.scene.values_board import ValuesBoard
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
+# actions in the menu
 MENU = (
     *(
         "lesson",
@@ -34,7 +35,7 @@ MENU = (
         "signals",
     ),
     *("fit", "pause_at_end", "sound", "logarithmic", "inspector", "language"),
-)  # actions in the menu
+)
 
 
 class SceneTools:

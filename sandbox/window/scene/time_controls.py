@@ -22,24 +22,8 @@ from softcradle.sandbox.window.window_page import Host
 
 SLOWEST = 1000.0  # wall seconds for one second of the model
 FASTEST = 0.01  # wall seconds for one second of the model
-SLOW_MOTIONS = (
-    FASTEST,
-    0.02,
-    0.05,
-    0.1,
-    0.2,
-    0.5,
-    1.0,
-    2.0,
-    5.0,
-    10.0,
-    20.0,
-    50.0,
-    100.0,
-    200.0,
-    500.0,
-    SLOWEST,
-)  # by keys
+# by keys
+SLOW_MOTIONS = FASTEST, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
 LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 TOGGLE_MARGIN = 16.0  # design pixels of a toggle button beside its name
