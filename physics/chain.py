@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, wraps
-from typing import Any, NamedTuple, SupportsFloat, TypeVar, cast
+from typing import NamedTuple, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,7 +122,7 @@ class Chain:
         return notebook_views.html_of(self)
 
     @cached_property
-    def derived(self) -> dict[str, Any]:
+    def _derived(self) -> dict[str, object]:
         """What functions marked :func:`per_chain` have found, by their names."""
         return {}
 
@@ -305,7 +305,7 @@ def per_chain(compute: Callable[[Chain], T]) -> Callable[[Chain], T]:
 
     @wraps(compute)
     def found(chain: Chain) -> T:
-        known = chain.derived
+        known = chain._derived
         if name not in known:
             known[name] = compute(chain)
         return cast("T", known[name])
