@@ -60,7 +60,7 @@ def started(*arguments: str) -> tuple[float, str]:
         )
         seconds = perf_counter() - began
         for lock in Path(folder).glob("kernels/*/*/*.compiling"):  # the process behind would go on for nobody
-            os.kill(int(lock.read_text()), 15)
+            os.kill(int(lock.read_text().split()[0]), 15)
     return seconds, done.stdout
 
 

@@ -121,8 +121,10 @@ class KernelTiers:
         """Begin to compile in a process of its own, unless one does already; whether one does."""
         if self._process is not None:
             return self._process.poll() is None
-        if _is_alive(self._lock):
-            return True
+        return _is_alive(self._lock) or self._begin(niceness)
+
+    def _begin(self, niceness: int = 0) -> bool:
+        """Begin to compile in a process of its own; whether that went."""
         if getattr(sys, "frozen", False) or not sys.executable:
             return False
         try:
@@ -135,7 +137,7 @@ class KernelTiers:
                 stderr=subprocess.DEVNULL,
                 process_group=0,  # which no Ctrl+C reaches, but in our session: where these share the processors, niceness counts
             )
-            self._lock.write_text(str(self._process.pid))
+            self._lock.write_text(f"{self._process.pid} {niceness}")
         except OSError:  # no room, or no right to write: this process compiles for itself when it has to
             return False
         return True
@@ -151,6 +153,9 @@ class KernelTiers:
     def wait(self) -> None:
         """Wait until no process compiles these kernels any more."""
         began = monotonic()
+        # one that yields hardly goes on where others take all processors
+        if self.compile_behind() and _holder(self._lock)[1] > 0:
+            self._begin()
         while self.compile_behind() and not self.on_disk and monotonic() - began < LONGEST_COMPILATION:
             sleep(0.05)
 
@@ -162,7 +167,7 @@ class KernelTiers:
 
     @cached_property
     def _lock(self) -> Path:
-        """A file with the number of the process that compiles."""
+        """A file with the number of the process that compiles, and its niceness."""
         return self._made.with_suffix(".compiling")
 
 
@@ -207,12 +212,22 @@ def _search_path() -> str:
     return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
+def _holder(lock: Path) -> tuple[int, int]:
+    """The number of the process that compiles and its niceness, as `lock` tells; (0, 0) where there is none."""
+    try:
+        number, niceness = lock.read_text().split()
+        return int(number), int(niceness)
+    except (OSError, ValueError):
+        return 0, 0
+
+
 def _is_alive(lock: Path) -> bool:
     """Whether the process that `lock` names still compiles."""
+    number = _holder(lock)[0]
     try:
-        number, age = int(lock.read_text()), time() - lock.stat().st_mtime
-        if os.name == "posix":
+        age = time() - lock.stat().st_mtime
+        if os.name == "posix" and number:
             os.kill(number, 0)
-    except (OSError, ValueError):
+    except OSError:
         return False
-    return age < LONGEST_COMPILATION
+    return number > 0 and age < LONGEST_COMPILATION

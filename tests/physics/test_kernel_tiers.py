@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import Chain, SoftChain, State, advance, hertz, one_on, power_law, simulate
+from softcradle.physics import Chain, SoftChain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate
 from softcradle.physics.adaptive.runner import KERNELS, PLAIN_PAUSE
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.physics.kernel_tiers import KernelTiers, plain
@@ -171,11 +171,26 @@ def test_a_process_that_died_does_not_count_as_compiling(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     kernels = KernelTiers("nothing", "no.such.module", lambda: None)
     kernels._lock.parent.mkdir(parents=True)
-    kernels._lock.write_text("999999999")
+    kernels._lock.write_text("999999999 0")
     assert kernels.compile_behind()  # a process of its own, which finds no such module
     kernels.wait()
     assert not kernels.compile_behind()
     assert not kernels.on_disk
+
+
+@pytest.mark.skipif(os.name != "posix", reason="processes are not nice here")
+@pytest.mark.parametrize(("niceness", "begun"), [(0, False), (10, True)])
+def test_what_is_waited_for_does_not_yield(tmp_path, monkeypatch, niceness, begun):
+    """Where another process compiles behind frames, and so yields to all others, the one that waits has one of its own."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kernels = KernelTiers("nothing", "no.such.module", lambda: None)
+    monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: kernels._made.touch())  # the other one ends
+    kernels._lock.parent.mkdir(parents=True)
+    kernels._lock.write_text(f"{os.getpid()} {niceness}")
+    assert kernels.compile_behind()
+    assert kernels._process is None
+    kernels.wait()
+    assert (kernels._process is not None) == begun
 
 
 def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
