@@ -89,6 +89,8 @@ def constants() -> list[Constant]:
             name, value = node.targets[0].id, _number(node.value)
             if value and name.isupper() and name not in CODES | PAUSES:
                 lines = source.splitlines()[node.lineno - 1 : node.end_lineno]
+                if "#" not in lines[0]:
+                    lines = source.splitlines()[node.lineno - 2 : node.lineno - 1]
                 what = " ".join(line.partition("#")[2].strip() for line in lines if "#" in line)
                 found.append(Constant(path.stem, name, value, what))
     return found

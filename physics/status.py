@@ -14,9 +14,8 @@ class Status(IntEnum):
     SEPARATED = 1  # no contact pushes and none can close again, or all beads rest
     OUT_OF_STEPS = 2  # the method gave up before the end: too many steps
     FAILED = 3  # the method gave up before the end: it could not go on
-    UNDETERMINED = (
-        4  # the end was reached, but the motion determines it less well than the tolerance: see velocity_error
-    )
+    # the end was reached, but the motion determines it less well than the tolerance: see velocity_error
+    UNDETERMINED = 4
 
     @property
     def gave_up(self) -> bool:

@@ -34,9 +34,8 @@ Array = NDArray[np.float64]
 
 MOST_PIECES = 1000  # in the time over which forces change, beside one for each of their points
 FIXED_TOLERANCE = 1e-5  # in place of a tolerance where a method has none
-STAIR_PART = (
-    0.1  # of the tolerance: what velocities within a slope are off by, relative to the speed that forces can give
-)
+# of the tolerance: what velocities within a slope are off by, relative to the speed that forces can give
+STAIR_PART = 0.1
 STILL = 1e-6  # of the largest energy so far: with less, no piece is blamed for what it lacks
 
 

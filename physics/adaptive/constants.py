@@ -7,14 +7,12 @@ from __future__ import annotations
 
 # Errors, as velocities
 TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step; of this bound: a velocity that does not count
-NEWTON_PART = (
-    0.01  # of a step's error bound: the precision of its stages; a smaller error, or rate at d = 0, counts as none
-)
+# of a step's error bound: the precision of its stages; a smaller error, or rate at d = 0, counts as none
+NEWTON_PART = 0.01
 ROUND_OFF = 1e-13  # of the largest of its kind: less than this of a force, an acceleration, a rate or a step is none
 FORCE_PRECISION = 1e-3  # of the largest force: no correction of a force is larger at the end of Newton's iteration
-KINK = (
-    0.01  # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
-)
+# of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
+KINK = 0.01
 GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
 RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
@@ -23,12 +21,10 @@ SAFETY = 0.9  # of a length that something allows: what is tried
 SHRINK = 0.25  # of a step whose stages do not converge: the next try, or the fallback step in its place
 LEAST_PART = 0.1  # of a step rejected: the next try is no shorter; of a step whose polynomial is coarse near its start: its start
 MOST_GROWTH = 8.0  # of a step over the one before
-FURTHER_GROWTH = (
-    2.0  # taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853
-)
-FIRST_PART = (
-    0.01  # of the fastest local period or crossing, or of a step: the first part, where nothing tells how far to go
-)
+# taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853
+FURTHER_GROWTH = 2.0
+# of the fastest local period or crossing, or of a step: the first part, where nothing tells how far to go
+FIRST_PART = 0.01
 STIFF = 9.0  # (step times local frequency)², above which a soft contact is left to radau
 COST_RATIO = 0.4  # time of a step of dop853 over one of radau
 

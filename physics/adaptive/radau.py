@@ -159,9 +159,11 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
 def stage_rates(h, chain, motion, trial):
     """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
 
-    It is where the overlaps are smaller than what the forces move in a step: deep inside a cluster.
+    An error of d is one of d / h in the latter and of h weight slope d in the former, so the latter is finer where a contact
+    oscillates in the step: where the overlaps are smaller than what the forces above the preload move, deep inside a cluster.
     """
-    inverse_mass, external, overlap, rate = chain.inverse_mass, chain.external, motion.overlap, motion.rate
+    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    overlap, rate, mode = motion.overlap, motion.rate, motion.mode
     stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
     for i in range(overlap.size):
         flow = (
@@ -173,7 +175,8 @@ def stage_rates(h, chain, motion, trial):
         moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
         largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
         pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
-        fine = largest < pushed * max(stage_force[0, i], stage_force[1, i], stage_force[2, i])
+        f0, f1, f2 = stage_force[0, i] - law[i, 0], stage_force[1, i] - law[i, 0], stage_force[2, i] - law[i, 0]
+        fine = mode[i] == TOUCHING or largest < pushed * max(abs(f0), abs(f1), abs(f2))
         for k in range(3):
             if fine:
                 stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h

@@ -32,9 +32,8 @@ LEAST_STEPS = 20  # of a fixed-step method in the shortest contact time, so that
 MOST_STEPS = 20_000_000  # of a fixed-step method: one that needs more is no candidate
 LOOSE = 1e-5  # wanted error from which on `accurate` on soft contacts is five times as exact as its tolerance
 LEAST_UNCHECKED = 1e-9  # tolerance from which on a run that bounces a few times needs no finer run to check it
-ALWAYS_CHECKED = (
-    3.9e-10  # tolerance taken instead of one between the two: below 4e-10 such a run is checked by a finer one
-)
+# tolerance taken instead of one between the two: below 4e-10 such a run is checked by a finer one
+ALWAYS_CHECKED = 3.9e-10
 NEAR_CRITICAL = 1e-7  # tolerance of radau near a critical speed: longer steps miss a contact that yields for a moment
 LEAST_RATIO = 0.9  # of the speed to a critical speed: below it no contact inside a cluster yields
 MOST_RATIO = 1.15  # of the speed to a critical speed: above it the contact yields for so long that no step misses it

@@ -11,9 +11,8 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-LEAST_OVERLAP = (
-    1e-9  # of the deepest overlap: a contact with preload and less overlap counts as touching, not as loaded
-)
+# of the deepest overlap: a contact with preload and less overlap counts as touching, not as loaded
+LEAST_OVERLAP = 1e-9
 
 
 def depth_law(n: int, alpha: float) -> Array:

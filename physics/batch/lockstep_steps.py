@@ -17,9 +17,8 @@ from softcradle.physics.numerics.resolvent import EPSILON
 
 Array = NDArray[np.float64]
 
-LANES = (
-    64  # chains side by side: with fewer, calls and chains that look up take as long as the steps; more gain nothing
-)
+# chains side by side: with fewer, calls and chains that look up take as long as the steps; more gain nothing
+LANES = 64
 
 ANY, HOOKE, HERTZ = 0, 1, 2  # what the laws of a row have in common: nothing, the exponent 1, the exponent 3/2
 

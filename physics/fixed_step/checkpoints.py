@@ -22,9 +22,8 @@ DUE = 1  # steps after which the next one is kept
 SPACING = 2  # steps between two
 
 MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
-FIRST_SPACING = (
-    4  # steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
-)
+# steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
+FIRST_SPACING = 4
 NEVER = 2**62  # steps
 
 

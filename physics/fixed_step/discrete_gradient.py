@@ -37,9 +37,8 @@ FREE, END, DIAGONAL, FIRST_FORCE = SOLVER_ROWS, SOLVER_ROWS + 1, SOLVER_ROWS + 2
 WORK_ROWS = SOLVER_ROWS + 4
 # of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
 SMALLEST_PART = 2.0**-10
-TOUCHES = (
-    1e-14  # of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
-)
+# of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
+TOUCHES = 1e-14
 MOST_CUTS = 4  # of one step at events
 NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
 ROUND_OFF_MOVED = 1e-14  # of an overlap: one that a step moves by less tells nothing of its rate

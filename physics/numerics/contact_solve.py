@@ -56,9 +56,8 @@ from softcradle.physics.numerics.switches import copy_into
 NEGLIGIBLE = 1e-16  # of the largest unknown: a residual this small moves no bead
 NEARLY = 100.0  # times ROUND_OFF: converged too, where the residual has ceased to fall
 MOST_WARM = 14  # iterations from the forces of the step before; then the solver begins again from none
-MOST_NEWTON = (
-    40  # iterations, and n more (each may close or open one contact), from none; then as many from the largest
-)
+# iterations, and n more (each may close or open one contact), from none; then as many from the largest
+MOST_NEWTON = 40
 LEAST_DAMPING = 1e-3  # of a Newton step: a shorter one is not tried
 
 LOOSE = 1e-11  # of the terms of a residual: good enough after sweeps

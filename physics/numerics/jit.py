@@ -22,9 +22,8 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
     inlined = fused = jit
 
 else:
-    COUNTED = (
-        False  # references to arrays: kernels make no array, and counting references to views took half of the time
-    )
+    # references to arrays: kernels make no array, and counting references to views took half of the time
+    COUNTED = False
     _FOLDER = str(cache_folder())
 
     @contextmanager

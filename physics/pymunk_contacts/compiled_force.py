@@ -13,9 +13,8 @@ from typing import Any
 import pymunk
 from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, push_address
 
-LAW_TYPE = (
-    "double[5]"  # preload, stiffness, exponent, touching distance, and overlap or NaN: it follows from the distance
-)
+# preload, stiffness, exponent, touching distance, and overlap or NaN: it follows from the distance
+LAW_TYPE = "double[5]"
 
 
 def unavailable() -> str:

@@ -21,12 +21,10 @@ STAGES = 7  # of a step: order 13
 GROWTH, SAFETY = 4.0, 0.8  # of successive steps; of the step that the local error allows
 CROSSING = 0.1  # tolerances: what a step that crosses a corner may move velocities at the most
 STILL = 1e-2  # tolerances: a slower bead rests
-NEWTON = (
-    1e-6  # tolerances: what Newton's iteration may leave; more of it sets contacts bouncing that carry next to nothing
-)
-SLACK = (
-    1e-3  # tolerances: how far past its zero a guard of velocities may be, and what is left of a step across a corner
-)
+# tolerances: what Newton's iteration may leave; more of it sets contacts bouncing that carry next to nothing
+NEWTON = 1e-6
+# tolerances: how far past its zero a guard of velocities may be, and what is left of a step across a corner
+SLACK = 1e-3
 FIRST_STEPS = 2  # of a run: before them the branches of rows at rest are not yet found
 ROUND_OFF = 64.0 * EPSILON  # of the speed, and of the depth that the quickest contact reaches: no gap, and no closing
 NO_STEP = 1e-6  # of the crossing step: where not even a step so short converges, the run gives up

@@ -9,9 +9,8 @@ from softcradle.physics.own_law import LEAST_OVERLAP
 
 Array = NDArray[np.float64]
 
-SHALLOW = (
-    1e-3  # of the depth: a law of one's own whose slope is greater there than at the depth is stiff for small overlaps
-)
+# of the depth: a law of one's own whose slope is greater there than at the depth is stiff for small overlaps
+SHALLOW = 1e-3
 
 
 class Laws:

@@ -30,9 +30,8 @@ from softcradle.sandbox.session.pointer_spring import spring_force
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
 LIVE_STEPS = 5_000  # most of an adaptive method in one frame: some 20 ms
-REFERENCE_WORK = (
-    300  # contacts times steps of the reference with friction, loss or couplers, which is plain Python: some 0.2 s
-)
+# contacts times steps of the reference with friction, loss or couplers, which is plain Python: some 0.2 s
+REFERENCE_WORK = 300
 WARNING_FRAMES = 60  # for which a warning of the method stays: half a second
 
 

@@ -11,9 +11,8 @@ from softcradle.sandbox.sweeps.chunk_pools import Lost, Pool
 from softcradle.sandbox.sweeps.chunk_work import Chunk, Work, lost
 
 LOGGER = logging.getLogger("softcradle")
-CHUNK_SECONDS = (
-    1.0  # so that what goes between processes is little beside the work, and what a kill costs is little too
-)
+# so that what goes between processes is little beside the work, and what a kill costs is little too
+CHUNK_SECONDS = 1.0
 MOST_SECONDS = 2.0  # times as long, after which a chunk comes back as it is, and the rest of it is handed out anew
 GROWTH = 4.0  # of chunks at most, from one to the next: the first ones tell little of what a point costs
 LAST_SHARES = 4  # chunks at least in what is left, so that all workers end at about the same time

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
 COMPILED_AT_ONCE = 2
 LOOKING = 0.1  # seconds between two looks whether machine code has been made
-INTERVAL = (
-    2e-4  # seconds for which a thread of Python keeps another waiting; drawing lets Python go some ten times a frame
-)
+# seconds for which a thread of Python keeps another waiting; drawing lets Python go some ten times a frame
+INTERVAL = 2e-4
 PLAIN_FRAME = 100  # steps times contacts of a frame that plain Python computes in some three milliseconds
 
 

@@ -10,9 +10,8 @@ ROWS = 240  # of the motion, at least
 ROWS_PER_SECOND = 60.0  # of the scene as it is shown, at least
 METHOD = "conserving"  # where the scene gives none, or one that runs in Python alone: a picture needs no more digits
 IN_PYTHON = (Family.PYMUNK, Family.REFERENCE)  # of which a step takes up to a thousand times as long
-MOST_AT_ONCE = (
-    1_000_000  # steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
-)
+# steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
+MOST_AT_ONCE = 1_000_000
 MOST_BEHIND = 6_000_000  # likewise of one on a thread, some seconds: scales are not worth more
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, draft_gear, hertz, one_on, power_law, simulate, step_force
+from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.reference.reference_end import reference_end
 
 from softcradle import scenes
@@ -166,3 +166,17 @@ def test_a_stiff_contact_that_yields_as_its_neighbour_presses():
         for tolerance in (1e-6, 1e-7, 1e-8, 1e-9):
             found = run(chain, [1.0, 1.0, 0.0, 0.0], 0.154, method=method, tolerance=tolerance)
             assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance, (method, tolerance)
+
+
+@pytest.mark.parametrize("method", ["accurate", "radau"])
+def test_a_soft_contact_that_yields_under_a_growing_push(method):
+    """Its overlap is small against what its preload moves in a step, and yet its rate is not determined by overlaps alone."""
+    start = [1.0, 0.0, 0.0]
+    for seed in range(20):
+        drawn = np.random.default_rng(seed)
+        yielding = Contact(drawn.uniform(0.05, 0.4), drawn.uniform(0.2, 1.0), drawn.uniform(0.7, 0.95))
+        chain = Chain([drawn.uniform(0.2, 1.0), drawn.uniform(1.0, 3.0), np.inf], [hooke(10.0), yielding])
+        exact = run(chain, start, 0.3, method="dop853", tolerance=1e-12).final_velocity
+        for tolerance in (1e-6, 1e-7, 1e-8, 1e-9):
+            found = run(chain, start, 0.3, method=method, tolerance=tolerance)
+            assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance, (seed, tolerance)

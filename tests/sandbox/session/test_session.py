@@ -36,9 +36,8 @@ def test_a_scene_opens_paused_at_its_start_and_at_its_own_speed():
     assert session.lanes[0].velocity.tolist() == list(session.scene.lanes[0].velocity)
 
 
-MOST_BY_REFERENCE = (
-    5  # contacts of a chain with loss or friction that the reference follows in seconds: trains take it minutes
-)
+# contacts of a chain with loss or friction that the reference follows in seconds: trains take it minutes
+MOST_BY_REFERENCE = 5
 
 
 @pytest.mark.filterwarnings("ignore:final velocities are determined")  # of the train with loss, to 1e-3 m/s

@@ -17,9 +17,8 @@ pytestmark = pytest.mark.skipif(
     not (shutil.which("Xvfb") and shutil.which("xdotool")), reason="needs Xvfb and xdotool, which CI installs"
 )
 LONGEST_WORK = 120.0  # s of processor time that a step may take: however busy the machine is, the window needs no more
-LONGEST_IDLE = (
-    60.0  # s of wall time on a machine with nothing else to do, in which a step that waits for nothing is done
-)
+# s of wall time on a machine with nothing else to do, in which a step that waits for nothing is done
+LONGEST_IDLE = 60.0
 BUSY = 0.5  # load for each core, above which time on the wall says nothing
 
 
