@@ -133,8 +133,9 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
     notes = [
         f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
         "the run warns; silent: beyond both; unknown: the truth is known less well",
-        "truth: two fine runs that `conserving` confirms, else the reference in extended precision, else the spread of shaken "
-        f"runs of `conserving`: {', '.join(f'{count} by {source}' for source, count in sources.items())}",
+        "truth: two fine runs that `conserving` confirms, else the reference in extended precision, else the median and spread "
+        "of eight fine runs, else those of runs of `conserving`: "
+        + ", ".join(f"{count} by {source}" for source, count in sources.items()),
     ]
     return Report(f"Random chains, {title}", columns, rows, notes, entries)
 

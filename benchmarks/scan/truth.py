@@ -2,13 +2,15 @@
 
 Most chains are easy, and the reference takes seconds: where two fine runs of unlike steps agree and `conserving`, which shares
 neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain
-that they do not agree on, is solved by the reference in extended precision; where that gives up, what is known is the spread
-of shaken runs.
+that they do not agree on, is solved by the reference in extended precision. Where that gives up, the motion bounces often: eight
+fine runs by two methods tell how far it is determined, and where most of these give up too, the spread of runs of
+`conserving`, which is the wider the coarser they are, tells how well its end is known.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -34,7 +36,13 @@ FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
 AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
 CONFIRMED = 20.0  # times what two steps of `conserving` differ by, and
 CONFIRMED_AT_LEAST = 1e-5  # closing speeds: as near has `conserving` to be to the fine runs
-FINE_RUNS, REFERENCE, SPREAD = SOURCES = ("fine runs", "reference", "spread")  # what a truth is known by
+# methods and tolerances of the fine runs that tell how far a motion is determined; each once more with shaken forces
+DETERMINING, FINEST = ("accurate", "radau"), (1e-12, 1e-13)
+ROUND_OFF = 1e-14  # relative change of forces by which these are shaken: some units in the last place
+MOST_FINE_STEPS = 60_000  # of each
+LEAST_FINE_RUNS = 3  # of a method that come to their end, or they tell nothing
+# what a truth is known by
+FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD = SOURCES = ("fine runs", "reference", "spread of fine runs", "spread")
 BY_REFERENCE = 20  # every so many-th chain is solved by the reference in any case
 
 
@@ -66,7 +74,7 @@ def truth_of(motion: Motion) -> Truth:
     try:
         found = reference_end(motion.chain, motion.velocity, motion.duration, TOLERANCE, most_steps)
     except ReferenceGaveUpError:
-        return _spread(motion)
+        return _fine_spread(motion) or _spread(motion)
     return Truth(found.velocity, np.full(beads, found.error), REFERENCE)
 
 
@@ -85,6 +93,32 @@ def _fine(motion: Motion) -> Truth | None:
     if apart.max() > AGREEMENT * motion.speed or np.abs(coarse - ends[1]).max() > allowed:
         return None
     return Truth(ends[1], apart + min(FINE.values()) * motion.speed, FINE_RUNS)
+
+
+def _fine_spread(motion: Motion) -> Truth | None:
+    """Median and spread of fine runs, if most of them come to their end: how far the motion is determined.
+
+    They are those of the method whose runs differ less, where the other's lie about as far from them as they differ.
+    """
+    found = []
+    for method in DETERMINING:
+        ends = []
+        for tolerance, part in product(FINEST, (0.0, ROUND_OFF)):
+            chain = _shaken(motion.chain, part)
+            run = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
+            if not run.status.gave_up:
+                ends.append(run.final_velocity)
+        if len(ends) >= LEAST_FINE_RUNS:
+            found.append((float(np.ptp(ends, axis=0).max()), np.array(ends)))
+    if not found:
+        return None
+    found.sort(key=lambda spread_and_ends: spread_and_ends[0])
+    ends = found[0][1]
+    apart = [float(np.abs(np.median(ends, axis=0) - np.median(other, axis=0)).max()) for _, other in found]
+    if any(distance > spread for distance, (spread, _) in zip(apart, found, strict=True)):
+        ends = np.vstack([other for _, other in found])
+    spread = np.ptp(ends, axis=0) + min(FINE.values()) * motion.speed
+    return Truth(np.median(ends, axis=0), spread, FINE_SPREAD)
 
 
 def _spread(motion: Motion) -> Truth:

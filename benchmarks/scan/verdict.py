@@ -11,7 +11,7 @@ from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 
 from benchmarks.scan.families import Motion
-from benchmarks.scan.truth import Truth
+from benchmarks.scan.truth import FINE_SPREAD, Truth
 
 PROMISE = 10.0  # tolerances: an error below this is within
 SLOW = 1.0  # [s]
@@ -24,7 +24,7 @@ class Verdict(StrEnum):
     STATED = "stated"  # it is not, but within what the run states of its own error, or the run warns
     SILENT = "silent"  # it is beyond what the run states
     GAVE_UP = "gave up"
-    UNKNOWN = "unknown"  # the truth is known less well than the error that it would have to show
+    UNKNOWN = "unknown"  # the truth is known less well than the error that it would have to show: no verdict
 
 
 def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[str, Any]:
@@ -52,8 +52,8 @@ def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float)
     if (apart <= allowed + np.minimum(truth.doubt, allowed)).all():
         return Verdict.WITHIN
     stated = getattr(found, "velocity_error", None)
-    if stated is not None and (apart <= np.maximum(stated, allowed) + truth.doubt).all():
+    bound = allowed if stated is None else np.maximum(stated, allowed)
+    if found.warnings or (apart <= bound + np.minimum(truth.doubt, bound)).all():
         return Verdict.STATED
-    if found.warnings:
-        return Verdict.STATED
-    return Verdict.UNKNOWN if (apart <= allowed + truth.doubt).all() else Verdict.SILENT
+    known = truth.source == FINE_SPREAD or (apart > bound + truth.doubt).any()
+    return Verdict.SILENT if known else Verdict.UNKNOWN

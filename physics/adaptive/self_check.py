@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, confirmed_error, undetermined
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain
@@ -18,6 +19,11 @@ Array = NDArray[np.float64]
 EPSILON = float(np.finfo(np.float64).eps)
 
 FINER = 10.0  # ratio of the tolerances of successive runs; one that takes as many times the steps rattles where the other did not
+# growth of errors beyond which a finer run may agree by chance: two have to confirm such a motion
+MOST_TRUSTED = FINER**2
+# times the steps of a run, the square of what the order of radau asks for: a finer one that takes more of them follows what the
+# other damped, and confirms nothing
+ALIKE = FINER ** (2.0 * ERROR_EXPONENT[RADAU])
 # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
 LEAST_PROMISED = 1e-11
 
@@ -41,22 +47,26 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
     budget bounds the steps of each finer run, and those of all runs before another is tried.
     """
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
-    tolerance, runs, usual = problem.tolerance, 0, usual_steps(problem)
+    tolerance, runs, confirmed, usual, steps = problem.tolerance, 0, 0, usual_steps(problem), record.steps
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
+        finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
         chain, state = _shaken(problem.chain, TOLERANCE_PART * tolerance), problem.state.copy()
         state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))
         apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
-        error = DOUBT * apart + confirmed_error(finer)
+        error, alike, steps = DOUBT * apart + confirmed_error(finer), finer.steps <= ALIKE * steps, finer.steps
         if finer.status == Status.UNDETERMINED:
             return _undetermined(_with_cost_of(record, finer), error)
-        if apart.max() <= allowed:
+        confirmed = confirmed + 1 if apart.max() <= allowed and alike else 0
+        if confirmed >= (2 if finer.growth > MOST_TRUSTED else 1):
             return replace(_with_cost_of(record, finer), velocity_error=error)
         record = replace(_with_cost_of(finer, record), velocity_error=error)
-        if tolerance <= ROUND_OFF or record.steps + finer.steps > usual:
-            return _undetermined(record, error) if apart.max() > FINER * allowed else record
+        if finest or record.steps + finer.steps > usual:
+            # what its budget leaves unconfirmed may be off by more than the difference
+            enough = FINER * allowed if finest else allowed
+            return _undetermined(record, error) if apart.max() > enough else record
     return record
 
 

@@ -51,6 +51,16 @@ def test_verdicts(monkeypatch):
     assert silent["verdict"] == ("silent" if np.isnan(silent["stated"]) or silent["stated"] < 1e-3 else "stated")
 
 
+@pytest.mark.parametrize(("source", "expected"), [("spread", "unknown"), ("spread of fine runs", "silent")])
+def test_what_is_not_known_is_no_verdict(monkeypatch, source, expected):
+    """Coarse runs that differ tell nothing of an error; fine ones tell that the motion is not determined to what is stated."""
+    truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
+    run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
+    run = replace(run, final_velocity=TRUTH.velocity + 1e-3, velocity_error=np.full(5, 1e-7))
+    monkeypatch.setattr(verdict, "solve", lambda *_, **__: run)
+    assert verdict.judge(PAPER, truth, "accurate", 1e-6)["verdict"] == expected
+
+
 def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     given = ["scan", "--families", "hooke-hertz", "walls", "--jobs", "1", "--folder", str(tmp_path), "--require"]
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Trajectory, draft_gear, one_on, power_law, simulate
+from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics.adaptive.runner import completed
+from softcradle.physics.adaptive.self_check import checked
+from softcradle.physics.problem import Problem, Record
+from softcradle.physics.state import State
+from softcradle.physics.status import Status
+
+from softcradle import scenes
 
 PROMISE = 10.0  # times the tolerance
 SWINGING = ((2, 16), (3, 14), (3, 24))  # one on n, alpha = 1 / this: a velocity of 1e-6 in the deepest contact
@@ -86,3 +95,80 @@ def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
         found = simulate(chain, velocity, 1e-3, samples=2, tolerance=1e-6)
     assert np.isfinite(found.final_velocity).all()
     assert np.sum(mass * found.final_velocity) == pytest.approx(float(mass @ velocity), abs=1e-9)
+
+
+@pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
+def test_every_run_that_confirms_is_finer(tolerance: float) -> None:
+    """Two runs as fine as each other agree, whatever both are off by: from 1e-8 the last two were both at 1e-13."""
+    chain = one_on(2, hertz(1.0))
+    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=tolerance, samples=2)
+    first, tolerances = completed(problem), [tolerance]
+
+    def another(finer: Problem) -> Record:
+        tolerances.append(finer.tolerance)
+        end = first.end.copy()
+        end.rate *= 1.0 + 0.1 * len(tolerances)
+        return replace(first, end=end)
+
+    assert checked(problem, first, 1.0, another).status == Status.UNDETERMINED
+    assert len(tolerances) > 1
+    assert all(finer < 0.5 * coarser for coarser, finer in pairwise(tolerances))
+
+
+def test_a_finer_run_that_follows_more_confirms_nothing() -> None:
+    """A rattle that both a run and a finer one damp is followed by a still finer one: many more steps tell where that begins."""
+    chain = one_on(2, hertz(1.0))
+    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
+    first, steps = completed(problem), []
+
+    def another(_: Problem) -> Record:
+        steps.append([3, 4][len(steps)] * first.steps)
+        return replace(first, steps=steps[-1])
+
+    found = checked(problem, first, 1.0, another)
+    assert steps == [3 * first.steps, 4 * first.steps]
+    assert found.steps == first.steps + sum(steps)
+    assert not found.warnings
+
+
+@pytest.mark.parametrize(("growth", "runs"), [(50.0, 1), (200.0, 2)])
+def test_where_errors_grow_much_two_finer_runs_confirm(growth: float, runs: int) -> None:
+    """One may agree by chance: with growth of 1e4, runs at 1e-8 and 1e-9 agreed to 1e-8 and were off by 1e-5 (`mixed` 1650)."""
+    chain = one_on(2, hertz(1.0))
+    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
+    first, taken = completed(problem), []
+
+    def another(finer: Problem) -> Record:
+        taken.append(finer.tolerance)
+        return replace(first, growth=growth)
+
+    assert not checked(problem, first, 1.0, another).warnings
+    assert taken == pytest.approx([1e-7, 1e-8][:runs])
+
+
+@pytest.mark.parametrize(("apart", "warns"), [(3e-6, True), (3e-7, False)])
+def test_what_its_budget_leaves_unconfirmed_says_so(apart: float, warns: bool) -> None:
+    """Runs that differ by three tolerances when the budget is spent may both be off by ten."""
+    chain = one_on(2, hertz(1.0))
+    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
+    first = completed(problem)
+
+    def another(_: Problem) -> Record:
+        end = first.end.copy()
+        end.anchor[1] += apart
+        return replace(first, end=end, steps=10**9)
+
+    found = checked(problem, first, 1.0, another)
+    assert (found.status == Status.UNDETERMINED) == warns
+    assert (found.velocity_error > apart).all()
+
+
+def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determined() -> None:
+    """Finer runs differ by 1e-6 m/s, and two at 1e-8 and 1e-9 agreed to 1e-9: both damped what the others follow."""
+    lane = scenes.load("mixed").lanes[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = [simulate(lane.chain(), lane.velocity, samples=2, tolerance=tolerance) for tolerance in (1e-8, 1e-10)]
+    apart = np.abs(found[0].final_velocity - found[1].final_velocity)
+    assert (apart < found[0].velocity_error).all()
+    assert found[0].warnings
