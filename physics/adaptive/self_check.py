@@ -64,9 +64,10 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
             return replace(_with_cost_of(record, finer), velocity_error=error)
         record = replace(_with_cost_of(finer, record), velocity_error=error)
         if finest or record.steps + finer.steps > usual:
+            if apart.max() > FINER * allowed:
+                return _undetermined(record, error)
             # what its budget leaves unconfirmed may be off by more than the difference
-            enough = FINER * allowed if finest else allowed
-            return _undetermined(record, error) if apart.max() > enough else record
+            return record if finest or apart.max() <= allowed else replace(record, velocity_error=FINER * error)
     return record
 
 

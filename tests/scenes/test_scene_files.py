@@ -13,6 +13,7 @@ from softcradle.physics import METHODS, draft_gear, hooke, power_law, simulate
 from softcradle.scenes import Lane, Scene, SceneError, View
 
 from softcradle import scenes
+from tests.helpers.relations import simulate_quietly
 
 # Final velocities, from quadruple-precision solutions.
 TRUE_OUTCOMES = {
@@ -29,8 +30,8 @@ LISTED = {
 
 
 def final_velocities(name: str) -> list[np.ndarray]:
-    """Final velocities of every lane."""
-    return [simulate(lane.chain(), lane.velocity).final_velocity for lane in scenes.load(name).lanes]
+    """Final velocities of every lane; those of `mixed` are determined to 1e-4 only, and warn."""
+    return [simulate_quietly(lane.chain(), lane.velocity).final_velocity for lane in scenes.load(name).lanes]
 
 
 def test_catalogue_has_the_paper_s_cases():

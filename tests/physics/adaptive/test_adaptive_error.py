@@ -96,12 +96,16 @@ def fine_ends(chain, velocity):
 
 
 def test_error_under_a_steady_push():
-    """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity."""
+    """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity.
+
+    Runs at 1e-12 and 1e-13 end 8e-10 m/s apart, so at 1e-10 there is a warning.
+    """
     scene = scenes.load("driven-cluster")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
     exact = simulate_quietly(chain, velocity, scene.duration, "radau", tolerance=1e-13).final_velocity
     for tolerance in (*RATTLING, 1e-10):
-        found = run(chain, velocity, scene.duration, tolerance=tolerance)
+        found = simulate_quietly(chain, velocity, scene.duration, tolerance=tolerance, samples=2)
+        assert not found.warnings or tolerance == 1e-10
         assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance
 
 

@@ -365,6 +365,7 @@ def test_print_shows_the_motion_without_its_controls(pages, browser):
     assert browser.complaints == []
 
 
+@pytest.mark.filterwarnings("ignore:final velocities are determined:RuntimeWarning")  # `mixed` rattles at its end
 @pytest.mark.parametrize(
     "name", ["galilean", "draft-gear-two-on-two", "weak-contact", "mixed", "train-shunting", "prestressed"]
 )
