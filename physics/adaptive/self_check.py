@@ -20,7 +20,7 @@ EPSILON = float(np.finfo(np.float64).eps)
 
 FINER = 10.0  # ratio of the tolerances of successive runs; one that takes as many times the steps rattles where the other did not
 # growth of errors beyond which a finer run may agree by chance: two have to confirm such a motion
-MOST_TRUSTED = FINER**2
+MOST_TRUSTED = FINER**3
 # times the steps of a run, the square of what the order of radau asks for: a finer one that takes more of them follows what the
 # other damped, and confirms nothing
 ALIKE = FINER ** (2.0 * ERROR_EXPONENT[RADAU])
