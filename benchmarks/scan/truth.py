@@ -3,7 +3,7 @@
 Most chains are easy, and the reference takes seconds: where two fine runs of unlike steps agree and `conserving`, which shares
 neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain
 that they do not agree on, is solved by the reference in extended precision. Where that gives up, the motion bounces often: eight
-fine runs by two methods tell how far it is determined, and where most of these give up too, the spread of runs of
+fine runs by two methods tell how far it is determined, and where these give up too, the spread of runs of
 `conserving`, which is the wider the coarser they are, tells how well its end is known.
 """
 
@@ -96,29 +96,35 @@ def _fine(motion: Motion) -> Truth | None:
 
 
 def _fine_spread(motion: Motion) -> Truth | None:
-    """Median and spread of fine runs, if most of them come to their end: how far the motion is determined.
+    """Median and spread of fine runs, if enough of them come to their end: how far the motion is determined.
 
     They are those of the method whose runs differ less, where the other's lie about as far from them as they differ.
     """
-    found = []
-    for method in DETERMINING:
-        ends = []
-        for tolerance, part in product(FINEST, (0.0, ROUND_OFF)):
-            chain = _shaken(motion.chain, part)
-            run = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
-            if not run.status.gave_up:
-                ends.append(run.final_velocity)
-        if len(ends) >= LEAST_FINE_RUNS:
-            found.append((float(np.ptp(ends, axis=0).max()), np.array(ends)))
+    found = [ends for ends in (_fine_ends(motion, method) for method in DETERMINING) if len(ends) >= LEAST_FINE_RUNS]
     if not found:
         return None
-    found.sort(key=lambda spread_and_ends: spread_and_ends[0])
-    ends = found[0][1]
-    apart = [float(np.abs(np.median(ends, axis=0) - np.median(other, axis=0)).max()) for _, other in found]
-    if any(distance > spread for distance, (spread, _) in zip(apart, found, strict=True)):
-        ends = np.vstack([other for _, other in found])
+    ends = min(found, key=_largest_spread)
+    middle = np.median(ends, axis=0)
+    if any(np.abs(np.median(other, axis=0) - middle).max() > _largest_spread(other) for other in found):
+        ends = np.vstack(found)
     spread = np.ptp(ends, axis=0) + min(FINE.values()) * motion.speed
     return Truth(np.median(ends, axis=0), spread, FINE_SPREAD)
+
+
+def _fine_ends(motion: Motion, method: str) -> Array:
+    """(runs, n+1) ends of the finest runs by a method, of those that come to it."""
+    ends = []
+    for tolerance, part in product(FINEST, (0.0, ROUND_OFF)):
+        chain = _shaken(motion.chain, part)
+        found = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
+        if not found.status.gave_up:
+            ends.append(found.final_velocity)
+    return np.array(ends)
+
+
+def _largest_spread(ends: Array) -> float:
+    """The largest of what ends (runs, n+1) differ by [m/s]."""
+    return float(np.ptp(ends, axis=0).max())
 
 
 def _spread(motion: Motion) -> Truth:

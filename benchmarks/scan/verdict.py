@@ -24,7 +24,7 @@ class Verdict(StrEnum):
     STATED = "stated"  # it is not, but within what the run states of its own error, or the run warns
     SILENT = "silent"  # it is beyond what the run states
     GAVE_UP = "gave up"
-    UNKNOWN = "unknown"  # the truth is known less well than the error that it would have to show: no verdict
+    UNKNOWN = "unknown"  # the truth is known less well than the error that it would have to show
 
 
 def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[s
         "verdict": _verdict(found, apart, truth, PROMISE * tolerance * motion.speed).value,
         "error": float(apart.max()),
         "doubt": float(truth.doubt.max()),
-        "stated": float(np.max(getattr(found, "velocity_error", np.nan))),
+        "stated": float(found.velocity_error.max()),
         "warnings": [warning.code.value for warning in found.warnings],
         "seconds": seconds,
         "slow": seconds > SLOW,
@@ -51,8 +51,7 @@ def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float)
         return Verdict.GAVE_UP
     if (apart <= allowed + np.minimum(truth.doubt, allowed)).all():
         return Verdict.WITHIN
-    stated = getattr(found, "velocity_error", None)
-    bound = allowed if stated is None else np.maximum(stated, allowed)
+    bound = np.fmax(found.velocity_error, allowed)  # NaN where a method states none
     if found.warnings or (apart <= bound + np.minimum(truth.doubt, bound)).all():
         return Verdict.STATED
     known = truth.source == FINE_SPREAD or (apart > bound + truth.doubt).any()

@@ -56,18 +56,18 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))
         apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
-        error, alike, steps = DOUBT * apart + confirmed_error(finer), finer.steps <= ALIKE * steps, finer.steps
+        error, agrees = DOUBT * apart + confirmed_error(finer), apart.max() <= allowed
         if finer.status == Status.UNDETERMINED:
             return _undetermined(_with_cost_of(record, finer), error)
-        confirmed = confirmed + 1 if apart.max() <= allowed and alike else 0
+        confirmed = confirmed + 1 if agrees and finer.steps <= ALIKE * steps else 0
         if confirmed >= (2 if finer.growth > MOST_TRUSTED else 1):
             return replace(_with_cost_of(record, finer), velocity_error=error)
-        record = replace(_with_cost_of(finer, record), velocity_error=error)
+        steps, record = finer.steps, replace(_with_cost_of(finer, record), velocity_error=error)
         if finest or record.steps + finer.steps > usual:
             if apart.max() > FINER * allowed:
                 return _undetermined(record, error)
             # what its budget leaves unconfirmed may be off by more than the difference
-            return record if finest or apart.max() <= allowed else replace(record, velocity_error=FINER * error)
+            return record if finest or agrees else replace(record, velocity_error=FINER * error)
     return record
 
 

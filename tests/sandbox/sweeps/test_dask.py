@@ -81,10 +81,10 @@ class Cluster:
         self._told.close()
 
 
-def open_sockets() -> list[socket.socket]:
+def open_sockets() -> set[socket.socket]:
     """Connections of this process."""
     connected = [found for found in gc.get_objects() if isinstance(found, socket.socket)]
-    return [found for found in connected if found.family == socket.AF_INET and found.fileno() >= 0]
+    return {found for found in connected if found.family == socket.AF_INET and found.fileno() >= 0}
 
 
 def kill(process: subprocess.Popen[bytes]) -> None:
@@ -107,9 +107,8 @@ def cluster(tmp_path, monkeypatch):
     yield found
     found.close()
     # Dask's thread holds sockets that were cut on purpose until some later test, in which they would warn that they are open
-    for left in open_sockets():
-        if all(left is not other for other in before):
-            left.close()
+    for left in open_sockets() - before:
+        left.close()
     collect_garbage()
 
 
