@@ -192,6 +192,6 @@ def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     states = [found.end if time > start.time else start for time in times.tolist()]
     rows: dict[str, Any] = {}
     for name in (*SAMPLED[1:], GIVEN):
-        numbers = getattr(start, name).size
-        rows[name] = np.array([getattr(state, name) for state in states]).reshape(times.size, numbers)
+        values = [getattr(state, name) for state in states]
+        rows[name] = np.array(values) if values else np.zeros((0, getattr(start, name).size))
     return replace(found, time=times, kept=None, **rows)

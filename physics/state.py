@@ -123,7 +123,8 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
     """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
     np.add.accumulate(-difference, axis=-1, out=down[..., 1:])
-    down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
+    if anchor:
+        down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
     down += np.asarray(value)[..., None] if down.ndim > 1 else value
     return down
 

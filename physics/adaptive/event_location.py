@@ -123,6 +123,15 @@ def velocity_guard(h, j, chain, regime, motion, trial, slow, before, after):
     )
 
 
+@inlined
+def flies_apart(i, chain, motion, trial):
+    """True where open contact i is open at the end of the step too, and nothing pushes its beads at either end."""
+    if trial.overlap[2, i] >= 0.0 or chain.external.size:
+        return False
+    before = motion.force[i - 1] == 0.0 == trial.force[2, i - 1] if i > 0 else True
+    return before and (motion.force[i + 1] == 0.0 == trial.force[2, i + 1] if i < motion.force.size - 1 else True)
+
+
 @jit
 def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, work):
     """The earliest switch within the step: (row, kind, part of the step); row -1 where there is none.
@@ -136,6 +145,8 @@ def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, w
         if i == skip and skipped < STOPS:
             continue
         if mode[i] == OPEN:
+            if flies_apart(i, chain, motion, trial):
+                continue
             if closes_inactive(chain, i, inactive, motion.rate[i], trial.rate[2, i], trial.overlap[2, i]):
                 continue
             x = first_root(overlap_guard(h, -1.0, i, chain, motion, trial, slow))

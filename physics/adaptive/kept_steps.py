@@ -17,7 +17,7 @@ from softcradle.physics.kernel_records import empty_log, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import KEPT, SAMPLE, Samples, SwitchLog
-from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
+from softcradle.physics.problem import Problem, Record, empty_samples
 
 Array = NDArray[np.float64]
 
@@ -45,15 +45,15 @@ class KeptSteps:
         self.known = problem.duration is not None and not problem.later and not self.ends
         self.overflows = False
         self._chunks: list[tuple[Steps, int]] = []
-        self._log = empty_log(problem.chain.contacts, 0)
-        self._want(problem.sample_times(problem.end) if self.known else NO_TIMES)
-        self.steps = (
-            _no_steps(problem.chain) if self.ends or (self.known and not self.times.size) else _block(problem.chain)
-        )
+        if self.known:
+            self._want(problem.sample_times(problem.end))
+        needless = self.ends or (self.known and not self.times.size)
+        self.steps = _no_steps(problem.chain) if needless else _block(problem.chain)
 
     def _want(self, times: Array) -> None:
-        self.times = times
-        self._samples = Samples(times, *empty_samples(times.size, self.problem.chain.contacts))
+        contacts = self.problem.chain.contacts
+        self.times, self._log = times, empty_log(contacts, 0)
+        self._samples = Samples(times, *empty_samples(times.size, contacts))
 
     def take(self, log: SwitchLog) -> None:
         """Take the samples in the steps that the kernel has filled, or keep these."""

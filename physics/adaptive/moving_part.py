@@ -124,10 +124,12 @@ class MovingPart:
 
     def log_into(self, log: SwitchLog) -> None:
         """Log into `log`, that of the whole chain, from now on."""
-        self._log, self.log = log, tuple(log._replace(closed=log.closed[self.first : self.last]))
+        own = log._replace(closed=log.closed[self.first : self.last]) if self._divisible else log
+        self._log, self.log = log, tuple(own)
 
     def stepped(self, logged: int, passed: float) -> None:
         """Bring what is beyond the part up to date after `passed` [s] of its steps; `logged` switches were in the log before."""
-        self._log.contact[logged : int(self._log.counter[SWITCH])] += self.first
+        if self.first:
+            self._log.contact[logged : int(self._log.counter[SWITCH])] += self.first
         if not self._holds_anchor:
             self._motion.anchor[0] += passed * self._motion.anchor[1]

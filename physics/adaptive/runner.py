@@ -33,7 +33,6 @@ from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
-    NO_FLAGS,
     ROWS_A_STEP,
     empty_log,
     kept_switches,
@@ -62,7 +61,7 @@ from softcradle.physics.problem import (
     with_samples_of,
 )
 from softcradle.physics.scales import closing_scale
-from softcradle.physics.state import State, energy, from_anchor
+from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -244,16 +243,12 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
 
 def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     """The energy [J] of a chain at the start, and by how much it is off in the end, 0 where work is done on it."""
-    chain, states = problem.chain, (problem.state, record.end)
-    rate, overlap, absorbed = (
-        np.array([getattr(state, name) for state in states]) for name in ("rate", "overlap", "absorbed")
-    )
-    velocity = from_anchor(rate, np.array([state.anchor[1] for state in states]), chain.anchor)
-    before, after = energy(chain, velocity, overlap).tolist()
-    moved = np.isinf(chain.mass) & (velocity[0] != 0.0) if chain.walls else NO_FLAGS
-    if problem.state.external(chain) is not None or moved.any():
+    chain, start, end = problem.chain, problem.state, record.end
+    before = start.energy(chain)
+    wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (start.velocity(chain) != 0.0)).any())
+    if wall_moves or start.external(chain) is not None:
         return before, 0.0
-    return before, abs(after + float((absorbed[1] - absorbed[0]).sum()) - before)
+    return before, abs(end.energy(chain) + float((end.absorbed - start.absorbed).sum()) - before)
 
 
 def _unresolved(chain: Chain, change: float) -> float:

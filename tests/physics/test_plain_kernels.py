@@ -21,6 +21,7 @@ ROOMS = (
     "tests/physics/adaptive/test_radau_guess.py",
     "tests/physics/adaptive/test_find_event.py",
     "tests/physics/adaptive/test_guards.py",
+    "tests/physics/adaptive/test_step_control.py",
 )
 
 

@@ -169,6 +169,19 @@ def test_a_multiplier_that_leaves_its_range_between_the_outer_stages():
     assert step.find() == (0, YIELDS, pytest.approx(middle - math.sqrt(0.05 / bend), abs=1e-10))
 
 
+@pytest.mark.parametrize("neighbour", [0, 2])
+@pytest.mark.parametrize(("speed", "force"), [(6.0, [-60.0, 60.0 / H]), (2.0, [0.0, -60.0 / H])])
+def test_an_open_contact_that_is_pulled_back_within_the_step_has_closed(neighbour, speed, force):
+    """It overlaps in the middle of the step alone, for the force of one neighbour, which is zero at one end of the step."""
+    chain = Chain([math.inf, 1.0, 1.0, math.inf], hertz(2.0))
+    forces = [force if i == neighbour else 0.0 for i in range(3)]
+    step = Step(chain, [0.0, speed, 0.0, 0.0], [0.1, -0.1, 0.1], [LOADED, OPEN, LOADED], forces)
+    assert step.trial.overlap[2, 1] < 0.0
+    assert step.find()[:2] == (1, CLOSES)
+    free = Step(chain, [0.0, speed, 0.0, 0.0], [0.1, -0.1 - speed * H, 0.1], [LOADED, OPEN, LOADED], [0.0, 0.0, 0.0])
+    assert free.find() == (-1, NOTHING, 1.0)
+
+
 def test_a_closing_that_does_not_count():
     chain = Chain([1.0, 1.0], power_law(2.0, 0.5))
     data = Step(chain, [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
