@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from softcradle.physics.chain import Chain as Chain
     from softcradle.physics.chain import cluster_on_cluster as cluster_on_cluster
     from softcradle.physics.chain import one_on as one_on
-    from softcradle.physics.chain_ensemble import ensemble as ensemble
     from softcradle.physics.contact import Contact as Contact
     from softcradle.physics.contact import draft_gear as draft_gear
     from softcradle.physics.contact import hertz as hertz
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from softcradle.physics.contact import power_law as power_law
     from softcradle.physics.contact import step_force as step_force
     from softcradle.physics.coupler import Coupler as Coupler
+    from softcradle.physics.many_chains import ensemble as ensemble
     from softcradle.physics.methods import METHODS as METHODS
     from softcradle.physics.own_law import OwnLaw as OwnLaw
     from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact as SoftContact
@@ -47,7 +47,7 @@ _HOME = {
     "TimedForce": "timed_force",
     "State": "state",
     "simulate": "simulation",
-    "ensemble": "chain_ensemble",
+    "ensemble": "many_chains",
     "ChainBatch": "batch.chain_batch",
     "ensemble_ends": "batch.batch_ends",
     "EnsembleEnds": "batch.batch_ends",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from softcradle.physics import timed_force_pieces
+from softcradle.physics import timed_force_runner
 from softcradle.physics.chain import Chain
 from softcradle.physics.methods import Family, find_method
 from softcradle.physics.problem import Problem, Record, Runner
@@ -44,19 +44,19 @@ def _runner(family: Family) -> Runner:
 
             return pymunk_space
         case Family.REFERENCE:
-            from softcradle.physics.reference import runner as reference
+            from softcradle.physics.reference import scipy_runner as reference
 
             return reference
 
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion by its method; ``problem.state`` stays as it is."""
-    return timed_force_pieces.run(problem, _run) if problem.chain.timed else _run(problem)
+    return timed_force_runner.run(problem, _run) if problem.chain.timed else _run(problem)
 
 
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place, by its method."""
-    return timed_force_pieces.advance(problem, _advance) if problem.chain.timed else _advance(problem)
+    return timed_force_runner.advance(problem, _advance) if problem.chain.timed else _advance(problem)
 
 
 def _run(problem: Problem) -> Record:

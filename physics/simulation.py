@@ -126,7 +126,7 @@ def _solve_by_choice(
     error: float,
 ) -> Trajectory:
     """The run by the method and fineness that `auto` chooses."""
-    from softcradle.physics.advice.choose import choose
+    from softcradle.physics.advice.auto_method import choose
 
     require_kind("chain", chain, Chain)
     _require_carried(AUTO, chain)

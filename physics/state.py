@@ -90,7 +90,7 @@ class State:
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
 
-        Forces over time are pieces of this: :mod:`softcradle.physics.timed_force_pieces` adds each to the push.
+        Forces over time are pieces of this: :mod:`softcradle.physics.timed_force_runner` adds each to the push.
 
         An array that can be written to: to a kernel one that cannot is of another type, for which all of it would be
         compiled anew.

@@ -1,4 +1,4 @@
-"""Cost of a step on this machine: measured once, stored in the user's cache folder, used by :mod:`choose`.
+"""Cost of a step on this machine: measured once, stored in the user's cache folder, used by :mod:`auto_method`.
 
 A step of a chain of n contacts takes ``base + contact * n`` seconds. The numbers are valid for these kernels on this machine,
 and both are in the name of the file. Where no file can be written every process measures again, in a few tenths of a

@@ -10,8 +10,8 @@ from softcradle.physics.batch.batch_parts import BatchRun, Part
 from softcradle.physics.batch.lockstep_loop import empty_state, march_lanes
 from softcradle.physics.batch.lockstep_steps import LANES, empty_lanes
 from softcradle.physics.batch.run_each import march_each
+from softcradle.physics.fixed_step.explicit_steps_simd import LONG
 from softcradle.physics.fixed_step.runner import DRIFTS_AND_KICKS, MOST_STEPS, Scratch
-from softcradle.physics.fixed_step.splitting_simd import LONG
 from softcradle.physics.fixed_step.step_loop import DISCRETE_GRADIENT, SPLITTING, SPLITTING_SIMD
 from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.numerics.float_bits import COMPILED

@@ -1,7 +1,7 @@
-"""Explicit steps of several short chains side by side: the drifts and kicks of `splitting`, one chain in each vector lane.
+"""Explicit steps of several short chains side by side: the drifts and kicks of `explicit_steps`, one chain in each vector lane.
 
-Rows are contacts or beads, columns lanes. Each lane goes through the operations of `splitting.split_steps` in their order, so
-its numbers are those of a chain alone, to the last digit; that is why powers are taken one by one, by the C library.
+Rows are contacts or beads, columns lanes. Each lane goes through the operations of `explicit_steps.split_steps` in their
+order, so its numbers are those of a chain alone, to the last digit; that is why powers are taken one by one, by the C library.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def kick_anchor(part, before, after, inverse_mass, velocity):
 
 @jit
 def kick(driven, bead, lanes):
-    """Change the rates by all forces, as `splitting.kick` does."""
+    """Change the rates by all forces, as `explicit_steps.kick` does."""
     n, part, push, inverse_mass, force = lanes.rate.shape[0], lanes.part, lanes.push, lanes.inverse_mass, lanes.force
     if driven:
         push_anchor(part, push[bead], inverse_mass[bead], lanes.anchor[1])
@@ -199,7 +199,7 @@ def change_row(braked, left, right, velocity_left, velocity_right, rate):
 
 @jit
 def kick_and_brake(braked, bead, lanes):
-    """Change bead velocities by all forces, then brake them, as `splitting.kick_and_brake` does."""
+    """Change bead velocities by all forces, then brake them, as `explicit_steps.kick_and_brake` does."""
     n, part, change, force, velocity = lanes.rate.shape[0], lanes.part, lanes.change, lanes.force, lanes.velocity
     if braked:
         find_velocities(bead, lanes)

@@ -14,8 +14,8 @@ from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step.checkpoints import SPACING, Checkpoints, empty_checkpoints
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-from softcradle.physics.fixed_step.splitting import EULER, VERLET, YOSHIDA4
-from softcradle.physics.fixed_step.splitting_simd import LONG
+from softcradle.physics.fixed_step.explicit_steps import EULER, VERLET, YOSHIDA4
+from softcradle.physics.fixed_step.explicit_steps_simd import LONG
 from softcradle.physics.fixed_step.step_loop import (
     DISCRETE_GRADIENT,
     SPLITTING,

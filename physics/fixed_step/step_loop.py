@@ -12,9 +12,9 @@ import math
 
 from softcradle.physics.fixed_step.checkpoints import COUNT, DUE, Checkpoints, keep_checkpoint
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
+from softcradle.physics.fixed_step.explicit_steps import split_steps
+from softcradle.physics.fixed_step.explicit_steps_simd import simd_split_steps
 from softcradle.physics.fixed_step.next_steps import FIRST_LOOK, FLOWN, GRID_TOLERANCE, RUNNING, look_ahead, seems_over
-from softcradle.physics.fixed_step.splitting import split_steps
-from softcradle.physics.fixed_step.splitting_simd import simd_split_steps
 from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.couplers import crossed_overlap, settle_joint_forces

@@ -14,7 +14,7 @@ from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
-from softcradle.sandbox.session.method_choice import contact_time
+from softcradle.sandbox.session.live_method import contact_time
 
 GOOD, FAIR, BAD = "good", "fair", "bad"
 LEVELS = (GOOD, FAIR, BAD)

@@ -12,7 +12,7 @@ from softcradle.physics.contact import Contact
 from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.scales import speed_scale
 from softcradle.physics.state import State
-from softcradle.sandbox.session.method_choice import choose_method, steps_in, suitable_step
+from softcradle.sandbox.session.live_method import choose_method, steps_in, suitable_step
 from softcradle.scenes import Lane, Scene
 
 FRAME_RATE = 120  # model frames in a second of wall time: at 60 pictures a second each picture takes two

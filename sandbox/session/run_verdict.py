@@ -16,7 +16,7 @@ from softcradle.sandbox.session.badge_numbers import BAD, BAD_ERROR, FAIR, FAIR_
 from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
-from softcradle.sandbox.session.method_choice import contact_time
+from softcradle.sandbox.session.live_method import contact_time
 
 PASSED = N_("beads passed through each other")
 

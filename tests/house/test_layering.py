@@ -39,7 +39,7 @@ PHYSICS = (
         "adaptive",
         "reference",
         "pymunk_contacts",
-        "timed_force_pieces",
+        "timed_force_runner",
         "dispatch",
     ),
     *(
@@ -48,7 +48,7 @@ PHYSICS = (
         "trajectory",
         "advice",
         "simulation",
-        "chain_ensemble",
+        "many_chains",
         "batch",
         "warm_up",
         "analysis",
@@ -262,7 +262,7 @@ def test_bare_names_are_found():
         ("from softcradle.physics import Chain", [name for name in HEAVY if name != "numpy"]),
         ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
         ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),  # numba itself takes scipy where it is
-        ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
+        ("import softcradle.physics.reference.scipy_runner", ("numba", "pymunk", "pygame")),
         ("import softcradle.scenes", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
         ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
     ],

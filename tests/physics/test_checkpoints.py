@@ -13,7 +13,7 @@ from softcradle.physics import (
     hooke,
     one_on,
     power_law,
-    timed_force_pieces,
+    timed_force_runner,
 )
 from softcradle.physics.fixed_step import checkpoints
 from softcradle.physics.fixed_step import runner as fixed_step
@@ -132,9 +132,9 @@ def test_forces_over_time_cost_no_second_run(method):
         {"step": 1e-3} if method not in ("scipy", "accurate") else {"tolerance": 1e-8},
     )
     problem = Problem(chain, State.at_start(chain, velocity), method, None, samples=40, **accuracy)
-    found = timed_force_pieces.run(problem, counted)
-    tolerance = problem.tolerance or timed_force_pieces.FIXED_TOLERANCE
-    assert len(runs) == len(list(timed_force_pieces.pieces_of(chain, 0.0, np.inf, tolerance, problem.step))) > 2
+    found = timed_force_runner.run(problem, counted)
+    tolerance = problem.tolerance or timed_force_runner.FIXED_TOLERANCE
+    assert len(runs) == len(list(timed_force_runner.pieces_of(chain, 0.0, np.inf, tolerance, problem.step))) > 2
     assert all(runs)
     known = simulate_quietly(chain, velocity, found.time[-1], method=method, samples=40, **accuracy)
     assert found.overlap == pytest.approx(known.overlap, abs=1e-7)

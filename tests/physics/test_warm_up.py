@@ -43,13 +43,13 @@ def test_the_command_says_it_too_unless_quiet(tmp_path):
 
 def test_a_kernel_is_logged_by_its_name(caplog):
     from numba.core import event
-    from softcradle.physics.fixed_step import splitting
+    from softcradle.physics.fixed_step import explicit_steps
 
     log_compilation()
     with caplog.at_level(logging.INFO, logger="softcradle"):
         event.broadcast(event.Event("numba:compile", event.EventStatus.START, {"dispatcher": None}))
         assert caplog.messages == []
-        kernel = next(value for value in vars(splitting).values() if hasattr(value, "py_func"))
+        kernel = next(value for value in vars(explicit_steps).values() if hasattr(value, "py_func"))
         event.broadcast(event.Event("numba:compile", event.EventStatus.START, {"dispatcher": kernel}))
     assert kernel.py_func.__name__.replace("_", " ") in caplog.messages[-1]
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-import softcradle.physics.reference.runner
+import softcradle.physics.reference.scipy_runner
 from softcradle.physics import (
     Chain,
     State,
@@ -198,7 +198,7 @@ def test_a_pull_opens_a_touching_contact():
 
 
 def test_running_out_of_phases_is_a_value(monkeypatch):
-    monkeypatch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 3)
+    monkeypatch.setattr(softcradle.physics.reference.scipy_runner, "MOST_PHASES", 3)
     with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = .* 3 changes of contacts"):
         found = simulate(cluster_on_cluster(2, 3, hertz(1.0)), [1, 1, 0, 0, 0], method="scipy")
     assert len(found.warnings) == 1

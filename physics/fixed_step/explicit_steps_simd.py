@@ -1,7 +1,7 @@
-"""Explicit steps of long chains: the drifts and kicks of `splitting`, block by block, in vector code.
+"""Explicit steps of long chains: the drifts and kicks of `explicit_steps`, block by block, in vector code.
 
 A block is drifted, its forces are evaluated and the contacts before it are kicked while it lies in the nearest cache; a block
-in which no contact pushes takes no power. The operations on each contact are those of `splitting.split_steps`, in the same
+in which no contact pushes takes no power. The operations on each contact are those of `explicit_steps.split_steps`, in the same
 order: only the power differs, in its last digits.
 """
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.physics import Chain, hooke, one_on, power_law, simulate
+from softcradle.physics.fixed_step.explicit_steps import split_steps
+from softcradle.physics.fixed_step.explicit_steps_simd import BLOCK, LONG, simd_split_steps
 from softcradle.physics.fixed_step.runner import DRIFTS_AND_KICKS
-from softcradle.physics.fixed_step.splitting import split_steps
-from softcradle.physics.fixed_step.splitting_simd import BLOCK, LONG, simd_split_steps
 from softcradle.physics.numerics.records import ChainData, Motion
 
 LENGTHS = (1, 2, 63, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK + 5)

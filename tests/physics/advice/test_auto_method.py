@@ -22,7 +22,7 @@ from softcradle.physics import (
     power_law,
     simulate,
 )
-from softcradle.physics.advice import choose as auto
+from softcradle.physics.advice import auto_method as auto
 from softcradle.physics.advice import step_cost as cost
 from softcradle.physics.advice.step_cost import Cost
 from softcradle.physics.analysis.critical_speed import critical_speed
