@@ -169,6 +169,24 @@ def test_a_multiplier_that_leaves_its_range_between_the_outer_stages():
     assert step.find() == (0, YIELDS, pytest.approx(middle - math.sqrt(0.05 / bend), abs=1e-10))
 
 
+def test_a_rate_or_velocity_just_outside_its_side_is_round_off():
+    """What begins no more than `slow` beyond zero, and stays there, has neither turned nor stopped."""
+    lossy = Chain([1.0, math.inf], hooke(2.0, loss=0.4))
+    pressing_in = Step(lossy, [-0.04, 0.0], [0.5], [LOADED], [0.0], easing=[0])
+    assert pressing_in.find(slow=0.05)[1] == NOTHING
+    assert pressing_in.find(slow=0.03)[:2] == (0, TURNS)
+    drive = on_bed([0.0, 0.0], [1, 1]).chain.bed[0]  # as much as the brake, so that nothing accelerates
+    for speed, slow, kind in ((-0.04, 0.05, NOTHING), (-0.04, 0.03, STOPS), (0.04, 0.03, NOTHING)):
+        assert on_bed([speed, 1.0], [1, 1], drive=(drive, drive)).find(slow=slow)[1] == kind
+
+
+def test_a_light_bead_at_rest_slips():
+    chain = Chain([10.0, 0.01, 10.0], hertz(2.0), friction=0.1)
+    most = 0.01 * chain.bed[1]
+    step = Step(chain, [0.0] * 3, [0.2, 0.2], [LOADED, LOADED], [[0.3, 4.0 * most / H], [0.3]], slide=[0, 0, 0])
+    assert step.find() == (1, SLIPS, pytest.approx(0.25, abs=1e-9))
+
+
 @pytest.mark.parametrize("neighbour", [0, 2])
 @pytest.mark.parametrize(("speed", "force"), [(6.0, [-60.0, 60.0 / H]), (2.0, [0.0, -60.0 / H])])
 def test_an_open_contact_that_is_pulled_back_within_the_step_has_closed(neighbour, speed, force):
@@ -194,6 +212,9 @@ def test_a_closing_that_does_not_count():
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
     gear = Step(Chain([1.0, 1.0], draft_gear(2.0, 0.4)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
     assert not closes_inactive(gear, 0, 1.0, 1e-9, 1e-9, 1e-8)
+    unlike = Step(Chain([1.0, 3.0], power_law(2.0, 0.5)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
+    assert closes_inactive(unlike, 0, math.sqrt(1.01 * 2.0 / 3.0 * push), 1e-9, 1e-9, 1e-8)  # (1/m + 1/3m) f d
+    assert not closes_inactive(unlike, 0, math.sqrt(0.99 * 2.0 / 3.0 * push), 1e-9, 1e-9, 1e-8)
 
 
 def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():

@@ -29,11 +29,12 @@ pytestmark = only_plain
 
 
 @pytest.mark.parametrize("peak", [0.75, 0.5, 0.85])
-def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak):
-    """A multiplier within 0 and 0.8 N with a peak at half the step."""
-    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
-    height = peak - 0.2
-    step = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 4.0 * height / H, -4.0 * height / H**2]])
+@pytest.mark.parametrize("scale", [1.0, 1e-2])
+def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak, scale):
+    """A multiplier within 0 and 0.8 N, or a hundredth of that, with a peak at half the step."""
+    chain = Chain([1.0, math.inf], draft_gear(2.0 * scale, 0.4))
+    force = np.array([0.2, 4.0 * (peak - 0.2) / H, -4.0 * (peak - 0.2) / H**2])
+    step = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [scale * force])
     found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
     assert found == pytest.approx(0.5 if peak > SAFETY * 0.8 else 1.0, abs=1e-9)
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_TRIES, RATIO
 from softcradle.physics.adaptive.radau import radau_step
 from softcradle.physics.adaptive.radau_error import compliance, embedded_error
@@ -134,6 +134,40 @@ def test_forces_converge_however_little_the_velocities_ask_for(law):
         _, careless = stepped(data, motion, h, precision=1e30)
         _, exact = stepped(data, motion, h, precision=1e-13)
         assert careless.force == pytest.approx(exact.force, abs=1e-5 * exact.force.max())
+
+
+@pytest.mark.parametrize("mass", [0.3, 0.7, 1.1, 2.9])
+@pytest.mark.parametrize("h", [0.01, 30.0])
+def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
+    """Two contacts touch, between two walls: a force through both moves nothing, so nothing determines it."""
+    chain = Chain([math.inf, mass, math.inf], draft_gear(2.0, 0.4))
+    data, _, motion = records_of(chain, State.at_start(chain, [0.0, 0.0, 0.0]))
+    motion.mode[:], motion.force[:] = TOUCHING, 0.5
+    used, trial = stepped(data, motion, h)
+    assert used > 0
+    assert trial.force == pytest.approx(0.5, abs=1e-12)
+    assert trial.overlap == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("contact", "overlap", "by_overlaps"),
+    [
+        (Contact(preload=0.5, stiffness=1.0, exponent=0.1), 1e-9, True),  # oscillates in the step
+        (Contact(preload=1.0, stiffness=1e-3, exponent=0.5), 1e-5, False),  # its preload moves more, but does not oscillate
+    ],
+)
+def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(contact, overlap, by_overlaps):
+    chain, h = Chain([1.0, 1.0], contact), 0.01
+    state = State.at_start(chain, [1e-4, 0.0])
+    state.overlap[:], state.force[:] = overlap, contact.force(overlap)
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = LOADED
+    used, trial = stepped(data, motion, h, precision=1e-3)  # so loose that both rates differ
+    assert used > 0
+    of_overlaps = np.linalg.inv(TABLEAU) @ (trial.overlap[:, 0] - overlap) / h
+    of_forces = 1e-4 - h * TABLEAU @ (2.0 * trial.force[:, 0])
+    assert not np.allclose(of_overlaps, of_forces, rtol=1e-9, atol=0.0)
+    assert trial.rate[:, 0] == pytest.approx(of_overlaps if by_overlaps else of_forces, rel=1e-12)
 
 
 def test_stages_that_do_not_converge_are_said():
