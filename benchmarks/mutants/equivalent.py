@@ -31,10 +31,11 @@ EQUIVALENT = (
     Equivalent(
         RADAU, "= 1.0 / (1.0 + weight * slope)", "", "length of a direction; the correction along it is divided by it"
     ),
-    Equivalent(RADAU, "< HUGE:", "< HUGE", "1e200 is as far off as any overlap near it"),
+    Equivalent(RADAU, "if not abs(stage_overlap", "", "1e200 is as far off as any overlap near it"),
     Equivalent(RADAU, "free = mode[i] == TOUCHING", "0", "all stages of a contact that touches have one direction"),
     Equivalent(EVENTS, "BEFORE, AFTER = ", "", "any rows of the work array that nothing else takes"),
     Equivalent(EVENTS, "before = motion.force[i - 1]", "True", "the polynomial tells the same, at more cost"),
+    Equivalent(EVENTS, "before = motion.force[i - 1]", "i > 0", "the polynomial tells the same, at more cost"),
     Equivalent(EVENTS, "return before and (motion.force", "True", "the polynomial tells the same, at more cost"),
     Equivalent(GUESS, "NO_GUESS = -1.0", "1.0", "any negative number says it"),
     Equivalent(

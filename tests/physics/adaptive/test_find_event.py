@@ -212,7 +212,8 @@ def test_a_closing_that_does_not_count():
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
     gear = Step(Chain([1.0, 1.0], draft_gear(2.0, 0.4)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
     assert not closes_inactive(gear, 0, 1.0, 1e-9, 1e-9, 1e-8)
-    unlike = Step(Chain([1.0, 3.0], power_law(2.0, 0.5)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
+    three = Chain([1.0, 3.0, 9.0], power_law(2.0, 0.5))
+    unlike = Step(three, [1e-3, 0.0, 0.0], [-1e-5, -1.0], [OPEN, OPEN], [0.0, 0.0]).data
     assert closes_inactive(unlike, 0, math.sqrt(1.01 * 2.0 / 3.0 * push), 1e-9, 1e-9, 1e-8)  # (1/m + 1/3m) f d
     assert not closes_inactive(unlike, 0, math.sqrt(0.99 * 2.0 / 3.0 * push), 1e-9, 1e-9, 1e-8)
 

@@ -153,7 +153,11 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
     ("contact", "overlap", "by_overlaps"),
     [
         (Contact(preload=0.5, stiffness=1.0, exponent=0.1), 1e-9, True),  # oscillates in the step
-        (Contact(preload=1.0, stiffness=1e-3, exponent=0.5), 1e-5, False),  # its preload moves more, but does not oscillate
+        (
+            Contact(preload=1.0, stiffness=1e-3, exponent=0.5),
+            1e-5,
+            False,
+        ),  # its preload moves more, but does not oscillate
     ],
 )
 def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(contact, overlap, by_overlaps):
