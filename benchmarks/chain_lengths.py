@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, State, advance
-from softcradle.physics.many_chains import cores
+from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.simd_power import powers
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics import ChainBatch, Contact, draft_gear, ensemble, ensemble_ends, hertz, one_on, power_law
-from softcradle.physics.many_chains import cores
+from softcradle.physics.ensemble_runs import cores
 
 from benchmarks.reports import Report, at_least, at_most
 

@@ -10,7 +10,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from softcradle.physics import one_on, power_law
-from softcradle.physics.many_chains import cores
+from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.sweeps import run_sweep, sobol
 from softcradle.sandbox.sweeps.chunk_pools import sendable

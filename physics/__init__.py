@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from softcradle.physics.contact import power_law as power_law
     from softcradle.physics.contact import step_force as step_force
     from softcradle.physics.coupler import Coupler as Coupler
-    from softcradle.physics.many_chains import ensemble as ensemble
+    from softcradle.physics.ensemble_runs import ensemble as ensemble
     from softcradle.physics.methods import METHODS as METHODS
     from softcradle.physics.own_law import OwnLaw as OwnLaw
     from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact as SoftContact
@@ -47,7 +47,7 @@ _HOME = {
     "TimedForce": "timed_force",
     "State": "state",
     "simulate": "simulation",
-    "ensemble": "many_chains",
+    "ensemble": "ensemble_runs",
     "ChainBatch": "batch.chain_batch",
     "ensemble_ends": "batch.batch_ends",
     "EnsembleEnds": "batch.batch_ends",

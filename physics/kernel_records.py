@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.numerics.couplers import Joints
-from softcradle.physics.numerics.law_functions import functions_of
+from softcradle.physics.numerics.coupler_kernels import Joints
 from softcradle.physics.numerics.own_contacts import OwnLaws
+from softcradle.physics.numerics.own_law_functions import functions_of
 from softcradle.physics.numerics.records import COUNTERS, SWITCH, Dissipation, SwitchLog
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import shown
 from softcradle.physics.contact import Numbers
-from softcradle.physics.integrated_energy import StoredEnergy, energy_function, integrate
+from softcradle.physics.own_law_energy import StoredEnergy, energy_function, integrate
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain
-from softcradle.physics.reference.extended_run import ReferenceGaveUpError
+from softcradle.physics.reference.extended_precision import ReferenceGaveUpError
 from softcradle.physics.reference.reference_end import reference_end
 from softcradle.physics.scales import contact_scales
 from softcradle.physics.simulation import solve

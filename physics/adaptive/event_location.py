@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
+from softcradle.physics.adaptive.contact_modes import loss_of, multiplier_bounds
 from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
-from softcradle.physics.adaptive.modes import loss_of, multiplier_bounds
 from softcradle.physics.adaptive.stick_slip_friction import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
 from softcradle.physics.adaptive.effective_chain import chain_and_regime
-from softcradle.physics.adaptive.integrate import integrate
 from softcradle.physics.adaptive.kept_steps import KeptSteps
 from softcradle.physics.adaptive.moving_part import MovingPart, rests_exactly
 from softcradle.physics.adaptive.self_check import checked, is_sensitive

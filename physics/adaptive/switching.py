@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SHRINK
+from softcradle.physics.adaptive.contact_modes import resolve_modes
 from softcradle.physics.adaptive.event_location import (
     CLOSES,
     EASES,
@@ -17,7 +18,6 @@ from softcradle.physics.adaptive.event_location import (
 )
 from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.flight import drift, next_event
-from softcradle.physics.adaptive.modes import resolve_modes
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
 from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_SQUARE, NEXT, PAST_STEP

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from softcradle.physics.adaptive.integrate import integrate
+from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE, Scratch, Trial
 from softcradle.physics.batch.lockstep_loop import BatchData, BatchMotion
 from softcradle.physics.fixed_step.step_loop import march

@@ -15,7 +15,7 @@ import math
 
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.contact_solve import solve_contacts
-from softcradle.physics.numerics.couplers import is_joint, joint_fall, settle_joint_forces
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED

@@ -24,7 +24,7 @@ import math
 
 import numpy as np
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
-from softcradle.physics.numerics.couplers import is_joint, joint_fall, joint_force, settle_joint_forces
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, joint_force, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.own_contacts import force_at

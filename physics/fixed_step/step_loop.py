@@ -17,7 +17,7 @@ from softcradle.physics.fixed_step.explicit_steps_simd import simd_split_steps
 from softcradle.physics.fixed_step.next_steps import FIRST_LOOK, FLOWN, GRID_TOLERANCE, RUNNING, look_ahead, seems_over
 from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
-from softcradle.physics.numerics.couplers import crossed_overlap, settle_joint_forces
+from softcradle.physics.numerics.coupler_kernels import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import (
     DONE,

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.couplers import is_joint, joint_resolvent
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_resolvent
 from softcradle.physics.numerics.fixed_step_friction import distance_to_bend, slide
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.own_contacts import own_resolvent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.couplers import is_joint, joint_mean_force
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_mean_force
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.resolvent import EPSILON, mean_force

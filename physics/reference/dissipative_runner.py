@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from softcradle.physics.contact import is_closed
 from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.python_checkpoints import CheckpointList
-from softcradle.physics.reference.extended_run import MOST_STEPS, ExtendedRun, ReferenceGaveUpError
+from softcradle.physics.reference.extended_precision import MOST_STEPS, ExtendedRun, ReferenceGaveUpError
 from softcradle.physics.reference.one_thread import on_one_thread
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.reference.extended_run import MOST_STEPS, STAGES, ExtendedRun
+from softcradle.physics.reference.extended_precision import MOST_STEPS, STAGES, ExtendedRun
 from softcradle.physics.reference.one_thread import on_one_thread
 from softcradle.physics.state import State
 

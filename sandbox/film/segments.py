@@ -15,7 +15,7 @@ from typing import Any
 
 import av
 import pygame
-from softcradle.physics.many_chains import cores
+from softcradle.physics.ensemble_runs import cores
 from softcradle.sandbox.film.film_kinds import Codec, FrameMaker
 
 Packet = Any  # of PyAV, whose versions differ in the arguments of this type

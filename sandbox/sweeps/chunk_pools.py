@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from typing import Protocol
 
-from softcradle.physics.many_chains import cores
+from softcradle.physics.ensemble_runs import cores
 from softcradle.sandbox.sweeps.chunk_work import Chunk, Work, compute_checked
 from softcradle.sandbox.sweeps.study_error import StudyError
 

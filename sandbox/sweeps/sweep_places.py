@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Literal
 
-from softcradle.physics.many_chains import cores
+from softcradle.physics.ensemble_runs import cores
 from softcradle.sandbox.sweeps.chunk_pools import Pool, executor_pool, process_pool, sendable, thread_pool
 from softcradle.sandbox.sweeps.chunk_schedule import ChunkSchedule
 from softcradle.sandbox.sweeps.chunk_work import Chunk, Work

@@ -19,7 +19,7 @@ PHYSICS = (
     *(
         "contact",
         "coupler",
-        "integrated_energy",
+        "own_law_energy",
         "own_law",
         "timed_force",
         "chain",
@@ -48,7 +48,7 @@ PHYSICS = (
         "trajectory",
         "advice",
         "simulation",
-        "many_chains",
+        "ensemble_runs",
         "batch",
         "warm_up",
         "analysis",

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, State, Trajectory, advance, hooke, power_law, simulate
-from softcradle.physics.adaptive.integrate import integrate
+from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.scales import speed_scale
 from softcradle.scenes import SceneError

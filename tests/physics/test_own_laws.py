@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from softcradle.physics.numerics.law_functions import COMPILES, functions_of
+from softcradle.physics.numerics.own_law_functions import COMPILES, functions_of
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.html_view import html_of
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, step_force
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.critical_speed import critical_speed
-from softcradle.physics.reference.extended_run import ReferenceGaveUpError
+from softcradle.physics.reference.extended_precision import ReferenceGaveUpError
 from softcradle.physics.reference.reference_end import reference_end
 from softcradle.physics.simulation import solve
 from softcradle.scenes import Scene

@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, error_words
-from softcradle.sandbox.session.parameter_sweep import Variant, variants
+from softcradle.sandbox.session.live_sweep import Variant, variants
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.overlay import Overlay

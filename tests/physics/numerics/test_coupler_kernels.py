@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke
-from softcradle.physics.numerics.couplers import (
+from softcradle.physics.numerics.coupler_kernels import (
     joint_fall,
     joint_force,
     joint_mean_force,

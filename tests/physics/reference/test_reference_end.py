@@ -18,7 +18,7 @@ from softcradle.physics import (
     step_force,
 )
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.reference.extended_run import ReferenceGaveUpError
+from softcradle.physics.reference.extended_precision import ReferenceGaveUpError
 from softcradle.physics.reference.reference_end import reference_end
 
 from tests.helpers.truth import ELASTIC, GEARS

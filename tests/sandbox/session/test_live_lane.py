@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from softcradle.physics.reference.extended_run import ExtendedRun
+from softcradle.physics.reference.extended_precision import ExtendedRun
 from softcradle.sandbox.session import SetMethod
 from softcradle.sandbox.session.live_lane import REFERENCE_WORK
 

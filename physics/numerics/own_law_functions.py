@@ -20,9 +20,9 @@ from functools import lru_cache
 from numbers import Real
 from typing import Any
 
-from softcradle.physics.integrated_energy import energy_function
 from softcradle.physics.numerics.own_contacts import LawFunction
 from softcradle.physics.own_law import OwnLaw
+from softcradle.physics.own_law_energy import energy_function
 
 KEPT = 64  # combinations of laws whose functions are kept
 PROBE = 0.5  # an overlap, to see whether a function compiles; its value is not used
