@@ -77,9 +77,9 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
     """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
 
     Returns its length (0 with an event: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
-    kind of the event, and whether a longer step was rejected for its error.
+    kind of the event, and the length of the last step rejected for its error (inf: none).
     """
-    rejected, inactive, counter = False, TOLERANCE_PART * wanted, log.counter
+    rejected, inactive, counter = math.inf, TOLERANCE_PART * wanted, log.counter
     row, event, tries, failures, ceiling, looked, least = NO_CONTACT, NOTHING, 0, 0, h, 0, ROUND_OFF * h
     firm, work = regime.bed.size > 0, scratch.work
     while counter[STEP] + counter[REJECTED] < most_steps:
@@ -136,6 +136,6 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
         if early < 1.0 and error <= 10.0 * wanted:
             h *= SAFETY * early
             continue
-        rejected |= early == 1.0
+        rejected = h if early == 1.0 else rejected
         h *= max(LEAST_PART, SAFETY * (wanted / error) ** ERROR_EXPONENT[kind])
     return 0.0, 0.0, NO_CONTACT, NOTHING, rejected

@@ -130,7 +130,7 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
 def update_control(control, h, kind, error, near, landing, rejected, wanted):
     """Set the next step from the error of this one, of length `h`. One that an opening or an event cut short predicts little.
 
-    `rejected` tells whether a longer step was rejected for its error just before: the next is no longer than this one then.
+    `rejected` is the length of the last step rejected for its error just before this one (inf: none): the next stays well below.
     """
     exponent = ERROR_EXPONENT[kind]
     grow = min(MOST_GROWTH, SAFETY * (wanted / max(error, 1e-300)) ** exponent)
@@ -149,5 +149,5 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
     control[LAST], control[ERROR], control[NEXT] = h, max(error, NEWTON_PART * wanted), h * grow
     if kind == RADAU:
         control[RADAU_NEXT] = h * grow
-    elif rejected:
-        control[NEXT] = min(control[NEXT], h)
+    elif rejected < math.inf:
+        control[NEXT] = min(control[NEXT], max(h, SAFETY * SAFETY * rejected))

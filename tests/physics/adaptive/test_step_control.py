@@ -17,7 +17,7 @@ pytestmark = only_plain
 H, WANTED = 0.1, 1e-9
 
 
-def next_steps(kind, error, rejected=False, near=False, landing=-1, reach=math.inf):
+def next_steps(kind, error, rejected=math.inf, near=False, landing=-1, reach=math.inf):
     """(of either kind, of radau) after one step of length H."""
     control = np.zeros(CONTROLS)
     restart_control(control, H)
@@ -35,10 +35,11 @@ def test_the_error_of_a_step_tells_the_next(kind, error):
     assert next_steps(DOP853, error)[1] == H
 
 
-def test_no_step_grows_just_after_one_was_rejected():
-    assert next_steps(DOP853, 1e-3, rejected=True)[0] == H
-    assert next_steps(DOP853, 1.0, rejected=True)[0] == pytest.approx(SAFETY * H)
-    assert next_steps(RADAU, 1e-3, rejected=True)[0] > FURTHER_GROWTH * H  # graded steps of radau grow on
+def test_the_step_after_one_that_was_rejected_stays_well_below_it():
+    assert next_steps(DOP853, 1e-3, rejected=1.5 * H)[0] == pytest.approx(SAFETY**2 * 1.5 * H)
+    assert next_steps(DOP853, 1e-3, rejected=1.1 * H)[0] == H
+    assert next_steps(DOP853, 1.0, rejected=1.5 * H)[0] == pytest.approx(SAFETY * H)
+    assert next_steps(RADAU, 1e-3, rejected=1.1 * H)[0] > FURTHER_GROWTH * H  # graded steps of radau grow on
 
 
 @pytest.mark.parametrize("cut", [{"near": True}, {"landing": 0}])
