@@ -3,11 +3,13 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test check docs links play screenshots charts languages bench over-time clean help
+.PHONY: demo test test-all check release-check docs links play screenshots charts languages bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
-	@echo "make test   run the whole test suite"
-	@echo "make check  linter, formatter and type checker"
+	@echo "make check  format, types, layers, links: a minute at the most"
+	@echo "make test   every behaviour: five minutes"
+	@echo "make test-all   both, and browsers, wheel, documentation, layouts in every language, Dask, other processors"
+	@echo "make release-check   test-all, and no message that waits for a translation"
 	@echo "make docs   build the documentation in out/docs, warnings are errors"
 	@echo "make links  check the links of the documentation to other sites"
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
@@ -22,6 +24,10 @@ help:
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	@mkdir -p .venv/typed/softcradle # the package in one folder, as the wheel has it, for tools that read and do not run
+	@ln -sfn ../../../softcradle/__init__.py .venv/typed/softcradle/__init__.py
+	@ln -sfn ../../../softcradle/__main__.py .venv/typed/softcradle/__main__.py
+	@for room in physics scenes sandbox; do ln -sfn ../../../$$room .venv/typed/softcradle/$$room; done
 	@touch $@
 
 demo: .venv/.installed
@@ -33,23 +39,27 @@ demo: .venv/.installed
 test: .venv/.installed # kernels are compiled first, side by side: test processes would each compile all of them
 	@$(BIN)/python -c "import softcradle; softcradle.warm(['accurate', 'ensemble_ends'])" & \
 	$(BIN)/python -c "import softcradle; softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive] + ['SoftChain'])"; wait
-	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal
+	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+
+test-all: check test
+	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal -m slow
+
+release-check: test-all
+	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues --complete
 
 check: .venv/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	@mkdir -p .venv/typed/softcradle # type checkers want the package in one folder, as the wheel has it
-	@ln -sfn $(CURDIR)/softcradle/__init__.py .venv/typed/softcradle/__init__.py
-	@ln -sfn $(CURDIR)/softcradle/__main__.py .venv/typed/softcradle/__main__.py
-	@for room in physics scenes sandbox; do ln -sfn $(CURDIR)/$$room .venv/typed/softcradle/$$room; done
-	MYPYPATH=.venv/typed $(BIN)/mypy
+	$(BIN)/mypy
+	cd .venv/typed && ../bin/lint-imports --config ../../pyproject.toml --no-cache --no-logo
+	$(BIN)/python -m pytest -q -n 0 -p no:cacheprovider tests/house/test_links.py
 
 .venv/.docs: .venv/.installed
 	$(BIN)/python -m pip install --quiet --editable '.[docs]'
 	@touch $@
 
 docs: .venv/.docs
-	$(BIN)/python -m pytest -q -n 0 -m "not slow" tests/house/test_documentation.py
+	$(BIN)/python -m pytest -q -n 0 -k "not built" tests/house/test_documentation.py
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs out/docs
 
 links: .venv/.docs # needs the network, so it is no part of the tests

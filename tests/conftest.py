@@ -1,16 +1,21 @@
-"""Settings of the whole suite: hypothesis draws the same examples every time and never fails for slowness."""
+"""Settings of the whole suite: the same examples every time, no test that fails another, its order and its time."""
 
 from __future__ import annotations
 
+import gc
 import os
+import random
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.helpers.own_process import children, descriptors, run_alone
 
 if TYPE_CHECKING:
     from tests.helpers.windows import Driver
@@ -25,11 +30,55 @@ settings.register_profile(
 settings.load_profile("softcradle")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """What `.ci/run` gives, whose time is short."""
+    parser.addoption("--order", metavar="SEED", help="run files in an order that this text decides")
+    parser.addoption("--until", type=float, metavar="TIME", help="begin no test after this time [s since 1970]")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Shuffle files, not the tests of one, which may share what is dear to make."""
+    if seed := config.getoption("--order"):
+        files = sorted({item.path for item in items})
+        random.Random(seed).shuffle(files)
+        places = {path: place for place, path in enumerate(files)}
+        items.sort(key=lambda item: places[item.path])
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Begin no test when the time is over."""
+    until = item.config.getoption("--until")
+    if until and time.time() > until:
+        pytest.skip("the time is over")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+    """Run a test that is marked `own_process` in one, and end all that it started with it."""
+    return run_alone(item) if item.get_closest_marker("own_process") else None
+
+
 def pytest_runtest_teardown(item: pytest.Item) -> None:
     """English again after a test that left the window in another language."""
     languages = sys.modules.get("softcradle.sandbox.languages")
     if languages is not None:
         languages.use_language("en")
+
+
+@pytest.fixture(autouse=True)
+def _no_leaks(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Judge here, not in some later test, what this one leaves: a file left open warns when it is collected."""
+    if request.node.get_closest_marker("own_process"):
+        yield  # all that is left ends with the process
+        return
+    open_before, running_before = descriptors(), children()
+    yield
+    running = children()
+    if descriptors() - open_before or running.keys() - running_before.keys():
+        gc.collect()
+        assert not [one for one in descriptors() - open_before if "socket:" in one], "sockets are left open"
+        left = {number: command for number, command in children().items() if number not in running_before}
+        assert not left, "processes are left"
 
 
 @pytest.fixture

@@ -1,12 +1,14 @@
 """Updates the catalogues from the code, scenes and lessons: python -m softcradle.sandbox.languages.update_catalogues.
 
 Needs Babel, which `pip install softcradle[dev]` brings. Translations that are there stay; new messages come in empty, for
-people to translate; messages that are gone are dropped. A catalogue that is not there yet is begun for a code in LANGUAGES.
+people to translate, and are shown in English until then; messages that are gone are dropped. A catalogue that is not there yet is
+begun for a code in LANGUAGES. With --complete, as before a release, a message that waits is an error.
 """
 
 from __future__ import annotations
 
 import io
+import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -118,12 +120,13 @@ def is_translated(message: Message) -> bool:
     return all(forms)
 
 
-def main() -> None:
-    """Update all catalogues, and say how many messages wait."""
-    for code, language in LANGUAGES.items():
-        if code != ENGLISH:
-            print(f"{catalogue_path(code)}: {update(code)} messages wait for {language.name}")
+def main(arguments: list[str] | None = None) -> int:
+    """Update all catalogues, say how many messages wait, and with --complete fail where any does."""
+    waiting = {code: update(code) for code in LANGUAGES if code != ENGLISH}
+    for code, count in waiting.items():
+        print(f"{catalogue_path(code)}: {count} messages wait for {LANGUAGES[code].name}")
+    return int("--complete" in (sys.argv[1:] if arguments is None else arguments) and any(waiting.values()))
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

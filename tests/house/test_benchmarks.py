@@ -125,11 +125,6 @@ def measurement_of(kind):
     return found
 
 
-def test_asv_has_every_module_of_benchmarks():
-    folder = ROOT / CONFIGURATION["benchmark_dir"]
-    assert {path.stem for path in folder.glob("*.py")} == {"__init__", *OVER_TIME}
-
-
 @pytest.mark.parametrize(
     ("name", "kind"),
     [

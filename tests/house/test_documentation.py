@@ -20,6 +20,8 @@ import softcradle
 from softcradle import scenes
 from tests.helpers.paths import ROOT
 
+pytestmark = pytest.mark.slow
+
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
@@ -78,31 +80,6 @@ def test_python_blocks_run(page, body, tmp_path, monkeypatch):
     assert written == set(re.findall(r"[\w-]+\.(?:npz|html|pdf|csv)", body))
 
 
-def test_every_picture_is_made_by_a_command():
-    """Pictures in folders of their own are made together."""
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    folders = {path.parent.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*/*.png")} - {"docs/gallery"}
-    tracked = {folder for folder in folders if "_made" not in folder}
-    pictures = {path.name for path in (ROOT / "docs").glob("*.png")}
-    assert tracked == {"docs/window", "docs/page"}
-    assert [name for name in (*pictures, *tracked) if name not in makefile] == []
-
-
-def test_measured_tables_say_by_which_command_they_were_made():
-    tables = list((ROOT / "docs" / "measured").glob("*.md"))
-    assert tables
-    assert [
-        path.name for path in tables if "made by `python -m benchmarks " not in path.read_text(encoding="utf-8")
-    ] == []
-
-
-def test_every_picture_is_shown():
-    texts = "".join(TEXTS.values()) + README
-    pictures = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").glob("**/*.png")]
-    kept = [name for name in pictures if name.split("/")[0] not in ("gallery", "_made")]
-    assert [name for name in kept if name not in texts] == []
-
-
 def documented():
     """Every name of the page of the API with its object."""
     for name in re.findall(r"auto(?:class|function):: (\S+)", TEXTS["api.md"]):
@@ -129,22 +106,6 @@ def members_texts(name, found):
     return [getattr(found, member).__doc__ for member in members[1].split(", ")] if members else []
 
 
-WIDEST = 90  # characters of a line of code that fit the column of a page; in the API, inside a definition, 85
-
-
-def test_lines_of_code_fit_their_boxes():
-    """On a desk: on a telephone they scroll."""
-    lines = [
-        (name, line) for name, text in TEXTS.items() for _, body in FENCED.findall(text) for line in body.split("\n")
-    ]
-    wide = [(name, line) for name, line in lines if len(line) > WIDEST]
-    for name, found in documented():
-        blocks = re.findall(r"^\s*(>>> .*|\.\.\. .*)$", found.__doc__, re.MULTILINE)
-        blocks += re.findall(r"::\n\n((?: +\S.*\n)+)", found.__doc__)
-        wide += [(name, line) for block in blocks for line in block.split("\n") if len(line.strip()) > WIDEST - 5]
-    assert wide == []
-
-
 SECTION = r"^\s+(Parameters|Attributes|Raises)\n\s+-+$"
 # where lines break, and what types say
 LEFT_OUT = "GL01", "GL02", "GL03", "SA01", "EX01", "ES01", "RT01", "SS05", "SS06", "PR07"
@@ -164,7 +125,6 @@ def test_docstrings_are_in_the_style_of_numpy(name, found):
         assert {code: said for code, said in wrong.items() if code not in LEFT_OUT} == {}
 
 
-@pytest.mark.slow
 def test_it_is_built_without_a_warning(tmp_path):
     """Kernels that are compiled on the way say so on standard error, which is no warning."""
     if any(

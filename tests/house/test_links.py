@@ -1,10 +1,12 @@
-"""Links of the documentation and the README: what they point to inside the project is there, anchors included."""
+"""Links of the documentation lead to something: files, headings, pages, and the paths of the architecture page.
+
+`make check` runs this file; links to other sites are asked by `make links`.
+"""
 
 from __future__ import annotations
 
 import re
-
-import pytest
+from pathlib import Path
 
 from tests.helpers.paths import ROOT
 
@@ -13,16 +15,8 @@ PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
 ]
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
-DOCUMENT = re.compile(r"\{doc\}`([^`<]+)`|\{doc\}`[^`<]*<([^`>]+)>`")
+DOCUMENT = re.compile(r"\{doc\}`(?:[^`<]*<)?([^`<>]+)>?`")
 INCLUDED = re.compile(r"^```\{include\} (\S+)$", re.MULTILINE)
-
-
-def links():
-    """Every link of a page that points inside the project."""
-    for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        found = [target for target in LINK.findall(text) if "://" not in target and not target.startswith("mailto:")]
-        yield from ((page, target) for target in found)
 
 
 def anchors(text: str) -> set[str]:
@@ -31,39 +25,38 @@ def anchors(text: str) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-@pytest.mark.parametrize(("page", "target"), list(links()), ids=lambda value: getattr(value, "name", value))
-def test_a_link_points_to_something(page, target):
+def leads_somewhere(page: Path, target: str) -> bool:
+    """Whether a link that points inside the project has a file, and a heading where it names one."""
     name, _, anchor = target.partition("#")
     place = page.parent / name if name else page
-    assert place.exists()
-    if anchor:
-        assert anchor in anchors(place.read_text(encoding="utf-8"))
+    return place.exists() and (not anchor or anchor in anchors(place.read_text(encoding="utf-8")))
 
 
-def test_documents_that_are_named_exist():
-    for page in PAGES:
-        for plain, titled in DOCUMENT.findall(page.read_text(encoding="utf-8")):
-            assert (page.parent / f"{plain or titled}.md").is_file(), (page.name, plain or titled)
+def dead_links(page: Path, text: str) -> list[str]:
+    """What a page names that is not there."""
+    inside = [target for target in LINK.findall(text) if "://" not in target and not target.startswith("mailto:")]
+    dead = [target for target in inside if not leads_somewhere(page, target)]
+    dead += [name for name in DOCUMENT.findall(text) if not (page.parent / f"{name}.md").is_file()]
+    kept = [part for part in INCLUDED.findall(text) if not part.startswith("_made/")]  # those are written by the build
+    return dead + [part for part in kept if not (page.parent / part).is_file()]
 
 
-def test_parts_that_are_included_are_kept_or_written():
-    written = (ROOT / "docs" / "written_by_softcradle.py").read_text(encoding="utf-8")
-    for page in PAGES:
-        for part in INCLUDED.findall(page.read_text(encoding="utf-8")):
-            folder, _, name = part.partition("/")
-            if folder == "_made":
-                assert f'"{name.removesuffix(".md")}":' in written
-            else:
-                assert (page.parent / part).is_file()
+def test_links_lead_to_something():
+    assert [(page.name, dead) for page in PAGES for dead in dead_links(page, page.read_text(encoding="utf-8"))] == []
 
 
-def test_every_page_is_in_the_contents():
-    contents = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    listed = {
-        line for block in re.findall(r"```\{toctree\}\n(.*?)```", contents, re.DOTALL) for line in block.split("\n")
-    }
-    assert {page.stem for page in (ROOT / "docs").glob("*.md")} - {"index"} <= listed
+def test_a_dead_link_is_found():
+    page = ROOT / "docs" / "index.md"
+    bad = ["[x](nowhere.md)", "[x](../README.md#nowhere)", "{doc}`nowhere`", "{doc}`a title <nowhere>`"]
+    assert [text for text in bad if not dead_links(page, text)] == []
+    assert dead_links(page, "[x](../README.md) [y](https://example.org) {doc}`architecture`") == []
 
 
-def test_there_are_links_to_check():
-    assert len(list(links())) > 10
+def test_paths_of_the_architecture_page_exist():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    paths = set(re.findall(r"`([\w.]+(?:/[\w.]*)+)`", text))
+    assert sorted(path for path in paths if not (ROOT / path).exists()) == []
+    named = re.findall(r"`(\w+)`\s+(?:in\s+|\()`([\w./]+)`", text)
+    definition = r"^(?:class|def) {0}\b|^{0}\b.*="
+    sources = [(name, (ROOT / path).read_text(encoding="utf-8")) for name, path in named if (ROOT / path).is_file()]
+    assert [name for name, source in sources if not re.search(definition.format(name), source, re.MULTILINE)] == []

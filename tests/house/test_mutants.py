@@ -10,7 +10,6 @@ import pytest
 
 from benchmarks import __main__ as command
 from benchmarks.mutants import command as mutants
-from benchmarks.mutants.equivalent import EQUIVALENT, reason_of
 from benchmarks.mutants.groups import GROUPS, Group
 from benchmarks.mutants.operators import mutants_of
 from tests.helpers.paths import ROOT
@@ -53,15 +52,6 @@ def test_sources_and_tests_of_every_group_exist():
     for group in GROUPS.values():
         for file in (*group.sources, *(test for test in group.tests if test.startswith("tests/"))):
             assert (ROOT / file).is_file()
-
-
-@pytest.mark.parametrize("known", EQUIVALENT, ids=lambda known: f"{known.source}: {known.line}")
-def test_mutants_said_to_be_equivalent_are_made(known):
-    text = (ROOT / known.source).read_text(encoding="utf-8")
-    lines = text.splitlines()
-    assert sum(known.line in line for line in lines) in (1, 2), "no other may hide behind the reason"
-    excused = [mutant for mutant in mutants_of(text) if reason_of(known.source, lines[mutant.line - 1], mutant)]
-    assert any(known.line in lines[mutant.line - 1] for mutant in excused)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="mutants are tried by processes that fork")

@@ -12,10 +12,6 @@ nbformat = pytest.importorskip("nbformat")
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 
 
-def test_there_are_three():
-    assert len(NOTEBOOKS) == 3
-
-
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebooks_are_kept_without_outputs(path):
     for cell in nbformat.read(path, as_version=4).cells:

@@ -213,6 +213,8 @@ WRONG_SCRIPT = """
 import softcradle
 from softcradle import one_on, power_law, simulate
 
+pytestmark = pytest.mark.slow
+
 softcradle.simulat  # attr-defined
 one_on("4", power_law(1.0, 0.1))  # arg-type
 simulate(one_on(4, power_law(1.0, 0.1)), [1, 0], metod="verlet")  # call-arg
@@ -228,7 +230,6 @@ def type_checked(installed: Installed, name: str, script: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-@pytest.mark.slow
 def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
     pytest.importorskip("mypy")
     assert type_checked(installed, "user.py", USER_SCRIPT) == ["Success: no issues found in 1 source file"]

@@ -17,7 +17,7 @@ from softcradle.sandbox.draw.number_format import MINUS
 from softcradle import one_on, scenes, simulate
 from tests.helpers.browser import Browser, found
 
-pytestmark = pytest.mark.skipif(found() is None, reason="there is no browser")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
 DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 # Pairs of colours of the style sheet, text before ground; canvas and SVG text have the same.
@@ -286,7 +286,6 @@ def covering(one, other):
     return min(one[3], other[3]) - max(one[1], other[1]) > 1 and min(one[4], other[4]) - max(one[2], other[2]) > 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", [320, 390, 600, 740, 900, 1280])
 @pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting"])
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width):

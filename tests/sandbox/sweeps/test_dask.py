@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import signal
 import socket
@@ -16,13 +15,13 @@ from pathlib import Path
 import pytest
 from softcradle.sandbox.sweeps import dask_pool, sobol, sweep
 from softcradle.sandbox.sweeps.study_error import StudyError
-from softcradle.sandbox.window.widget_cleanup import collect_garbage
 
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import LOG, logged
 
 pytest.importorskip("distributed")
-pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own connections, which are cut on purpose
+# Dask keeps threads and connections, which are cut on purpose; both end with the process.
+pytestmark = [pytest.mark.own_process, pytest.mark.filterwarnings("ignore")]
 
 COUNT = 300
 POINTS = sobol({"a": (0.0, 1.0), "n": (1, 4, "whole")}, COUNT, seed=5)
@@ -81,12 +80,6 @@ class Cluster:
         self._told.close()
 
 
-def open_sockets() -> set[socket.socket]:
-    """Connections of this process."""
-    connected = [found for found in gc.get_objects() if isinstance(found, socket.socket)]
-    return {found for found in connected if found.family == socket.AF_INET and found.fileno() >= 0}
-
-
 def kill(process: subprocess.Popen[bytes]) -> None:
     process.send_signal(signal.SIGKILL)
     process.wait()
@@ -103,13 +96,9 @@ def until(condition: Callable[[], bool], seconds: float = 120.0) -> None:
 def cluster(tmp_path, monkeypatch):
     monkeypatch.setenv(LOG, str(tmp_path / "log"))
     (tmp_path / "log").touch()
-    found, before = Cluster(tmp_path / "log"), open_sockets()
+    found = Cluster(tmp_path / "log")
     yield found
     found.close()
-    # Dask's thread holds sockets that were cut on purpose until some later test, in which they would warn that they are open
-    for left in open_sockets() - before:
-        left.close()
-    collect_garbage()
 
 
 def lines(path: Path) -> list[str]:

@@ -13,9 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.skipif(
-    not (shutil.which("Xvfb") and shutil.which("xdotool")), reason="needs Xvfb and xdotool, which CI installs"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not (shutil.which("Xvfb") and shutil.which("xdotool")), reason="needs Xvfb and xdotool, which CI installs"
+    ),
+]
 LONGEST_WORK = 120.0  # s of processor time that a step may take: however busy the machine is, the window needs no more
 # s of wall time on a machine with nothing else to do, in which a step that waits for nothing is done
 LONGEST_IDLE = 60.0

@@ -1,0 +1,91 @@
+"""Tests in a process of their own, and what a test leaves behind: nothing that starts processes can fail another test."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.paths import ROOT
+
+INSIDE = "SOFTCRADLE_OWN_PROCESS"  # set in the process of a test
+LONGEST = 900.0  # s, far beyond what any takes on a busy machine: one that hangs ends, with all that it started
+# What goes on after a test on purpose: Python keeps one of each of the first two; the third compiles kernels for all to come.
+SHARED = ("multiprocessing.resource_tracker", "multiprocessing.forkserver", "compile_and_unlock")
+
+
+def descriptors() -> set[str]:
+    """Descriptors of this process with what they are open on; empty where the system does not tell."""
+    found = set()
+    for entry in Path("/proc/self/fd").glob("*"):
+        try:
+            found.add(f"{entry.name} {entry.readlink()}")
+        except OSError:  # that of this very listing
+            continue
+    return found
+
+
+def children() -> dict[int, str]:
+    """Commands of processes that this one has started and that run, by number; empty where the system does not tell."""
+    found = {}
+    for entry in Path("/proc/self/task").glob("*/children"):
+        for number in map(int, entry.read_text().split()):
+            command = ""
+            with suppress(OSError):  # it has just ended
+                command = Path(f"/proc/{number}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+            if command and not any(name in command for name in SHARED):
+                found[number] = command
+    return found
+
+
+def run_alone(item: pytest.Item) -> bool | None:
+    """Report on a test by what it does in a process and session of its own, which is then killed as a whole."""
+    if INSIDE in os.environ:
+        return None
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    begun = time.time()
+    outcome, text = _outcome(item.nodeid)
+    longrepr = (str(item.path), item.location[1] or 0, text) if outcome == "skipped" else text
+    report = pytest.TestReport(
+        item.nodeid, item.location, dict.fromkeys(item.keywords, 1), outcome,
+        longrepr if outcome != "passed" else None, "call",
+        start=begun, stop=time.time(), duration=time.time() - begun,
+    )  # fmt: skip
+    item.ihook.pytest_runtest_logreport(report=report)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    return True
+
+
+def _outcome(test: str) -> tuple[str, str]:
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", test]
+    process = subprocess.Popen(
+        command, cwd=ROOT, env=os.environ | {INSIDE: "1", "PYTEST_ADDOPTS": ""}, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    )  # fmt: skip
+    try:
+        said, _ = process.communicate(timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        said = f"not done after {LONGEST:.0f} s"
+    finally:
+        _end_all_of(process)
+    if process.returncode == 0 and re.search(r"^\d+ passed", said.splitlines()[-1]):
+        return "passed", ""
+    if process.returncode == 0 and (skipped := re.search(r"^SKIPPED \[1\] \S+ (.*)", said, re.MULTILINE)):
+        return "skipped", skipped[1]
+    return "failed", said
+
+
+def _end_all_of(process: subprocess.Popen[str]) -> None:
+    """Kill the session of a process, which all are in that it has started and that have not left it."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    if process.stdout is not None:
+        process.stdout.close()

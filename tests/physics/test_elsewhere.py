@@ -1,0 +1,36 @@
+"""What may not depend on the processor, on the power function of the C library, nor on compiled kernels."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from tests.helpers.paths import ROOT
+
+PLACES = {
+    "a C library without vector instructions": (
+        {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4"},
+        ("test_digests.py", "adaptive/test_event_location.py", "adaptive/test_stated_error.py"),
+    ),
+    "a processor without the instructions of this one": (
+        {"NUMBA_CPU_NAME": "generic", "OPENBLAS_CORETYPE": "Prescott", "SOFTCRADLE_COMPILE": "first"},
+        ("test_digests.py", "numerics/test_exact_matrices.py"),
+    ),
+    "plain Python": (
+        {"NUMBA_DISABLE_JIT": "1"},
+        ("adaptive/test_first_root.py", "adaptive/test_yield_or_slip.py", "test_contact.py", "test_chain.py"),
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("variables", "tests"), PLACES.values(), ids=PLACES)
+def test_the_same_elsewhere(variables, tests):
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
+    command += [f"tests/physics/{name}" for name in tests]
+    environment = os.environ | variables | {"PYTEST_ADDOPTS": ""}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-4000:]
