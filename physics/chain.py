@@ -398,7 +398,7 @@ def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> 
 
 
 def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
-    """(n,) mass [kg] that each contact accelerates, seen from the contact `struck`: all beads beyond it, Eq. (4).
+    """(n,) mass [kg] that each contact accelerates, seen from the contact `struck`: all beads beyond it, Eq. (5).
 
     The contact `struck` itself accelerates the beads to its right.
     """
@@ -408,7 +408,7 @@ def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
 
 
 def mass_shares(mass: ArrayLike, struck: int) -> Array:
-    """(n,) force of each contact as a part of that of `struck` while both sides move as rigid bodies, Eq. (4).
+    """(n,) force of each contact as a part of that of `struck` while both sides move as rigid bodies, Eq. (5).
 
     A contact with a wall beyond it passes on all of the force: its share is 1.
 

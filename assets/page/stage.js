@@ -132,7 +132,7 @@ function bodies(pen, view, data, edges, faces) {
 
 const barTop = (view, data, force) => view.base - view.barRoom * force / (data.scales.force / FORCE_MARGIN);
 
-// A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (4).
+// A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5).
 function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * data.scales.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;

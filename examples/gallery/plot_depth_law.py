@@ -2,7 +2,7 @@
 How deep a blow goes
 ====================
 
-Inside a cluster of soft beads overlaps fall by decades from bead to bead: the evanescent mode. The paper's Eq. (6) says by
+Inside a cluster of soft beads overlaps fall by decades from bead to bead: the evanescent mode. The paper's Eq. (7) says by
 how much; here it stands beside what a collision of one on six beads shows when the first contact is pressed most: the softer, the
 closer.
 """
@@ -24,5 +24,5 @@ for look, alpha in (("C0s", 1 / 2), ("C1o", 1 / 5), ("C2^", 1 / 10)):
     axes.semilogy(depth, depth_law(6, alpha), look[:2], linewidth=1)
 axes.set(xlabel="contact inside the cluster", ylabel="overlap / first one inside")
 axes.set_xticks(depth)
-axes.legend(title="marks: simulated, lines: Eq. (6)")
+axes.legend(title="marks: simulated, lines: Eq. (7)")
 plt.show()

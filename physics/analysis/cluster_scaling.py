@@ -33,7 +33,7 @@ def chain_spread_variable(chain: Chain, struck: int) -> float | None:
 def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
     """Contacts over which the overlap falls by a factor e, at the moment when the first contact inside is pressed most.
 
-    From the straight line through the logarithms of the overlaps behind the contact `struck`; the paper's bound on Eq. (6)
+    From the straight line through the logarithms of the overlaps behind the contact `struck`; the paper's bound on Eq. (7)
     has n alpha. 0 where no second contact inside is pressed.
     """
     inner = trajectory.overlap[:, struck + 1 :]

@@ -20,12 +20,12 @@ class ContactMeasures:
 
     peak_force: float = _measure("peak force", "N", "greatest force")
     accelerated_mass: float | None = _measure(
-        "mass accelerated", "kg", "of the beads beyond it, seen from the struck contact, Eq. (4)"
+        "mass accelerated", "kg", "of the beads beyond it, seen from the struck contact, Eq. (5)"
     )
     peak_acceleration: float | None = _measure(
         "force per mass",
         "m/s²",
-        "peak force over the mass accelerated: the common A of Eq. (4), one number for all contacts of a rigid cluster",
+        "peak force over the mass accelerated: the common A of Eq. (5), one number for all contacts of a rigid cluster",
     )
     momentum: float = _measure("momentum passed", "N s", 'integral of the force over time; "the flow rate of momentum"')
     open: float = _measure(

@@ -14,7 +14,7 @@ from softcradle.physics.contact import Contact
 def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
     """Largest speed [m/s] at which no contact but the struck one yields, so that both clusters stay exactly rigid.
 
-    While contact i inside a cluster only touches, it carries the share r_i of the struck contact's force f, Eq. (4), and the
+    While contact i inside a cluster only touches, it carries the share r_i of the struck contact's force f, Eq. (5), and the
     peak of f is ``sqrt(F^2 + K mu v^2)``. With r the largest share, the first contact reaches F at
     ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. Infinite for one on one.
 

@@ -16,7 +16,7 @@ LEAST_OVERLAP = 1e-9
 
 
 def depth_law(n: int, alpha: float) -> Array:
-    """(n-1,) overlaps inside a homogeneous cluster of `n` beads as parts of the first, Eq. (6), i = 1 ... n-1.
+    """(n-1,) overlaps inside a homogeneous cluster of `n` beads as parts of the first, Eq. (7), i = 1 ... n-1.
 
     >>> depth_law(4, 1 / 10).round(4)
     array([1.    , 0.0173, 0.    ])
@@ -40,7 +40,7 @@ def loads(chain: Chain, struck: int = 0) -> Array:
     """(n,) the force that each contact has to pass on, as a part of its own at overlap 1; 1 at the contact `struck`.
 
     If the clusters move as rigid bodies and the struck contact pushes with its force at overlap 1, a contact inside
-    passes on the part of it that accelerates the masses beyond, Eq. (4). For small exponents a contact can pass on no
+    passes on the part of it that accelerates the masses beyond, Eq. (5). For small exponents a contact can pass on no
     more than about its force at overlap 1, so clusters are rigid-like only if all loads are below 1; how small the
     exponents must be follows from ``load**(1/exponent)``, the overlap. For n equal beads the greatest load is (n-1)/n.
 

@@ -1,9 +1,9 @@
 """Mode coupling, Sec. III and Appendix A: the collective modes of a collision, and every overlap from them.
 
 A cluster that moves as one body shares out the momentum that flows in: the force behind bead i is that at the head of
-the cluster times the mass behind it, Eq. (4). All overlaps of a cluster therefore follow from its first one, Eqs. (6)
+the cluster times the mass behind it, Eq. (5). All overlaps of a cluster therefore follow from its first one, Eqs. (7)
 and (A1), and what is left to solve are the overlap Phi between the clusters and the first overlap of each, psi and
-psi-bar. With M = m2 + ... + mn, Eqs. (7), (A2), (A3) read
+psi-bar. With M = m2 + ... + mn, Eqs. (8), (A3) read
 
     Phi'' = -(1/m0 + 1/m1) f01(Phi) + (1/m1) f12(psi)
     psi'' =  (1/m1) f01(Phi) - (1/m1 + 1/M) f12(psi)
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reduction:
-    """The contacts of a chain that are modes, and the chain of these alone.
+    """The contacts of a chain that are modes, and the chain of these alone, Eqs. (A1), (A3).
 
     Attributes:
         chain: the whole chain.
@@ -86,13 +86,13 @@ class Reduction:
 
     @cached_property
     def share(self) -> Array:
-        """(n,) force of each contact as a part of its carrier's, Eq. (4); 1 for the modes themselves."""
+        """(n,) force of each contact as a part of its carrier's, Eq. (5); 1 for the modes themselves."""
         first, last = self.modes[0], self.modes[-1]
         before, beyond = mass_shares(self.chain.mass, first), mass_shares(self.chain.mass, last)
         return np.concatenate((before[:first], np.ones(last - first), beyond[last:]))
 
     def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
-        """(T, n) overlaps and rates of the whole chain from (T, r) of the reduced one, Eqs. (6), (A1).
+        """(T, n) overlaps and rates of the whole chain from (T, r) of the reduced one, Eqs. (7), (A1).
 
         While its mode is open a cluster carries no force: its overlaps are 0.
         """
@@ -124,7 +124,7 @@ class ModeCoupling:
     Attributes:
         reduction: which contacts are modes.
         reduced: Trajectory of the chain of the modes.
-        trajectory: the whole chain as Eqs. (4), (6), (A1) have it: overlaps, rates and forces from the modes. Its beads
+        trajectory: the whole chain as Eqs. (5), (7), (A1) have it: overlaps, rates and forces from the modes. Its beads
             follow from its overlaps, so inside a cluster their momentum adds up only as well as the model holds.
     """
 
@@ -139,12 +139,12 @@ class ModeCoupling:
 
     @property
     def phi(self) -> Array | None:
-        """(T,) Phi [m], the overlap of the two clusters; None for a driven cluster."""
+        """(T,) Phi [m], the overlap of the two clusters, Eq. (4); None for a driven cluster."""
         return self._mode(self.reduction.struck)
 
     @property
     def psi(self) -> Array | None:
-        """(T,) psi [m], the first overlap inside the struck (or driven) cluster; None for a single bead."""
+        """(T,) psi [m], the first overlap inside the struck (or driven) cluster, Eq. (6); None for a single bead."""
         struck = self.reduction.struck
         return self._mode(self.reduction.modes[0] if struck is None else struck + 1)
 
@@ -156,7 +156,7 @@ class ModeCoupling:
 
     @property
     def acceleration(self) -> Array:
-        """(T, r) second derivatives of the modes [m/s^2], the right-hand sides of Eqs. (7), (A2), (A3)."""
+        """(T, r) second derivatives of the modes [m/s^2], the right-hand sides of Eqs. (8), (A3)."""
         chain = self.reduced.chain
         net = np.zeros((self.time.size, chain.contacts + 1))
         if chain.drive_force is not None:
@@ -186,7 +186,7 @@ def mode_coupling(
     samples: int | ArrayLike = 201,
     tolerance: float = 1e-8,
 ) -> ModeCoupling:
-    """Solve the mode-coupling equations (7), (A2), (A3) of `chain` and give all its overlaps and forces.
+    """Solve the mode-coupling equations (8), (A3) of `chain` and give all its overlaps and forces.
 
     Arguments as in :func:`simulate`; the start is one cluster that strikes another, or one at rest with a drive
     on its first bead. Without a duration until every mode has returned to zero.

@@ -1,6 +1,6 @@
 """Ringing of a contact: how its overlap or force oscillates about a slow branch: turning points, period, amplitude, decay.
 
-Inside a struck cluster a contact follows the force that it has to pass on, its quasi-static branch, Eq. (4). About it the
+Inside a struck cluster a contact follows the force that it has to pass on, its quasi-static branch, Eq. (5). About it the
 contact oscillates at the local frequency ``sqrt((1/m + 1/m') df/dd)``, whose inverse is the response time before Eq. (10).
 """
 

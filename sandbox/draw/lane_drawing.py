@@ -242,7 +242,7 @@ class LaneDrawing:
         return self.bar_base - self.bar_room * force / (self.scales.force / FORCE_MARGIN)
 
     def _bars(self, surface: pygame.Surface, contacts: list[float], forces: list[float]) -> None:
-        """A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (4)."""
+        """A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5)."""
         unit, visible = self.unit, VISIBLE_FORCE * self.scales.force
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
         decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))

@@ -1,4 +1,4 @@
-"""What rigid clusters would do: the share of the struck contact's force that each contact would have, Eq. (4)."""
+"""What rigid clusters would do: the share of the struck contact's force that each contact would have, Eq. (5)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 def rigid_shares(mass: Sequence[float], velocity: Sequence[float]) -> tuple[int, tuple[float, ...]]:
     """The contact at which two clusters meet, and the share of its force that each contact would have if both were rigid.
 
-    The share is that of the cluster's mass beyond the contact, Eq. (4). All are 0 where no cluster has two beads, where
+    The share is that of the cluster's mass beyond the contact, Eq. (5). All are 0 where no cluster has two beads, where
     no clusters meet, or where a bead is a wall.
     """
     closing = [left - right for left, right in itertools.pairwise(velocity)]

@@ -13,10 +13,8 @@ from importlib.util import find_spec
 
 import pytest
 from numpydoc.validate import validate
-from softcradle.physics.analysis import mode_coupling
 from softcradle.sandbox.cli.main import COMMANDS
 
-import softcradle
 from softcradle import scenes
 from tests.helpers.paths import ROOT
 
@@ -156,20 +154,3 @@ def test_it_is_built_without_a_warning(tmp_path):
     assert len(gallery) == 3
     assert len(list((tmp_path / "_images").glob("sphx_glr_plot_*.png"))) >= len(gallery)
     assert (tmp_path / "_static" / "one-on-four.html").stat().st_size > 50_000
-
-
-def test_every_equation_has_its_code():
-    """All numbers of the paper are in the table for researchers, and its names are found: public ones, or in the module named."""
-    table = TEXTS["researchers.md"].partition("## Every equation")[2].partition("\n## ")[0]
-    rows = re.findall(r"^\| (\(.*?) \|.*\| (.*) \|$", table, re.MULTILINE)
-    numbers = {number for numbers, _ in rows for number in re.findall(r"\w+", numbers)}
-    assert numbers == {*map(str, range(1, 11)), "A1", "A2", "A3", "C1"}
-    for _, code in rows:
-        spans = re.findall(r"`([^`]+)`", code)
-        places = [importlib.import_module(span) for span in spans if span.startswith("softcradle.")]
-        shown = [softcradle.Trajectory, mode_coupling.ModeCoupling, mode_coupling, softcradle, *places]
-        for name in spans if "softcradle claims" not in code else ():
-            parts = [] if name.startswith("softcradle.") else name.split(".")
-            assert not parts or any(
-                parts[0] in getattr(place, "__annotations__", {}) or hasattr(place, parts[0]) for place in shown
-            ), name

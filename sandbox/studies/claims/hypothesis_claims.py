@@ -1,4 +1,4 @@
-"""Claims of Appendix B on the evanescent hypothesis, Eq. (6), inside the full solution."""
+"""Claims of Appendix B on the evanescent hypothesis, Eq. (7), inside the full solution."""
 
 from __future__ import annotations
 

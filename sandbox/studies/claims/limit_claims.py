@@ -50,7 +50,7 @@ def rate_of_duration(case: Parameters, solver: Solver) -> float:
 
 
 def bend_over_bound(case: Parameters, solver: Solver) -> float:
-    """Left side of Eq. (8) at i = 2 over its stated bound, at a part of the time until Phi returns."""
+    """Left side of Eq. (9) at i = 2 over its stated bound, at a part of the time until Phi returns."""
     chain, n, alpha = soft_chain(case), round(case["n"]), 1.0 / case["1/alpha"]
     end = solver.model(chain, start(chain)).returns(0)
     times = tuple((end * np.array(BOUND_PARTS)).tolist())
@@ -156,9 +156,9 @@ CLAIMS = (
     ),
     Claim(
         "bound-on-consistency",
-        "the left side of Eq. (8) is bounded by alpha exp(-(i-1)/(n alpha)) for i >= 2",
+        "the left side of Eq. (9) is bounded by alpha exp(-(i-1)/(n alpha)) for i >= 2",
         "Sec. IV, after (ii)",
-        "left side of Eq. (8) at i = 2 over the bound",
+        "left side of Eq. (9) at i = 2 over the bound",
         bend_over_bound,
         grid(n=(3, 4, 6, 8, 12, 16), **{"1/alpha": (10, 20, 40)}, part=BOUND_PARTS),
         {**OWN, "part": 0.5},
@@ -172,7 +172,7 @@ CLAIMS = (
     ),
     Claim(
         "below-1/n",
-        "Eq. (8) holds as a good approximation, and the cluster is rigid-like, for alpha << 1/n",
+        "Eq. (9) holds as a good approximation, and the cluster is rigid-like, for alpha << 1/n",
         "Sec. IV",
         "spread of the targets' velocities over their mean",
         spread,

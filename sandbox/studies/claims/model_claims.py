@@ -58,7 +58,7 @@ def slope_error(case: Parameters, solver: Solver) -> float:
 
 
 def consistency(case: Parameters, solver: Solver) -> float:
-    """Largest left side of Eq. (8) at i = 2 in a part of the time until psi is back at zero."""
+    """Largest left side of Eq. (9) at i = 2 in a part of the time until psi is back at zero."""
     chain = soft_chain(case)
     end = solver.model(chain, start(chain)).returns(1)
     upper = case["until"]
@@ -178,9 +178,9 @@ CLAIMS = (
     ),
     Claim(
         "consistency-example",
-        "for n = 4, alpha = 1/10 the left side of Eq. (8) is at most about 1e-3, since psi'' is about 0.1",
-        "Sec. IV, after Eq. (8)",
-        "largest left side of Eq. (8) at i = 2",
+        "for n = 4, alpha = 1/10 the left side of Eq. (9) is at most about 1e-3, since psi'' is about 0.1",
+        "Sec. IV, after Eq. (9)",
+        "largest left side of Eq. (9) at i = 2",
         consistency,
         grid(**OWN, until=np.arange(0.05, 1.001, 0.05).round(2)),
         {"until": 0.5},
@@ -193,7 +193,7 @@ CLAIMS = (
     ),
     Claim(
         "inhomogeneous-model",
-        "Eqs. (A1) to (A3) are the core of the motion for heterogeneous masses, strengths and exponents that are small",
+        "equations (A3) are the core of the motion for heterogeneous masses, strengths and exponents that are small",
         "App. A",
         "largest |full - model| over the peak of the force, all contacts",
         lambda case, solver: force_error(random_chain(case), solver),

@@ -40,7 +40,7 @@ class Solver:
     def model(
         self, chain: Chain, velocity: tuple[float, ...], duration: float | None = None, samples: Samples = 2
     ) -> ModeCoupling:
-        """The motion by the mode-coupling model, Eqs. (7), (A2), (A3)."""
+        """The motion by the mode-coupling model, Eqs. (8), (A3)."""
         return _model(self, chain, velocity, duration, samples)
 
 

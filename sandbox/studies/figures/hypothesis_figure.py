@@ -1,4 +1,4 @@
-"""Appendix B: how well the evanescent hypothesis, Eq. (6), holds inside the full solution."""
+"""Appendix B: how well the evanescent hypothesis, Eq. (7), holds inside the full solution."""
 
 from __future__ import annotations
 

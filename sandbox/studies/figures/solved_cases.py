@@ -61,7 +61,7 @@ def model_motion(
     tolerance: float = TOLERANCE,
     step: float | None = None,
 ) -> ModeCoupling:
-    """The motion by the mode-coupling model, Eqs. (7), (A2), (A3)."""
+    """The motion by the mode-coupling model, Eqs. (8), (A3)."""
     return mode_coupling(chain, velocity, duration, _method(step), step, _sample_argument(samples), tolerance)
 
 

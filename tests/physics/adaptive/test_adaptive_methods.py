@@ -119,7 +119,7 @@ def test_gears_beyond_the_gear_critical_speed(part, n):
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 @pytest.mark.parametrize("n", [1, 2, 4, 8])
 def test_the_limit_of_small_exponents_is_the_step_force(method, n):
-    """What is left falls faster than any power of alpha, as the deepest overlap does: n**(-1/alpha), Eq. (6)."""
+    """What is left falls faster than any power of alpha, as the deepest overlap does: n**(-1/alpha), Eq. (7)."""
     start = [1.0] + [0.0] * n
     limit = run(one_on(n, step_force(1.0)), start, method=method, tolerance=1e-8).final_velocity
     assert limit == pytest.approx([(1 - n) / (n + 1)] + [2 / (n + 1)] * n, abs=1e-7)

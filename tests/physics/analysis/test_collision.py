@@ -80,7 +80,7 @@ def test_gears_below_the_critical_speed_are_rigid(share):
     assert found.restitution == pytest.approx(1.0, abs=1e-9)
     assert found.contact_time == pytest.approx(stroke.contact_time, rel=1e-9)
     assert found.peak_force == pytest.approx(stroke.peak_force, rel=1e-6)
-    accelerations = [contact.peak_acceleration for contact in found.contacts]  # Eq. (4): one acceleration for all
+    accelerations = [contact.peak_acceleration for contact in found.contacts]  # Eq. (5): one acceleration for all
     assert accelerations == pytest.approx([stroke.peak_force / (3 * MASS)] * 3, rel=1e-6)
     for inner in found.contacts[1:]:
         assert inner.loaded == 0.0

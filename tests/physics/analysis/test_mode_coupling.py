@@ -29,7 +29,7 @@ HIT = [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_equations_are_those_of_the_paper():
-    """Eqs. (A2), (A3) with M = m2 + ... + mn, written out."""
+    """Eq. (A3) with M = m2 + ... + mn, written out."""
     found = mode_coupling(MIXED, HIT)
     m0, m1, *rest = MIXED.mass
     f01, f12 = (np.asarray(MIXED.contact[i].force(mode)) for i, mode in enumerate((found.phi, found.psi)))
@@ -47,7 +47,7 @@ def test_the_modes_solve_their_equations():
 
 
 def test_overlaps_follow_the_first_one():
-    """Eq. (A1), written out; Eq. (6) is its homogeneous case."""
+    """Eq. (A1), written out; Eq. (7) is its homogeneous case."""
     found = mode_coupling(MIXED, HIT)
     psi, mass = np.maximum(found.psi, 0.0), MIXED.mass
     for i in (2, 3):
@@ -61,7 +61,7 @@ def test_overlaps_follow_the_first_one():
 
 
 def test_forces_give_every_inner_bead_the_same_acceleration():
-    """Eq. (4) from what it is for, and the forces are those of the overlaps."""
+    """Eq. (5) from what it is for, and the forces are those of the overlaps."""
     model = mode_coupling(MIXED, HIT).trajectory
     net = model.force[:, 1:] - np.column_stack((model.force[:, 2:], np.zeros(model.time.size)))
     acceleration = net / np.array(MIXED.mass[2:])

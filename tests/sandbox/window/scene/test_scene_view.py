@@ -64,7 +64,7 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
     driver.frames(2)
     drawing = driver.page.view.lanes[0].drawing
     assert drawing.interface == 0
-    assert drawing.rigid == pytest.approx((1.0, 2.0 / 3.0, 1.0 / 3.0))  # of three beads that are pushed, Eq. (4)
+    assert drawing.rigid == pytest.approx((1.0, 2.0 / 3.0, 1.0 / 3.0))  # of three beads that are pushed, Eq. (5)
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
