@@ -39,7 +39,6 @@ NOT_TUNED = (  # files of codes, indices and coefficients; what is kept in memor
     "radau_tableau",
     "dop853_tableau",
     "kept_steps",
-    "moving_part",
 )
 CODES = {"NONE", "NO_GUESS", "CANDIDATE"}  # marks and indices in the other files
 PAUSES = {

@@ -146,7 +146,7 @@ METHODS: tuple[Method, ...] = (
 )
 
 
-AUTO = "auto"  # for `simulate`: the cheapest of them that holds the wanted error, see softcradle.physics.advice.auto_method
+AUTO = "auto"  # for `simulate`: chosen by the rule of softcradle.physics.advice.auto_method
 
 
 def known_methods() -> list[str]:

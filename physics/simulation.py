@@ -53,9 +53,9 @@ def simulate(
         Time to run [s]; None runs until every contact is open and none can close again (with bed friction: not
         before the beads have slid to rest either), or all beads rest. A chain with a force that lasts needs one.
     method : str, optional
-        A name from METHODS, or "auto": the cheapest method and fineness that hold `tolerance` as the wanted error
-        on this chain and machine; the Trajectory says which, and why. Explicit methods (euler, verlet, yoshida4,
-        pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
+        A name from METHODS, or "auto": a method and fineness that hold `tolerance` as the wanted error on this
+        chain, by a rule that is the same on every machine; the Trajectory says which, and why. Explicit methods (euler,
+        verlet, yoshida4, pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
     step : float, optional
         Step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
     samples : int or array_like, optional

@@ -38,10 +38,10 @@ class KeptSteps:
         overflows: whether the run had more steps than are kept.
     """
 
-    def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers, divisible: bool = False) -> None:
-        """`wanted` [m/s] bounds the error of a step; `divisible`: rows for it would take more than the step of a MovingPart."""
+    def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers) -> None:
+        """`wanted` [m/s] bounds the error of a step."""
         self.problem, self.wanted, self.tiers = problem, wanted, tiers
-        self.ends = problem.ends_alone and not problem.later and (problem.duration is None or divisible)
+        self.ends = problem.ends_alone and not problem.later and problem.duration is None
         self.known = problem.duration is not None and not problem.later and not self.ends
         self.overflows = False
         self._chunks: list[tuple[Steps, int]] = []

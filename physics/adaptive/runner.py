@@ -12,14 +12,11 @@ from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
 from softcradle.physics.adaptive.effective_chain import chain_and_regime
 from softcradle.physics.adaptive.kept_steps import KeptSteps
-from softcradle.physics.adaptive.moving_part import MovingPart, rests_exactly
 from softcradle.physics.adaptive.self_check import checked, is_sensitive
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
-    DOP853,
     GROWTH,
     LOCAL_SQUARE,
-    RADAU,
     Scratch,
     Steps,
     Trial,
@@ -49,7 +46,6 @@ from softcradle.physics.numerics.records import (
     PAUSED,
     REJECTED,
     STEP,
-    SWITCH,
     SwitchLog,
 )
 from softcradle.physics.problem import (
@@ -155,7 +151,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     """One run of the kernel; again with a larger log of switches where the first was too small."""
     state = problem.state.copy()
     scale = _scale(problem)
-    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, KERNELS, _is_divisible(problem))
+    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, KERNELS)
     memory = Memory.of(problem.chain, log_size, kept.steps)
     began = perf_counter()
     code, state.time = _integrate(problem, state, scale, memory, kept)
@@ -180,17 +176,12 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     data, regime = chain_and_regime(problem.chain, state)
     most, counter, stop = step_budget(problem), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
-    divisible = kept is not None and not kept.steps.time.size and _is_divisible(problem)
-    part = MovingPart(
-        data, regime, motion_record(state, memory.mode, memory.held), memory.trial, memory.look, memory.scratch,
-        memory.log, time, divisible,
-    )  # fmt: skip
+    motion = tuple(motion_record(state, memory.mode, memory.held))
+    records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
     while code == PAUSED:
         memory.log = with_free_rows(memory.log)
-        part.log_into(memory.log)
-        most_now = part.steps(min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE))
-        logged, before = int(counter[SWITCH]), time
-        work = PLAIN_COST * PLAIN_PAUSE * part.contacts
+        most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE)
+        work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
         compiled = kernel is integrate
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
@@ -199,20 +190,13 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         steps = kept.steps if kept else memory.steps
         with kernel_arithmetic():
             code, time = kernel(
-                ALLOWED[problem.method], resumed, time, end, stop, most, pause, scale, problem.tolerance, *part.records,
-                tuple(steps), part.log,
+                ALLOWED[problem.method], resumed, time, end, stop, most, pause, scale, problem.tolerance, *records,
+                tuple(steps), tuple(memory.log),
             )  # fmt: skip
         resumed = True
-        part.stepped(logged, time - before)
         if kept:
             kept.take(memory.log)
     return code, time
-
-
-def _is_divisible(problem: Problem) -> bool:
-    """Whether contacts at rest need no steps."""
-    allowed = ALLOWED[problem.method]
-    return allowed != RADAU and rests_exactly(problem.chain, problem.state, allowed == DOP853)
 
 
 def _scale(problem: Problem) -> float:

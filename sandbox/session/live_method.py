@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from softcradle.physics.advice.auto_method import LIVE_ERROR as ERROR
+from softcradle.physics.advice.auto_method import conserving_step
 from softcradle.physics.chain import Chain
 from softcradle.physics.default_step import STEPS_A_CONTACT
 from softcradle.physics.methods import find_method
 from softcradle.physics.scales import contact_scales
 
-ERROR = 1e-3  # of a scene's final velocities, relative to the closing speed: about a pixel of a plot
-CONSERVING_STEPS = 64  # of `conserving` to the shortest contact, see `choose_method`
 STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": 0.3, "pymunk": 2.0}  # us a contact
 FRAME_COST = 1500.0  # us, the most with a chosen step: a picture takes two frames, and the time to draw it
 TYPED_STEP_FRAME_COST = 30_000.0  # us, the most with a typed step: beyond it a dragged bead lags behind the pointer
@@ -20,10 +20,8 @@ TYPED_STEP_FRAME_COST = 30_000.0  # us, the most with a typed step: beyond it a 
 def choose_method(chain: Chain, speed: float) -> tuple[str, float]:
     """The cheapest method whose final velocities are right within ERROR, and its step [s].
 
-    It is `conserving`, whose energy and momentum are exact at any step, with 64 steps to the shortest contact between
-    beads that close at `speed` [m/s]. That holds ERROR in every scene of the catalogue, for 0.3 microseconds a contact and
-    step. It is not the "auto" of `simulate`, which measures the machine: the same inputs at the window must give the same
-    digits on every computer.
+    It is `conserving`, whose energy and momentum are exact at any step, with the step that the rule of method "auto" has for
+    this error. That holds ERROR in every scene of the catalogue, for 0.3 microseconds a contact and step.
     """
     return "conserving", suitable_step("conserving", chain, speed)
 
@@ -32,7 +30,9 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
     """Step [s] with which `method` holds about that error too; 0 for adaptive methods."""
     if find_method(method).adaptive:
         return 0.0
-    return contact_time(chain, speed) / (CONSERVING_STEPS if method == "conserving" else STEPS_A_CONTACT)
+    if method == "conserving":
+        return conserving_step(chain, [0.0, speed], ERROR)
+    return contact_time(chain, speed) / STEPS_A_CONTACT
 
 
 def contact_time(chain: Chain, speed: float) -> float:

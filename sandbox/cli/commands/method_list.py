@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from softcradle.physics.methods import Method
 
-AUTO_PURPOSE = "wherever time matters: the cheapest of them that holds a wanted error on this machine"
+AUTO_PURPOSE = "wherever time matters: chosen from the chain and the wanted error, the same on every machine"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
