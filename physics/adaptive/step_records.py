@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS as GRADIENT_ROWS
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,8 @@ GROWTH = 10  # by what factor, beside 1, bounces have made errors grow
 CONTROLS = 11
 
 STAGES = 12  # of dop853
-WORK_ROWS = 15
+OWN_ROWS = 12  # rows of scratch memory that steps of radau, their events and modes name
+WORK_ROWS = max(OWN_ROWS, GRADIENT_ROWS)  # the fallback lends them to a step of the discrete gradient
 
 
 class Trial(NamedTuple):
@@ -63,7 +65,7 @@ class Regime(NamedTuple):
     law: Array  # (n, 3)
     inverse_mass: Array  # (n+1,)
     push: Array  # (n+1,) external force on each bead [N]; (0,) without any
-    loss: Array  # (n,) part of its energy that each contact keeps; (0,) without any
+    loss: Array  # (n,) part of its energy that each contact loses; (0,) without any
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
     easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any

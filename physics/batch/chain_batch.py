@@ -32,7 +32,7 @@ class ChainBatch:
     gap : array_like, shape (C, n), optional
         Distances [m] at the start; below 0 the contact is pressed.
     loss : array_like, shape (C, n), optional
-        Part of its energy that each contact keeps as it comes out.
+        Part of its energy that each contact loses as it comes out.
     drive : array_like, shape (C, n+1), optional
         Steady external force on each bead [N].
     friction : array_like, shape (C,), optional

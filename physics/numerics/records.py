@@ -57,7 +57,7 @@ class ChainData(NamedTuple):
 class Dissipation(NamedTuple):
     """What takes energy; kernels get None in its place where nothing does, and compile to less."""
 
-    loss: Array  # (n,) part of its energy that each contact keeps
+    loss: Array  # (n,) part of its energy that each contact loses
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
 
 

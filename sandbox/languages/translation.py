@@ -79,9 +79,9 @@ def catalogue(code: str) -> NullTranslations:
     """The translations into a language, read from its .po file: no step of a build is between the two."""
     from gettext import GNUTranslations
 
-    from softcradle.sandbox.languages.po_file import compiled, read_entries
+    import polib
 
-    return GNUTranslations(io.BytesIO(compiled(read_entries(catalogue_path(code)))))
+    return GNUTranslations(io.BytesIO(polib.pofile(str(catalogue_path(code))).to_binary()))
 
 
 def language_of_environment(environment: Mapping[str, str] = os.environ) -> str:

@@ -11,8 +11,10 @@ from softcradle.physics.adaptive.constants import SHRINK
 from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.adaptive.switching import stop_rate
+from softcradle.physics.fixed_step import discrete_gradient
 from softcradle.physics.kernel_records import empty_log
 from softcradle.physics.numerics.records import FALLBACK, LOADED, STEP, TOUCHING
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 
 from tests.helpers.plain_kernels import only_plain, records_of
 from tests.helpers.relations import momentum, total_energy
@@ -106,3 +108,11 @@ def test_a_contact_between_two_walls_has_no_centre_of_mass():
     stop_rate(0, data, motion)
     assert motion.rate[0] == 0.0
     assert np.isfinite(motion.anchor).all()
+
+
+@pytest.mark.parametrize("contacts", [1, 4, 30])
+def test_its_scratch_memory_has_the_rows_of_the_solver(contacts):
+    """Compiled code checks no bounds: a row too few is written beyond the end."""
+    rows, columns = empty_scratch(contacts).work.shape
+    assert rows >= max(discrete_gradient.WORK_ROWS, BEAD_ROWS)
+    assert columns >= contacts + 1

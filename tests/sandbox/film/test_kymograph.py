@@ -10,13 +10,14 @@ from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.film.kymograph import (
     CAMERA_RATE,
+    Camera,
     camera_rate,
     filmed_scene,
     in_si,
     instants,
     render_kymograph,
+    stacked,
 )
-from softcradle.sandbox.film.kymograph_camera import Camera, stacked
 from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
 from softcradle.scenes.catalogue import parse
