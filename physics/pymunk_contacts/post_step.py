@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from weakref import WeakKeyDictionary
@@ -26,6 +27,15 @@ def call_after_step(constraint: pymunk.Constraint, task: Callable[[], None]) -> 
 def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> None:
     """Raise `error` at the end of the step under way: pymunk prints errors in its callbacks and goes on."""
     _of(constraint).errors.append(error)
+
+
+def require_somewhere(body: pymunk.Body, what: str) -> None:
+    """Raise ValueError where position or velocity of `body` are no finite numbers."""
+    for name, (x, y) in (("velocity", body.velocity), ("position", body.position)):
+        if not math.isfinite(x + y):
+            raise ValueError(
+                f"{what} has the {name} ({x:g}, {y:g}): give it finite numbers, or remove it with its contacts"
+            )
 
 
 def _of(constraint: pymunk.Constraint) -> _Pending:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +26,9 @@ RATES = (60, 120, 240, 480, 960)  # steps a second; each divides into frames
 RATE = 480  # steps a second at first: at a swing's lowest point a pin joint loses energy in proportion to the step
 MOST_PULL = 60.0  # N, of the pointer on a ball
 MOST_FRAMES = 18000  # that are kept: five minutes
+
+# Springs at few steps a second gain energy: the page shows how much, and what to take.
+warnings.filterwarnings("ignore", "SoftContact with step", RuntimeWarning, re.escape(__name__))
 
 
 @dataclass(frozen=True)
