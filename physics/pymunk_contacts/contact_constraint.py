@@ -17,7 +17,7 @@ from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_somewhere
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite
 
 Pair = tuple[float, float]
 AnyLaw = Law | Callable[[float], SupportsFloat]
@@ -315,12 +315,12 @@ def _watch(space: pymunk.Space) -> _Watch:
 
 
 def _require_in_space(spring: SoftContact, overlap: float) -> None:
-    """An error where a body that moves has been removed from the Space and its contact has not, or is nowhere."""
+    """An error where a body that moves has been removed from the Space and its contact has not, or moves by no number."""
     for body in (spring.a, spring.b):
         if body.space is None and body.body_type == pymunk.Body.DYNAMIC:
             raise RuntimeError("a body of a SoftContact is not in the Space: remove its contacts with it")
         if math.isnan(overlap):
-            require_somewhere(body, "a body of a SoftContact")
+            require_finite(body, "a body of a SoftContact")
 
 
 def _checked_distance(distance: float) -> float:

@@ -29,13 +29,12 @@ def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> Non
     _of(constraint).errors.append(error)
 
 
-def require_somewhere(body: pymunk.Body, what: str) -> None:
-    """Raise ValueError where position or velocity of `body` are no finite numbers."""
-    for name, (x, y) in (("velocity", body.velocity), ("position", body.position)):
-        if not math.isfinite(x + y):
-            raise ValueError(
-                f"{what} has the {name} ({x:g}, {y:g}): give it finite numbers, or remove it with its contacts"
-            )
+def require_finite(body: pymunk.Body, what: str) -> None:
+    """Raise ValueError where what moves `body` is no finite number."""
+    for name in ("velocity", "position", "angular_velocity", "angle", "force"):
+        value = getattr(body, name)
+        if not math.isfinite(value if isinstance(value, float) else sum(value)):
+            raise ValueError(f"{what} has the {name} {value}: give it, and its neighbours, finite numbers")
 
 
 def _of(constraint: pymunk.Constraint) -> _Pending:

@@ -15,7 +15,7 @@ from softcradle.physics.checked_input import number_array, require_kind, shown
 from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_somewhere
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,
     begin_chain_step,
@@ -273,11 +273,8 @@ class SoftChain:
         self._require_own_bodies(space)
         step = space.current_time_step
         outside = SpaceForces.of(space, self.bodies, step)
-        for i in np.flatnonzero(~np.isfinite(outside.expected).all(axis=1)).tolist():
-            require_somewhere(self.bodies[i], f"body {i} of a SoftChain")
-            raise ValueError(
-                f"body {i} of a SoftChain has the force {tuple(self.bodies[i].force)}: give it finite numbers"
-            )
+        for i in np.flatnonzero(~np.isfinite(outside.position + outside.expected).all(axis=1)).tolist():
+            require_finite(self.bodies[i], f"body {i} of a SoftChain")
         bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
         if not self._step:
