@@ -145,6 +145,7 @@ COMMANDS = {
     "mutants": "benchmarks.mutants.command",
     "coverage": "benchmarks.branch_coverage",
     "conserving": "benchmarks.conserving_scan",
+    "soft-contacts": "benchmarks.soft_contacts",
 }
 
 

@@ -300,16 +300,18 @@ class SoftChain:
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
         """RuntimeError where a body has been removed from the Space, or belongs to another SoftChain there too."""
-        pushed = {i for i in range(len(self._links)) if i not in self._gone}
-        for i, body in enumerate(self.bodies):
-            here = body.space is space or body.body_type != pymunk.Body.DYNAMIC
-            if not here and not pushed.isdisjoint((i - 1, i)):
+        pushed = {
+            i: body for i, body in enumerate(self.bodies) if not {i - 1, i} <= {-1, len(self._links), *self._gone}
+        }
+        for i, body in pushed.items():
+            if body.space is not space and body.body_type == pymunk.Body.DYNAMIC:
                 raise RuntimeError(
                     f"body {i} of a SoftChain is not in the Space, a contact of it is: chain.remove_from(space, body)"
                 )
         if self._step:
             return
-        others = {link for body in self.bodies for link in body.constraints if isinstance(link, _Link)} - {*self._links}
+        links = {link for body in pushed.values() for link in body.constraints if isinstance(link, _Link)}
+        others = links - {*self._links}
         if others and not others.isdisjoint(space.constraints):
             raise RuntimeError(
                 "a body belongs to two SoftChains: each would solve its contacts without the other's; make one chain of the "
