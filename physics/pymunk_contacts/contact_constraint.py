@@ -20,7 +20,7 @@ from softcradle.physics.pymunk_contacts import compiled_force as compiled
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite
 
 Pair = tuple[float, float]
-AnyLaw = Law | Callable[[float], SupportsFloat]
+LawLike = Law | Callable[[float], SupportsFloat]
 
 FASTER = 1.1  # times the speed for which a step was found short enough: it is looked at again
 
@@ -97,7 +97,7 @@ class SoftContact(pymunk.DampedSpring):
         anchor_a: Pair,
         anchor_b: Pair,
         touching_distance: float,
-        contact: AnyLaw,
+        contact: LawLike,
         native: bool | None = None,
     ) -> None:
         require_kind("a", a, pymunk.Body)
@@ -142,12 +142,12 @@ class SoftContact(pymunk.DampedSpring):
             return 0.0
 
     @property
-    def contact(self) -> AnyLaw:
+    def contact(self) -> LawLike:
         """The law of the contact; set it, and the new one counts from the next step on."""
         return self._contact
 
     @contact.setter
-    def contact(self, contact: AnyLaw) -> None:
+    def contact(self, contact: LawLike) -> None:
         law, native = _scalar_law(contact), self._wants_native(contact)
         self._law, self._contact = law, contact
         self._stores = contact if isinstance(contact, (Contact, OwnLaw)) else OwnLaw(contact)
@@ -170,7 +170,7 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def overlap(self) -> float:
-        """Overlap of the bodies now [m]; negative: their distance."""
+        """Overlap of the bodies now [m]; negative where they are apart."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         return self._touching_distance - (ends[1] - ends[0]).length
 
@@ -270,7 +270,7 @@ class SoftContact(pymunk.DampedSpring):
         if self._compiled_law is not None:
             self._compiled_law[4] = overlap
 
-    def _wants_native(self, contact: AnyLaw) -> bool:
+    def _wants_native(self, contact: LawLike) -> bool:
         """Whether `contact` is to be compiled code; RuntimeError where it must be and cannot."""
         if self._native is False:
             return False
@@ -327,7 +327,7 @@ def _checked_distance(distance: float) -> float:
     return magnitude("touching_distance", distance)
 
 
-def _scalar_law(contact: AnyLaw) -> Callable[[float], float]:
+def _scalar_law(contact: LawLike) -> Callable[[float], float]:
     """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.law_kernels."""
     if not is_law(contact):
         raise ValueError(
