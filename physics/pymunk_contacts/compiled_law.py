@@ -33,14 +33,15 @@ def push(spring, distance):
     """Force at `distance`; the law is found through the spring.
 
     It is (preload, stiffness, exponent, touching distance, overlap, was closed, address); an overlap that is not NaN is
-    taken as it is. A contact that closes, and one whose overlap is no number, is left to the function at `address`.
+    taken as it is. A contact that closes, and one whose overlap is no number, is left to the function at `address`, where
+    that is not 0.
     """
     law = spring[LAW_SLOT]
     overlap = law[4]
     if math.isnan(overlap):
         overlap = law[3] - distance
         was_closed, law[5] = law[5], 1.0 if overlap > 0.0 else 0.0
-        if law[5] > was_closed or math.isnan(overlap):
+        if law[6] != 0.0 and (law[5] > was_closed or math.isnan(overlap)):
             return call_at(int(law[6]), spring, distance)
     return force(law[0], law[1], law[2], overlap)
 

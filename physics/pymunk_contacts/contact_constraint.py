@@ -17,7 +17,7 @@ from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
 
 Pair = tuple[float, float]
 LawLike = Law | Callable[[float], SupportsFloat]
@@ -213,9 +213,9 @@ class SoftContact(pymunk.DampedSpring):
 
     def _look_at_step(self, overlap: float) -> None:
         """Warn at the end of a step that is past its limit for the fastest blow of soft contacts in this Space so far."""
-        space = self.a.space or self.b.space
-        if space is None or not math.isnan(self._known_overlap):
+        if not math.isnan(self._known_overlap):
             return
+        space = space_of(self)
         watch, step, rate, yielding = _watch(space), space.current_time_step, self.rate, self._yielding()
         before = overlap - step * rate
         released = 2.0 * yielding * self._stores.energy(before) if before > 1e-9 * overlap else 0.0
@@ -265,10 +265,10 @@ class SoftContact(pymunk.DampedSpring):
         raise AttributeError("a SoftContact has no damping: a damper would pull bodies that are apart")
 
     def _take_overlap(self, overlap: float) -> None:
-        """Use this overlap [m] from now on: the caller knows it to more digits than the positions have."""
+        """Use this overlap [m] from now on: the caller knows it to more digits than positions have, and looks after steps."""
         self._known_overlap = overlap
         if self._compiled_law is not None:
-            self._compiled_law[4] = overlap
+            self._compiled_law[4], self._compiled_law[6] = overlap, 0.0
 
     def _wants_native(self, contact: LawLike) -> bool:
         """Whether `contact` is to be compiled code; RuntimeError where it must be and cannot."""

@@ -15,7 +15,7 @@ from softcradle.physics.checked_input import number_array, require_kind, shown
 from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,
     begin_chain_step,
@@ -266,8 +266,7 @@ class SoftChain:
     def _begin_step(self, link: _Link) -> None:
         n = len(self._links)
         self._unread = [0.0] * n  # if the solver raises, the other links push with 0 and there is one error
-        space = link.a.space or link.b.space
-        assert space is not None
+        space = space_of(link)
         there = space.constraints
         self._gone = [i for i, other in enumerate(self._links) if other not in there]
         self._require_own_bodies(space)

@@ -82,7 +82,8 @@ def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
     assert "m/s" in sentence
     space, bodies, contacts = cradle(hertz(1e4), beads=2)
     assert warned(space, 1e-4, 2000) == []
-    bodies[0].velocity, bodies[0].position = bodies[1].velocity + (1.0, 0.0), bodies[1].position - (1.1, 0.0)
+    speed = bodies[1].velocity.x + 1.0
+    bodies[0].velocity, bodies[0].position = (speed, 0.0), bodies[1].position - (1.1, 0.0)
     assert len(warned(space, FRAME, 30)) == 1
 
 

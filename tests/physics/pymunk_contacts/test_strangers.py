@@ -72,6 +72,23 @@ def test_a_body_removed_whose_chain_stays(gone):
     assert sum(body.velocity.x for body in bodies) == pytest.approx(momentum, abs=1e-13)
 
 
+@pytest.mark.parametrize("chained", [True, False])
+def test_the_only_body_before_a_wall_removed(chained):
+    """None of the two bodies is in the Space then, and yet it says so."""
+    space = pymunk.Space()
+    (ball,) = row(1, space)
+    wall = pymunk.Body(body_type=pymunk.Body.STATIC)
+    wall.position = 0.99, 0
+    law = hertz(100.0)
+    space.add(
+        *(SoftChain([ball, wall], law, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, law, False)])
+    )
+    space.step(1e-3)
+    space.remove(ball)
+    with pytest.raises(RuntimeError, match="is not in the Space"):
+        space.step(1e-3)
+
+
 def test_two_chains_that_share_a_body():
     space = pymunk.Space()
     bodies = row(5, space)
