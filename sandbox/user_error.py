@@ -11,6 +11,10 @@ class GaveUpError(UserError):
     """A run gave up before its end, so that there is nothing whole to write; the command exits with code 3."""
 
 
+class StudyError(UserError, ValueError):
+    """What is wrong with a sweep that was asked for; in Python it is a ValueError."""
+
+
 def reason(error: OSError) -> str:
     """Why the system refused, in its own words."""
     return (error.strerror or str(error)).lower()

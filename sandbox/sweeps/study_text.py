@@ -15,7 +15,7 @@ from softcradle.sandbox.sweeps.chunk_work import Work, current_versions
 from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.sweeps.scene_points import ScenePoints
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import Scene, load
 from softcradle.scenes.scene_errors import SceneError
 

@@ -53,7 +53,7 @@ def _measure_and_show(args: argparse.Namespace) -> None:
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     output = args.output or ("out/claims" if args.names and not args.json else None)
     if output:
@@ -70,7 +70,7 @@ def _measure_and_show(args: argparse.Namespace) -> None:
         print_studies(console(), found)
     if folder is not None:
         paths = write_studies(found, folder)
-        journal_path(folder / KEPT).unlink(missing_ok=True)
+        drop_kept(folder / KEPT)
         if not args.json:
             written.report(paths, show=args.open)
 

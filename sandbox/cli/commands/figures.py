@@ -48,7 +48,7 @@ def main(args: argparse.Namespace) -> int:
         print_table(console(), listed)
         return 0
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
     folder = make_folder(args.output)
@@ -56,7 +56,7 @@ def main(args: argparse.Namespace) -> int:
     kept = folder / KEPT
     for figure, found in zip(figures, _tables(figures, kept), strict=True):
         written.report(list(write_figure(figure, folder, args.column, found)))
-    journal_path(kept).unlink()
+    drop_kept(kept)
     if args.open:
         open_with_desktop(folder)
     return 0

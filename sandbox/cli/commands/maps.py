@@ -43,7 +43,7 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
     folder = make_folder(args.output)
@@ -52,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
         if not args.names or wanted.name in args.names:
             kept = folder / f"map-{wanted.name}"
             written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
-            journal_path(kept).unlink()
+            drop_kept(kept)
     return 0
 
 

@@ -9,7 +9,7 @@ import sys
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.sweeps.measure_table import MEASURES
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 from softcradle.sandbox.sweeps.study_file import load_study
 
 from tests.helpers.paths import ROOT

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from softcradle.sandbox.sweeps import dask_pool, sobol, sweep
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import LOG, logged
