@@ -18,10 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import Progress, TaskID
 from softcradle.physics.atomic_files import output_file
 from softcradle.physics.version import version
-from softcradle.sandbox.console import progress_bar
+from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.executors import Where
 from softcradle.sandbox.sweeps.run_sweep import map_points
@@ -97,14 +96,11 @@ def _compute(
         os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
     where: Where = "here" if args.jobs <= 1 else "processes"
     compiled()  # once, on the disk: processes that begin side by side would each compile all kernels
-    with progress_bar() as progress:
-        task = progress.add_task("chains", total=len(wanted))
-        told = partial(_tell, progress, task)
-        map_points(function, points, None, told, args.jobs, executor=where, each=keep)
-
-
-def _tell(progress: Progress, task: TaskID, _: str, done: int, __: int) -> None:
-    progress.update(task, completed=done)
+    with ProgressShown("chains") as progress:
+        map_points(
+            function, points, None, lambda _, done, count: progress.tell("chains", done, count), args.jobs,
+            executor=where, each=keep,
+        )  # fmt: skip
 
 
 def _verdicts(args: argparse.Namespace) -> Path:

@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.chunk_work import Chunk, Outcome, PointStatus, Work
-from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, open_dataset, write_dataset
+from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, lost_points, open_dataset, write_dataset
 from softcradle.sandbox.sweeps.executors import (
     PATIENCE,
     Callers,
@@ -31,7 +32,7 @@ from softcradle.sandbox.sweeps.executors import (
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
 from softcradle.sandbox.sweeps.schedule import ChunkSchedule
-from softcradle.sandbox.sweeps.store import Store, merged, partial_folder, study_in
+from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, merged, partial_folder, study_in
 from softcradle.sandbox.sweeps.study_text import lanes_of, study_text, sweep_work
 from softcradle.sandbox.user_error import StudyError, reason
 
@@ -136,6 +137,49 @@ def sweep(
         told(points.count)
         store.remove()
     return found if path is None else open_dataset(path)
+
+
+@dataclass(frozen=True)
+class SweepStatus:
+    """How far a sweep is.
+
+    Attributes:
+        done, count: points that are computed, and all.
+        lost: how many of a complete one no process survived.
+        sentence: all that, and where it is.
+    """
+
+    done: int
+    count: int
+    lost: int
+    sentence: str
+
+
+def sweep_status(
+    what: Scene | str | Callable[..., Any],
+    over: Points | Mapping[str, Any] | Sequence[Axis],
+    measures: Sequence[str | Measure],
+    output: str | Path,
+    title: str = "",
+) -> SweepStatus:
+    """How far the sweep of these arguments is, see `sweep`; nothing is computed. Raises StudyError."""
+    points, path = over if isinstance(over, Points) else grid(over), Path(output)
+    study, folder, count = study_text(sweep_work(what, points, measures), title), partial_folder(path), points.count
+    if path.exists():
+        with _complete(path, study) as found:
+            lost = lost_points(found)
+        told = f", {lost} of them lost: every process that computed them died" if lost else ""
+        return SweepStatus(count, count, lost, f"complete, {count} points are in {path}{told}")
+    known = study_in(folder)
+    if known is None:
+        return SweepStatus(0, count, 0, f"not begun, none of {count} points is computed")
+    if known != study:
+        raise StudyError(f"{folder} was begun for another study, or by another version")
+    done, lock = sum(end - begin for begin, end in kept_ranges(folder)), locked(folder)
+    if lock is not None:
+        lock.close()
+    busy = "no sweep is at it, the same command goes on" if lock is not None else "a sweep is at it"
+    return SweepStatus(done, count, 0, f"{done} of {count} points are in {folder}, and {busy}")
 
 
 def map_points(

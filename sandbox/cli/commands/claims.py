@@ -76,14 +76,11 @@ def _measure_and_show(args: argparse.Namespace) -> None:
 
 
 def _measured(names: list[str], kept: Path | None) -> list[Study]:
-    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
-    with progress_bar() as progress:
-        task = progress.add_task("cases", total=None)
-        return measure_claims(
-            names, lambda _, done, count: progress.update(task, completed=done, total=count), kept=kept
-        )
+    with ProgressShown("cases") as progress:
+        return measure_claims(names, lambda _, done, count: progress.tell("cases", done, count), kept=kept)
 
 
 def _print_json(found: list[Study]) -> None:

@@ -26,11 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.bed_experiment import STRIKERS
     from softcradle.sandbox.studies.experiment_sweep import compute_experiment
     from softcradle.sandbox.studies.piston_experiment import critical_speed_with_error
 
-    fits, pistons = compute_experiment()
+    with ProgressShown("launch speeds") as progress:
+        fits, pistons = compute_experiment(progress=lambda _, done, count: progress.tell("launch speeds", done, count))
     critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
     if args.json:
         _print_json(fits, pistons, critical)

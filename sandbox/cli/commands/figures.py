@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
-from softcradle.sandbox.console import console, print_table, progress_bar, table
+from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.output_files import make_folder
 from softcradle.sandbox.user_error import UserError
 
@@ -66,6 +66,5 @@ def _tables(figures: list[FigureEntry], kept: Path) -> list[Table]:
     """The tables of the figures; they are kept in a file on the way, from which a command that was stopped goes on."""
     from softcradle.sandbox.studies.figures.figure_list import compute_tables
 
-    with progress_bar() as progress:
-        task = progress.add_task("figures", total=len(figures))
-        return list(compute_tables(figures, kept, lambda _, done, __: progress.update(task, completed=done)))
+    with ProgressShown("figures") as progress:
+        return list(compute_tables(figures, kept, lambda _, done, count: progress.tell("figures", done, count)))

@@ -66,12 +66,12 @@ def _points(text: str) -> tuple[int, int]:
 
 def _computed(wanted: RigidityMap, kept: Path) -> Table:
     """The table of a map; its points are kept in a file on the way, from which a command that was stopped goes on."""
-    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
 
-    with progress_bar() as progress:
-        task = progress.add_task(f"{wanted.title}: points", total=len(wanted.values) * len(wanted.sizes))
-        return compute_map(wanted, kept, lambda _, done, __: progress.update(task, completed=done))
+    what = f"{wanted.title}: points"
+    with ProgressShown(what) as progress:
+        return compute_map(wanted, kept, lambda _, done, count: progress.tell(what, done, count))
 
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:

@@ -9,8 +9,8 @@ import sys
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.sweeps.measure_table import MEASURES
-from softcradle.sandbox.user_error import StudyError
 from softcradle.sandbox.sweeps.study_file import load_study
+from softcradle.sandbox.user_error import StudyError
 
 from tests.helpers.paths import ROOT
 
