@@ -108,7 +108,8 @@ class KernelTiers:
         if self._loaded:
             return
         if not (self.in_memory or self.on_disk):
-            logger.warning(FIRST)
+            _tell_first()
+            logger.info("compiling the kernels of %s", self.name)
             try:
                 self.wait()
             except BaseException:
@@ -210,6 +211,12 @@ class _Detached(subprocess.Popen[bytes]):
 
     def __del__(self) -> None:
         """Let it run on."""
+
+
+@cache
+def _tell_first() -> None:
+    """Say once that it takes a while."""
+    logger.warning(FIRST)
 
 
 # ---- plain Python
