@@ -130,15 +130,24 @@ def print_table(output: Console, grid: Table) -> None:
     """Print a table: on a terminal that is too narrow for its numbers as a record a row; in a pipe as wide as it is."""
     from rich.measure import Measurement
 
-    for column in grid.columns if grid.columns[-1].justify == "right" else ():  # labels and numbers are not broken
-        column.min_width = max(len(line) for cell in column.cells for line in str(cell).splitlines() or [""])
+    numbers = grid.columns[-1].justify == "right"
+    for column in grid.columns if numbers else ():  # labels and numbers are not broken
+        lines = [line for cell in column.cells for line in str(cell).splitlines()]
+        column.min_width = max(map(len, lines), default=0)
     needed = Measurement.get(output, output.options.update(max_width=10_000), grid).minimum
-    if needed <= output.width:
+    if needed <= output.width and (not numbers or _is_whole(output, grid)):
         output.print(grid)
     elif output.is_terminal:
         _print_records(output, grid)
     else:
         output.print(grid, width=needed, crop=False)
+
+
+def _is_whole(output: Console, grid: Table) -> bool:
+    """Whether every word of the table is printed: it may be a column wider than it is measured."""
+    text = "\n".join("".join(segment.text for segment in line) for line in output.render_lines(grid))
+    words = [word for column in grid.columns for cell in (column.header, *column.cells) for word in str(cell).split()]
+    return all(word in text for word in words)
 
 
 def _print_records(output: Console, grid: Table) -> None:

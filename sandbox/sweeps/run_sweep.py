@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
@@ -275,6 +276,7 @@ def _compute_missing(
     keep: Callable[[Chunk], None] | None = None,
 ) -> None:
     """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
+    log_compilation()  # says at once where nothing can be compiled
     missing, kept = list(store.missing(work.points.count)), store.done
     if kept and store.folder is not None:
         LOGGER.warning("%d of %d points are in %s and not computed again", kept, work.points.count, store.folder)

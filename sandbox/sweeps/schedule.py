@@ -99,7 +99,10 @@ class ChunkSchedule:
         except place.killed:
             self._blame(begin, end)
         except BrokenExecutor:
-            (self._blame if alone else self._suspect)(begin, end)
+            if alone:
+                self._blame(begin, end)
+            else:
+                self._suspects.append((begin, end))
             return True
         except place.gone:
             self._todo.appendleft((begin, end))
@@ -111,10 +114,13 @@ class ChunkSchedule:
             if future.done() and not future.cancelled() and future.exception() is None:
                 self._keep(future.result(), end)
             elif suspect:
-                self._suspect(begin, end)
+                self._suspects.append((begin, end))
             else:
                 self._todo.appendleft((begin, end))
         self._handed.clear()
+        if self._suspects:
+            count = sum(end - begin for begin, end in self._suspects)
+            LOGGER.warning("a worker died: %d points that were handed out are computed again, each chunk alone", count)
         place.renew()
 
     def _keep(self, chunk: Chunk, end: int) -> None:
@@ -129,14 +135,9 @@ class ChunkSchedule:
         self.left -= count
         self._progress(count)
 
-    def _suspect(self, begin: int, end: int) -> None:
-        LOGGER.warning("a worker died: points %d to %d are computed again, alone", begin, end - 1)
-        self._suspects.append((begin, end))
-
     def _blame(self, begin: int, end: int) -> None:
         """Points of which a process died that had no others: halves of them are tried, and a single point three times."""
         if end - begin > 1:
-            LOGGER.warning("a worker died of one of the points %d to %d: they are computed by halves", begin, end - 1)
             middle = (begin + end) // 2
             self._suspects.extendleft([(middle, end), (begin, middle)])
             return

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,7 +36,7 @@ def main(args: argparse.Namespace) -> int:
     known = [claim.name for claim in CLAIMS]
     for name in args.names:
         if name not in known:
-            raise UserError(f"there is no claim {name!r}; there are {', '.join(known)}")
+            raise unknown("claim", name, known)
     if args.list:
         listed = table("claim", "place in the paper", "statement")
         for claim in CLAIMS:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.output_files import make_folder
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,8 +39,7 @@ def main(args: argparse.Namespace) -> int:
     try:
         figures = figures_named(args.names)
     except KeyError as error:
-        known = ", ".join(figure.name for figure in FIGURES)
-        raise UserError(f"there is no figure {error.args[0]!r}; there are {known}") from None
+        raise unknown("figure", error.args[0], (figure.name for figure in FIGURES)) from None
     if args.list:
         listed = table("name", "place in the paper", "what it shows")
         for figure in figures:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, unknown
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.data_table import Table
@@ -38,7 +38,7 @@ def main(args: argparse.Namespace) -> int:
     """Compute the maps, draw them and write their numbers."""
     for name in args.names:
         if name not in NAMES:
-            raise UserError(f"there is no map {name!r}; there are {', '.join(NAMES)}")
+            raise unknown("map", name, NAMES)
     columns, rows = _points(args.points)
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps

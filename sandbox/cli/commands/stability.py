@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, unknown
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.stability.failure_scans import Scan, ScanRun
@@ -77,7 +77,7 @@ def _scans(wanted: Sequence[str]) -> list[Scan]:
     known = {scan.name: scan for scan in SCANS}
     for name in wanted:
         if name not in known:
-            raise UserError(f"there is no scan {name!r}; there are {', '.join(known)}")
+            raise unknown("scan", name, known)
     return [known[name] for name in wanted] if wanted else list(SCANS)
 
 
