@@ -1,4 +1,4 @@
-"""A sweep as text: all that its numbers follow from, by which a journal and a Dataset know the study that they belong to."""
+"""A sweep as text: all that its numbers follow from, by which kept points and a Dataset know the study that they belong to."""
 
 from __future__ import annotations
 
