@@ -21,7 +21,8 @@ from softcradle.physics.trajectory import Trajectory
 PARTS = 8  # of the work for each core: chains differ in cost, so the last core to finish should not have much left
 MOST_AT_ONCE = 64  # chains in a part, so that progress is told often
 
-Item, Found = TypeVar("Item"), TypeVar("Found")
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 Each = float | Sequence[float | None] | None  # one for all chains, or one for each
 
 

@@ -134,9 +134,9 @@ def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
         known = values[np.isfinite(values)]
         own = [variable.get_axis_num(dimension) for dimension in variable.dims if dimension not in found["status"].dims]
         without = int((~np.isfinite(values)).all(axis=tuple(own)).sum())
-        numbers = (f"{number:.4g}" for number in (known.min(), known.mean(), known.max())) if known.size else "---"
         unit = variable.attrs.get("units", "")
-        least, mean, greatest = numbers
+        numbers = (known.min(), known.mean(), known.max()) if known.size else ()
+        least, mean, greatest = (f"{number:.4g}" for number in numbers) if numbers else ("-", "-", "-")
         rows.append((f"{name} [{unit}]" if unit else str(name), least, mean, greatest, str(without)))
     return rows
 

@@ -214,7 +214,9 @@ class Dask(Place):
         self._own = isinstance(scheduler, str)
         self._address = scheduler if isinstance(scheduler, str) else scheduler.scheduler.address
         self._levels = {name: logging.getLogger(name).level for name in TALKATIVE}
-        self._client: Any = self._connected(CONNECT) if self._own else scheduler
+        self._client: Any = scheduler
+        if self._own:
+            self._client = self._connected(CONNECT)
         self.killed = (distributed.KilledWorker,)
         super().__init__(partial(_compute_sent, cloudpickle.dumps(work)), self._client.get_executor(pure=False), 1)
         self._counted = -COUNT_WORKERS

@@ -74,12 +74,12 @@ class ChunkSchedule:
                 self._submit(place, *self._next(1 if isinstance(place, Here) else room + len(self._handed)), left)
 
     def _submit(self, place: Place, begin: int, end: int, left: float) -> None:
-        arguments = place.call, begin, end, min(MOST_SECONDS * self._seconds, left)
+        seconds = min(MOST_SECONDS * self._seconds, left)
         try:
-            future = place.executor.submit(*arguments)
+            future = place.executor.submit(place.call, begin, end, seconds)
         except BrokenExecutor:  # its process died while nothing was handed out
             place.renew()
-            future = place.executor.submit(*arguments)
+            future = place.executor.submit(place.call, begin, end, seconds)
         self._handed[future] = begin, end
 
     def _next(self, places: int) -> Range:
