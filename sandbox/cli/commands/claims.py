@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,7 +36,7 @@ def main(args: argparse.Namespace) -> int:
     known = [claim.name for claim in CLAIMS]
     for name in args.names:
         if name not in known:
-            raise UserError(f"there is no claim {name!r}; there are {', '.join(known)}")
+            raise unknown("claim", name, known)
     if args.list:
         listed = table("claim", "place in the paper", "statement")
         for claim in CLAIMS:
@@ -53,7 +53,7 @@ def _measure_and_show(args: argparse.Namespace) -> None:
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     output = args.output or ("out/claims" if args.names and not args.json else None)
     if output:
@@ -70,20 +70,17 @@ def _measure_and_show(args: argparse.Namespace) -> None:
         print_studies(console(), found)
     if folder is not None:
         paths = write_studies(found, folder)
-        journal_path(folder / KEPT).unlink(missing_ok=True)
+        drop_kept(folder / KEPT)
         if not args.json:
             written.report(paths, show=args.open)
 
 
 def _measured(names: list[str], kept: Path | None) -> list[Study]:
-    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
-    with progress_bar() as progress:
-        task = progress.add_task("cases", total=None)
-        return measure_claims(
-            names, lambda _, done, count: progress.update(task, completed=done, total=count), kept=kept
-        )
+    with ProgressShown("cases") as progress:
+        return measure_claims(names, lambda _, done, count: progress.tell("cases", done, count), kept=kept)
 
 
 def _print_json(found: list[Study]) -> None:

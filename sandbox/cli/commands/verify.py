@@ -18,12 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compute all numbers and print them; the exit code is 1 where one is not met."""
-    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.verify.number_list import known_numbers, verified
 
-    with progress_bar() as progress:
-        task = progress.add_task("numbers", total=len(known_numbers()))
-        found = verified(lambda _: progress.update(task, advance=1))
+    with ProgressShown("numbers", len(known_numbers())) as progress:
+        found = verified(lambda _: progress.advance())
     if args.json:
         _print_json(found)
     else:

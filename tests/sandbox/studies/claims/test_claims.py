@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from rich.console import Console
-from rich.progress import Progress
 from softcradle.physics import one_on, power_law
 from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.sandbox import console
@@ -247,12 +244,12 @@ def test_cases_that_are_measured_are_not_measured_again(some, monkeypatch, tmp_p
     assert sorted({path.suffix for path in tmp_path.iterdir()}) == [".csv", ".pdf", ".png"]
 
 
-def test_a_bar_counts_the_cases(monkeypatch, capsys):
-    bar = Progress(console=Console(file=io.StringIO(), force_terminal=True))
-    monkeypatch.setattr(console, "progress_bar", lambda: bar)
+def test_progress_counts_the_cases(monkeypatch, capsys):
+    told: list[tuple[str, int, int]] = []
+    monkeypatch.setattr(console.ProgressShown, "tell", lambda _, *given: told.append(given))
     monkeypatch.setattr(claim_list, "measure_claims", lambda _, told, **__: told("points", 2, 3) or [])
     assert main(["claims", "rigid-like", "slopes", "robust", "--json"]) == 0
-    assert (bar.tasks[0].completed, bar.tasks[0].total) == (2, 3)
+    assert told == [("cases", 2, 3)]
     assert json.loads(capsys.readouterr().out)["claims"] == []
 
 
