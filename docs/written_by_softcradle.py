@@ -110,10 +110,11 @@ def checked() -> Iterator[str]:
             row.known.source,
             _found(row.found),
             scientific(row.error, 0),
+            scientific(row.known.allowed, 0) if row.known.allowed else "0",
         ]
         for row in verified()
     ]
-    return table(["number", "known", "source", "found", "error"], rows)
+    return table(["number", "known", "source", "found", "error", "met up to"], rows)
 
 
 def _found(value: float) -> str:

@@ -34,11 +34,11 @@ def main(args: argparse.Namespace) -> int:
 def _print(found: list[Checked]) -> None:
     from softcradle.sandbox.console import console, print_table, table
 
-    grid = table("number", "known", "source", "found", "error", "")
+    grid = table("number", "known", "source", "found", "error", "at most", "")
     for row in found:
-        known = row.known
-        verdict = "met" if row.agrees else f"missed: more than {known.allowed:.0e}"
-        grid.add_row(known.name, f"{known.value:.10g}", known.source, f"{row.found:.10g}", f"{row.error:.1e}", verdict)
+        known, verdict = row.known, "met" if row.agrees else "missed"
+        shown = (f"{known.value:.10g}", known.source, f"{row.found:.10g}", f"{row.error:.1e}", f"{known.allowed:.0e}")
+        grid.add_row(known.name, *shown, verdict)
     print_table(console(), grid)
 
 

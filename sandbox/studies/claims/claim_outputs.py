@@ -53,7 +53,7 @@ def as_json(study: Study) -> dict[str, Any]:
     return {
         "name": study.name, "statement": study.statement, "place": study.place, "quantity": study.quantity,
         "variable": study.variable, "how": study.how, "range": study.range_text, "remark": study.remark,
-        "verdict": str(study.verdict), "verdict text": study.verdict_text, "limit": study.limit,
+        "verdict": str(study.verdict), "verdict text": study.verdict_text, "limit": study.limit, "by the bar": study.bar_text,
         "measured": study.measured_text, "own case": _case_json(study.own_case), "reference": _finite(study.reference),
         "counter-example": None if counter is None else _case_json(counter),
         "cases": [_case_json(case) for case in study.cases], "seconds": study.seconds,

@@ -47,7 +47,11 @@ class Solver:
 MEASURING = Solver("accurate")
 SECOND = Solver("conserving", 1e-4)  # its energy is exact; its error, of the order of what is shown, is the error bar
 FINER_SECOND = Solver("conserving", 1e-5)  # for differences of times and for small spreads
+FINEST_SECOND = Solver("conserving", 1e-6)  # for oscillations whose period is some 1e-4
 REFERENCE = Solver("scipy")
+
+# Least swing that counts as one, in units of the striker's speed or of f0: a hundredth of what Fig. 2c shows.
+SWING = 1e-5
 
 
 def _motion(

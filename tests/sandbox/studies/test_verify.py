@@ -27,8 +27,11 @@ def test_a_number_that_is_missed_is_said(capsys, monkeypatch):
     wrong = KnownNumber("two", 2.0, "counting", lambda: 2.1, 0.01)
     monkeypatch.setattr(number_list, "known_numbers", lambda: [wrong])
     assert main(["verify"]) == 1
-    assert "missed" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "missed" in shown
+    assert "1e-02" in shown  # the bound, of every row
     assert main(["verify", "--json"]) == 1
     row = json.loads(capsys.readouterr().out)["numbers"][0]
+    assert row["allowed"] == 0.01
     assert row["met"] is False
     assert row["error"] == pytest.approx(0.05)
