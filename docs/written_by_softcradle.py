@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
 from softcradle.sandbox.draw.number_format import scientific
@@ -33,6 +35,7 @@ def write_all(folder: Path) -> None:
         "errors": errors(),
         "commands": commands(),
         "verified": checked(),
+        "measures": measures(),
     }
     for name, lines in parts.items():
         text, path = "\n".join(lines) + "\n", folder / f"{name}.md"
@@ -120,6 +123,15 @@ def checked() -> Iterator[str]:
 def _found(value: float) -> str:
     """A number to ten digits; one of round-off to one."""
     return f"{value:.10g}" if value == 0.0 or abs(value) > ROUND_OFF else scientific(value, 0)
+
+
+def measures() -> Iterator[str]:
+    """The numbers of a collision and of its contacts."""
+    found = [
+        field for kind in (CollisionMeasures, ContactMeasures) for field in fields(kind) if "title" in field.metadata
+    ]
+    rows = {field.metadata["title"]: [field.metadata["unit"], field.metadata["meaning"]] for field in reversed(found)}
+    return table(["measure", "unit", "what it means"], [[title, *row] for title, row in reversed(rows.items())])
 
 
 def commands() -> Iterator[str]:

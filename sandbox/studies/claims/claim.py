@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from softcradle.sandbox.studies.claims.solver import MEASURING, REFERENCE, SECOND, NotSolvedError, Solver
 from softcradle.sandbox.studies.claims.study import Case, Study
+from softcradle.sandbox.studies.paper import MEASURING, REFERENCE, SECOND, NotSolvedError, Parameters, Solver
 
-Parameters = Mapping[str, float]
 Measure = Callable[[Parameters, Solver], float]
 
 

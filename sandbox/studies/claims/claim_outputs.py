@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,24 @@ def print_study(output: Console, study: Study) -> None:
         shown += [f"{case.variable:.4g}"] * own_column
         grid.add_row(*shown, f"{case.value:.5g}", f"{case.error:.1g}", case.reason or case.side)
     print_table(output, grid)
+
+
+def markdown(studies: Sequence[Study]) -> Iterator[str]:
+    """Lines of a table in Markdown: a row a claim, in the order of the paper."""
+    yield "| claim | what the paper states | verdict | what was found |"
+    yield "|---|---|---|---|"
+    for study in studies:
+        cells = (f"`{study.name}`", f"{study.statement} ({study.place})", study.verdict_text, study.measured_text)
+        yield f"| {' | '.join(_cell(cell) for cell in cells)} |"
+
+
+def _cell(text: str) -> str:
+    """Text that is no mark-up: powers, products, bars and comparisons stay as they are."""
+    if text.startswith("`"):
+        return text
+    for sign in "\\|*_<>$[]":
+        text = text.replace(sign, "\\" + sign)
+    return text
 
 
 def as_json(study: Study) -> dict[str, Any]:

@@ -6,16 +6,20 @@ import math
 
 import numpy as np
 from softcradle.physics.analysis.ringing import turning_points
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import (
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
+    FINEST_SECOND,
     OWN,
+    SWING,
+    Parameters,
+    Solver,
+    chain_of,
     first_opening,
     outcome,
-    soft_chain,
     spread,
     start,
 )
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, FINEST_SECOND, SWING, Solver
 
 STEP_OF_INVERSE = 0.25  # between neighbouring 1/alpha where a curve of the spread is followed
 WINDOW_STEP = 0.5  # between those of a window
@@ -46,7 +50,7 @@ def others_over_first(case: Parameters, solver: Solver) -> float:
 
 def turns_after_detachment(case: Parameters, solver: Solver) -> float:
     """Most turning points of the velocity of any target between the detachment of the striker and the end."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     whole = solver.motion(chain, start(chain))
     detached, end = first_opening(whole), float(whole.time[-1])
     times = tuple(np.linspace(detached, end, 4001).tolist())

@@ -7,10 +7,18 @@ import math
 import numpy as np
 from softcradle.physics import Chain
 from softcradle.physics.analysis.ringing import returns
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import OWN, later, local_rate, n_alpha
-from softcradle.sandbox.studies.claims.solver import NotSolvedError, Solver
-from softcradle.sandbox.studies.driven_cluster import driven_chain, period
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    OWN,
+    NotSolvedError,
+    Parameters,
+    Solver,
+    driven_chain,
+    driven_period,
+    later,
+    local_rate,
+    n_alpha,
+)
 
 RETURNS = 5
 SAMPLES_A_PERIOD = 400
@@ -30,7 +38,7 @@ def driven_returns(case: Parameters, solver: Solver) -> tuple[list[float], list[
     derivative, and no curve through samples on both sides of one is psi.
     """
     chain, n = driven(case), round(case["n"])
-    end = (RETURNS + 0.9) * period(n, 1.0 / case["1/alpha"])
+    end = (RETURNS + 0.9) * driven_period(n, 1.0 / case["1/alpha"])
     found = solver.motion(chain, (0.0,) * n, end, SAMPLES_A_PERIOD * (RETURNS + 1))
     times = returns(found, 0)[0][:RETURNS]
     if times.size < RETURNS:

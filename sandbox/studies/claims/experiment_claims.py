@@ -17,9 +17,8 @@ from softcradle.sandbox.studies.bed_experiment import (
     deficits,
     friction_for,
 )
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import first_opening, start
-from softcradle.sandbox.studies.claims.solver import Solver
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import Parameters, Solver, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)
 SPEEDS = (0.3, 0.6, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.3, 1.7, 2.5, 4.0)  # over the critical speed

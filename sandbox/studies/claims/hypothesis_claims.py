@@ -7,9 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 from softcradle.physics.analysis.ringing import turning_points
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import OWN, at_fractions
-from softcradle.sandbox.studies.claims.solver import NotSolvedError, Solver
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import OWN, NotSolvedError, Parameters, Solver, at_fractions
 
 FRACTIONS = tuple(np.linspace(0.01, 0.99, 491).tolist())  # sample times, as parts of the striker's contact
 FINE_SECOND = Solver("conserving", 3e-5)

@@ -7,18 +7,20 @@ import math
 import numpy as np
 from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.physics.analysis.measures import depth_law, time_scale_separation
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import (
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
     OWN,
+    Parameters,
+    Solver,
+    chain_of,
     detachment,
     later,
     local_rate,
     n_alpha,
-    soft_chain,
     spread,
     start,
 )
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, Solver
 
 RIGID_LIKE = 0.5  # largest spread, over the mean, that counts as rigid-like
 BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)  # of the contact time
@@ -26,7 +28,7 @@ BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
 
 def largest_psi(case: Parameters, solver: Solver) -> float:
     """Largest psi of the full equations while the striker pushes."""
-    chain, n = soft_chain(case), case["n"]
+    chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.3 * n / (n + 1.0), 1001)
     return float(found.overlap[:, 1].max())
 
@@ -51,7 +53,7 @@ def rate_of_duration(case: Parameters, solver: Solver) -> float:
 
 def bend_over_bound(case: Parameters, solver: Solver) -> float:
     """Left side of Eq. (9) at i = 2 over its stated bound, at a part of the time until Phi returns."""
-    chain, n, alpha = soft_chain(case), round(case["n"]), 1.0 / case["1/alpha"]
+    chain, n, alpha = chain_of(case), round(case["n"]), 1.0 / case["1/alpha"]
     end = solver.model(chain, start(chain)).returns(0)
     times = tuple((end * np.array(BOUND_PARTS)).tolist())
     bend = solver.model(chain, start(chain), times[-1], times).acceleration[BOUND_PARTS.index(case["part"]), 1]
@@ -70,14 +72,14 @@ def withn_alpha(n: tuple[int, ...], products: tuple[float, ...]) -> list[Paramet
 
 def separation(case: Parameters, solver: Solver) -> float:
     """Largest (tau_i / tau_dur)**2 of Eq. (10), over all contacts behind the first inner one."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     found = solver.motion(chain, start(chain), detachment(case, solver) * (1.0 + 1e-6), 801)
     return float(time_scale_separation(found)[2:].max())
 
 
 def energy_inside(case: Parameters, solver: Solver) -> float:
     """Largest energy that the inner contacts store, of the striker's."""
-    chain, n = soft_chain(case), case["n"]
+    chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
     return float(chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
 
@@ -89,7 +91,7 @@ def rise_of_energy(case: Parameters, solver: Solver) -> float:
 
 def inner_force(case: Parameters, solver: Solver) -> float:
     """Distance of the largest f12 from (n-1)/n, its limit, as a part of it."""
-    chain, n = soft_chain(case), case["n"]
+    chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
     return abs(float(found.force[:, 1].max()) * n / (n - 1.0) - 1.0)
 

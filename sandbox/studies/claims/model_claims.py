@@ -6,9 +6,20 @@ import numpy as np
 from softcradle.physics import Chain, Contact, cluster_on_cluster, one_on, power_law
 from softcradle.physics.analysis.measures import depth_law, loads
 from softcradle.physics.analysis.ringing import turning_points
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import OWN, first_opening, soft_chain, start, while_struck
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, FINEST_SECOND, SWING, NotSolvedError, Solver
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
+    FINEST_SECOND,
+    OWN,
+    SWING,
+    NotSolvedError,
+    Parameters,
+    Solver,
+    chain_of,
+    first_opening,
+    start,
+    while_struck,
+)
 
 # of the time until a force ends
 EDGES = 1e-6, 1e-4, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 1.0
@@ -23,7 +34,7 @@ SLOPES = 8  # in a decade of time: a step of a force by a part of a percent is o
 
 def discrepancy(case: Parameters, solver: Solver) -> float:
     """Largest relative discrepancy of a force, full less model over full, in a part of the time for which it acts."""
-    chain, contact = soft_chain(case), round(case["contact"])
+    chain, contact = chain_of(case), round(case["contact"])
     end = first_opening(solver.motion(chain, start(chain)), contact)
     upper = case["until"]
     times = tuple((end * np.linspace(EDGES[EDGES.index(upper) - 1], upper, SAMPLES_A_BIN, endpoint=False)).tolist())
@@ -34,7 +45,7 @@ def discrepancy(case: Parameters, solver: Solver) -> float:
 
 def delay_of_phi(case: Parameters, solver: Solver) -> float:
     """Time at which Phi returns to zero less that at which psi does: below 0 where Phi is first."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     found = solver.model(chain, start(chain))
     return found.returns(0) - found.returns(1)
 
@@ -72,7 +83,7 @@ def slope_error(case: Parameters, solver: Solver) -> float:
 
 def consistency(case: Parameters, solver: Solver) -> float:
     """Largest left side of Eq. (9) at i = 2 in a part of the time until psi is back at zero."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     end = solver.model(chain, start(chain)).returns(1)
     upper = case["until"]
     times = tuple((end * np.linspace(upper - 0.05, upper, SAMPLES_A_BIN, endpoint=False)).tolist())

@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from softcradle.physics import Chain, Contact, Coupler, hertz, hooke, one_on, power_law
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.measures import loads, rigidity
 from softcradle.physics.analysis.ringing import turning_points
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import first_opening, start
-from softcradle.sandbox.studies.claims.solver import SWING, NotSolvedError, Solver
-
-Array = NDArray[np.float64]
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    SWING,
+    Array,
+    NotSolvedError,
+    Parameters,
+    Solver,
+    crest,
+    first_opening,
+    start,
+)
 
 SEED = 20100324
 CHAINS = 100
@@ -142,13 +147,6 @@ def wave_speed(case: Parameters, solver: Solver) -> float:
     found = solver.motion(chain, tuple(velocity), end, 2401)
     arrival = [crest(found.time, found.force[:, k])[0] for k in (15, 45)]
     return 30.0 / (arrival[1] - arrival[0])
-
-
-def crest(time: Array, curve: Array) -> tuple[float, float]:
-    """Time and height of the top of the parabola through the three samples about the largest of `curve` (T,)."""
-    k = int(np.argmax(curve))
-    a, b, c = np.polyfit(time[k - 1 : k + 2] - time[k], curve[k - 1 : k + 2], 2)
-    return float(time[k] - 0.5 * b / a), float(c - 0.25 * b * b / a)
 
 
 def _linear_speed(alpha: float, prestress: float) -> float:
@@ -324,8 +322,7 @@ CLAIMS = (
         allowed=0.05,
         how="one on n, springs that pull, too, by a prestress of 20; root mean square after the striker has left, whose contact "
         "has alpha = 1/30; rigid-like: 5 %, as for `robust`",
-        remark="it falls as n/sqrt(k), the time of a passage, up and down with the phase at which the striker leaves, and never dies "
-        "out",
+        remark="it falls as n/sqrt(k), the time of a passage, up and down with the phase at which the striker leaves",
         second=Solver("conserving", 5e-5),
         refer=False,
     ),

@@ -25,8 +25,8 @@ from softcradle.sandbox.studies.figures import (
     variant_figure,
     wave_figure,
 )
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.panel_column import label_panels
+from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.picture_files import write_picture
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.sweeps import listed

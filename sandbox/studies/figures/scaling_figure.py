@@ -9,7 +9,7 @@ import numpy as np
 from softcradle.physics.analysis.measures import response_times
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.data_table import Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import SAMPLES, soft_chain, start_velocity
+from softcradle.sandbox.studies.paper import SAMPLES, soft_chain, start
 from softcradle.sandbox.studies.plot_style import BLUE, GREEN, GREY, ORANGE, PAGE_WIDTH, PURPLE, new_figure, panel_title
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ def scalings() -> Table:
         for alpha in ALPHAS:
             chain = soft_chain(n, alpha)
             # what may be sensitive is the end, where beads chatter: it is not read
-            contact_time = solve(chain, start_velocity(chain), samples=2).contact_intervals[0][0][1]
-            found = solve(chain, start_velocity(chain), contact_time, samples=SAMPLES)
+            contact_time = solve(chain, start(chain), samples=2).contact_intervals[0][0][1]
+            found = solve(chain, start(chain), contact_time, samples=SAMPLES)
             rows.append((n, alpha, found.overlap[:, 1].max(), contact_time, response_times(found)[1]))
     return long_table(("n", "alpha", "max psi", "contact time", "response time"), rows)
 

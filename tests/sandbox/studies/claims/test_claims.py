@@ -22,11 +22,21 @@ from softcradle.sandbox.studies.claims.claim import Claim
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.claims.collision_claims import rise_of_spread
 from softcradle.sandbox.studies.claims.driven_claims import driven_returns
-from softcradle.sandbox.studies.claims.soft_chains import soft_chain, spread, start, while_struck
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, MEASURING, REFERENCE, SECOND, NotSolvedError, Solver
 from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.claims.variant_claims import misplaced
-from softcradle.sandbox.studies.figures import solved_cases
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
+    MEASURING,
+    REFERENCE,
+    SECOND,
+    NotSolvedError,
+    Solver,
+    chain_of,
+    full_motion,
+    spread,
+    start,
+    while_struck,
+)
 
 NAMES = [claim.name for claim in CLAIMS]
 FINE = Solver("conserving", 3e-5)
@@ -225,16 +235,16 @@ def test_random_chains_near_the_greatest_load_are_not_rigid_like():
 
 
 def test_the_motions_of_figures_pass_warnings_on():
-    chain = soft_chain({"n": 4.0, "1/alpha": 10.0})
+    chain = chain_of({"n": 4.0, "1/alpha": 10.0})
     with pytest.warns(RuntimeWarning, match="step"):
-        solved_cases.full_motion(chain, start(chain), step=0.4)
+        full_motion(chain, start(chain), step=0.4)
 
 
 def test_inner_forces_ring_more_often_at_smaller_exponents():
     found = [while_struck({"n": 2.0, "1/alpha": k}, FINER_SECOND, 20001).force[:, 1] for k in (10.0, 14.0, 20.0)]
     assert [turning_points(force).size for force in found] == [1, 3, 7]
     claim = claim_named("no-oscillation")  # counts what may be seen
-    assert [at(claim, 2, k, FINER_SECOND) for k in (10, 14, 20)] == [1.0, 3.0, 1.0]
+    assert [at(claim, 2, k, MEASURING) for k in (10, 14, 22)] == [1.0, 3.0, 1.0]
     assert while_struck({"n": 2.0, "1/alpha": 20.0}, MEASURING, 101).force[:, 1].max() < 1.0
 
 

@@ -9,9 +9,9 @@ import pytest
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 from softcradle.sandbox.studies.claims.claim_outputs import as_json
-from softcradle.sandbox.studies.claims.solver import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
+from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
 
 from tests.helpers.figure_layout import small_texts, texts_beyond, texts_on_curves, texts_on_texts

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
-from softcradle.sandbox.studies.driven_cluster import FORCE
 from softcradle.sandbox.studies.figures import (
     collapse_figure,
     disorder_figure,
@@ -16,6 +15,7 @@ from softcradle.sandbox.studies.figures import (
     variant_figure,
     wave_figure,
 )
+from softcradle.sandbox.studies.paper import DRIVE
 from softcradle.scenes import load
 
 from tests.helpers.figure_tables import columns, forces
@@ -94,7 +94,7 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
 
 def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     table = tables["driven"]
-    np.testing.assert_allclose(table["V"], FORCE / driven_figure.SHOWN_BEADS * table["t"], atol=1e-9)
+    np.testing.assert_allclose(table["V"], DRIVE / driven_figure.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
     maxima = (np.diff(np.sign(np.diff(psi))) < 0).sum()

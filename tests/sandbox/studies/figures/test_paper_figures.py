@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
 from softcradle.sandbox.studies.figures import hypothesis_figure
-from softcradle.sandbox.studies.figures.solved_cases import full_one_on, opening_time
+from softcradle.sandbox.studies.paper import full_one_on, opening_time
 
 from tests.helpers.figure_tables import columns, forces
 from tests.helpers.truth import ELASTIC
