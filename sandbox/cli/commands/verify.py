@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.verify.known_number import Checked
+    from softcradle.sandbox.studies.verify.known_numbers import Checked
 
 DISAGREES = 1  # exit code where a number is not met
 
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Compute all numbers and print them; the exit code is 1 where one is not met."""
     from softcradle.sandbox.console import progress_bar
-    from softcradle.sandbox.studies.verify.number_list import known_numbers, verified
+    from softcradle.sandbox.studies.verify.known_numbers import known_numbers, verified
 
     with progress_bar() as progress:
         task = progress.add_task("numbers", total=len(known_numbers()))
