@@ -27,13 +27,13 @@ def compute_experiment(
 
 def speed_numbers(speed: float) -> dict[str, list[list[float]]]:
     """The numbers of one launch speed, a row an experiment and with pistons a row each of its windows, too."""
-    fits = [[fit.friction, fit.loss, *astuple(fit.deficits)] for fit in fit_friction(speed)]
+    fits = [[fit.friction, *astuple(fit.deficits)] for fit in fit_friction(speed)]
     return {"fits": fits, "pistons": [[*found.momentum, *found.energy] for found in deficits_at(speed)]}
 
 
 def _fit(experiment: str, speed: float, row: Array) -> Fit:
-    friction, loss, *deficits = row.tolist()
-    return Fit(experiment, speed, friction, loss, Deficits(*deficits))
+    friction, *deficits = row.tolist()
+    return Fit(experiment, speed, friction, Deficits(*deficits))
 
 
 def _piston(experiment: str, window: float, speed: float, row: Array) -> FittedDeficits:

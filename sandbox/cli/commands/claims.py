@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
@@ -24,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="where to write the pictures and their numbers (default: out/claims for claims that are named, else none)",
     )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument("--markdown", metavar="FILE", help="write the verdicts as a table into this file, too")
     parser.add_argument("--list", action="store_true", help="list the claims instead of measuring them")
     add_open(parser)
 
@@ -50,8 +52,8 @@ def main(args: argparse.Namespace) -> int:
 
 def _measure_and_show(args: argparse.Namespace) -> None:
     from softcradle.sandbox.console import console
-    from softcradle.sandbox.output_files import make_folder
-    from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study, write_studies
+    from softcradle.sandbox.output_files import make_folder, output_file
+    from softcradle.sandbox.studies.claims.claim_outputs import markdown, print_studies, print_study, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
@@ -60,7 +62,10 @@ def _measure_and_show(args: argparse.Namespace) -> None:
         require_matplotlib()
     folder = make_folder(output) if output else None  # before the runs, so that an unwritable place is refused at once
     written = WrittenFiles(folder.iterdir() if folder else ())
-    found = _measured(args.names, folder / KEPT if folder else None)
+    with output_file(args.markdown) if args.markdown else nullcontext() as table:
+        found = _measured(args.names, folder / KEPT if folder else None)
+        if table:
+            table.write_text("\n".join(markdown(found)) + "\n", encoding="utf-8")
     if args.json:
         _print_json(found)
     elif args.names:

@@ -25,8 +25,8 @@ from softcradle.sandbox.studies.figures import (
     variant_figure,
     wave_figure,
 )
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.panel_column import label_panels
+from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.picture_files import write_picture
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.sweeps import listed
@@ -75,7 +75,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "2b", "Fig. 2b", "forces, mode coupling against full", coupling_figure.forces, coupling_figure.draw_forces
     ),
     FigureEntry(
-        "2c", "Fig. 2c", "their relative discrepancies",
+        "2c", "Fig. 2c", "their relative discrepancies; (a) ends at 1.4e-3, which f01 leaves as it ends: (b) shows how",
         coupling_figure.discrepancies, coupling_figure.draw_discrepancies,
     ),
     FigureEntry("2d", "Fig. 2d", "the initial rise of the forces", coupling_figure.rise, coupling_figure.draw_rise),
@@ -88,7 +88,9 @@ FIGURES: tuple[FigureEntry, ...] = (
         rigidity_figure.spreads, rigidity_figure.draw_spreads,
     ),
     FigureEntry(
-        "softness", "Sec. IV", "where rigid-like behaviour ends", rigidity_figure.losses, rigidity_figure.draw_losses
+        "softness", "Sec. IV",
+        "where rigid-like behaviour ends; (a) has kinks where f12 begins or ceases to act a second time",
+        rigidity_figure.losses, rigidity_figure.draw_losses,
     ),
     FigureEntry(
         "scalings", "Sec. IV", "what vanishes as alpha does, and what stays",

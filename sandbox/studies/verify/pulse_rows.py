@@ -9,7 +9,8 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, hertz, simulate
-from softcradle.sandbox.studies.verify.known_number import KnownNumber
+from softcradle.sandbox.studies.paper import crest
+from softcradle.sandbox.studies.verify.known_numbers import KnownNumber
 
 LENGTH = 60  # beads behind the striker
 FIRST, LAST = 20, 45  # contacts between which the pulse has its shape
@@ -59,11 +60,8 @@ def _weighted() -> float:
 
 
 def _peak(found: Trajectory, contact: int) -> tuple[float, float]:
-    """Time and overlap of the top of the parabola through the three samples about the largest."""
-    overlap = found.overlap[:, contact]
-    k = int(np.argmax(overlap))
-    a, b, c = np.polyfit(found.time[k - 1 : k + 2] - found.time[k], overlap[k - 1 : k + 2], 2)
-    return float(found.time[k] - 0.5 * b / a), float(c - 0.25 * b * b / a)
+    """Time and overlap of the crest of a contact."""
+    return crest(found.time, found.overlap[:, contact])
 
 
 def _speed() -> float:

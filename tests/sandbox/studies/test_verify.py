@@ -6,10 +6,10 @@ import json
 
 import pytest
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.verify import number_list
-from softcradle.sandbox.studies.verify.known_number import KnownNumber, check
+from softcradle.sandbox.studies.verify import known_numbers
+from softcradle.sandbox.studies.verify.known_numbers import KnownNumber, check
 
-NUMBERS = number_list.known_numbers()
+NUMBERS = known_numbers.known_numbers()
 
 
 @pytest.mark.parametrize("known", NUMBERS, ids=lambda known: known.name)
@@ -25,10 +25,13 @@ def test_names_are_different_and_sources_are_given():
 
 def test_a_number_that_is_missed_is_said(capsys, monkeypatch):
     wrong = KnownNumber("two", 2.0, "counting", lambda: 2.1, 0.01)
-    monkeypatch.setattr(number_list, "known_numbers", lambda: [wrong])
+    monkeypatch.setattr(known_numbers, "known_numbers", lambda: [wrong])
     assert main(["verify"]) == 1
-    assert "missed" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "missed" in shown
+    assert "1e-02" in shown  # the bound, of every row
     assert main(["verify", "--json"]) == 1
     row = json.loads(capsys.readouterr().out)["numbers"][0]
+    assert row["allowed"] == 0.01
     assert row["met"] is False
     assert row["error"] == pytest.approx(0.05)

@@ -1,4 +1,4 @@
-"""One row of the verification: a number that is known, where from, what softcradle finds, and how far apart they may be."""
+"""The numbers known from outside: what a row is, the list of all, and their check."""
 
 from __future__ import annotations
 
@@ -43,3 +43,24 @@ def check(known: KnownNumber) -> Checked:
     """Compute the number and compare."""
     found = known.find()
     return Checked(known, found, abs(found - known.value) / (abs(known.value) or 1.0))
+
+
+def known_numbers() -> list[KnownNumber]:
+    """Every row, in the order of the table."""
+    from softcradle.sandbox.studies.verify import collision_rows, pulse_rows  # they are made of the class above
+
+    return [
+        *collision_rows.closed_form_rows(),
+        *collision_rows.three_ball_rows(),
+        *pulse_rows.rows(),
+        *collision_rows.symmetry_rows(),
+    ]
+
+
+def verified(report: Callable[[Checked], None] = lambda _: None) -> list[Checked]:
+    """Every row computed; `report` is called after each."""
+    found = []
+    for known in known_numbers():
+        found.append(check(known))
+        report(found[-1])
+    return found
