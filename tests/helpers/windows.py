@@ -13,6 +13,7 @@ import pygame
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.scene.scene_page import ScenePage
 
+LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0
 
 
@@ -31,7 +32,7 @@ class Driver:
         """`wait`: until all kernels are in memory."""
         self.time = 0.0
         self.app = App(size, start, lambda: self.time)
-        assert not wait or self.app.warmup.complete.wait(300.0)
+        assert not wait or self.app.warmup.complete.wait(LONGEST)
         self.frames(2)
 
     @property

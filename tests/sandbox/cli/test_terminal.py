@@ -34,7 +34,6 @@ def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]
         capture_output=True,
         encoding="utf-8",
         errors="replace",
-        timeout=300,
         check=False,
     )
 

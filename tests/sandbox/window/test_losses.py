@@ -274,7 +274,7 @@ def test_a_signal_while_filming_keeps_the_film(tmp_path: Path, number: signal.Si
         while "filming" not in process.stdout.readline():
             assert process.poll() is None
         process.send_signal(number)
-        process.communicate(timeout=300)
+        process.communicate()
         assert process.returncode == 0
     with av.open(str(tmp_path / "mine.mp4")) as film:
         assert sum(1 for _ in film.decode(video=0)) >= 5

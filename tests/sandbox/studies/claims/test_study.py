@@ -117,6 +117,7 @@ def test_the_labels_of_every_logarithmic_axis_are_apart(span):
         assert sum(bool(label.get_text()) for label in axes.get_xticklabels()) >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.name)
 def test_the_words_of_every_claim_have_room_in_its_picture(claim):
     """With cases that are made up; as wide as a column."""

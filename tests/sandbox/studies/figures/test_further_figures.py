@@ -20,6 +20,8 @@ from softcradle.scenes import load
 
 from tests.helpers.figure_tables import columns, forces
 
+pytestmark = pytest.mark.slow  # tables of seconds to a minute
+
 
 def test_spread_vanishes_with_alpha(tables):
     for n in rigidity_figure.SPREAD_SIZES:

@@ -108,6 +108,7 @@ def test_b_agrees_at_two_tolerances(n, alpha):
     np.testing.assert_allclose(1.0 + rough[loaded], 1.0 + fine[loaded], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_b_changes_sign_upwards_and_grows_at_both_ends(tables):
     for n in hypothesis_figure.SIZES:
         for alpha in hypothesis_figure.ALPHAS:
@@ -119,6 +120,7 @@ def test_b_changes_sign_upwards_and_grows_at_both_ends(tables):
             assert curve[-1] > 0.0
 
 
+@pytest.mark.slow
 def test_b_sign_change_of_small_clusters_is_real(tables):
     """The sign change near the end at (1/10, 3) is no artefact: the inner contact opens before the striker leaves."""
     curve = rows_where(tables["B"], n=3, alpha=1 / 10, i=2)

@@ -9,12 +9,11 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.curve_panels import linear_axis
-from softcradle.sandbox.window.keys import Key, action_of, groups
+from softcradle.sandbox.window.keys import action_of, groups
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
 from softcradle.sandbox.window.plots.strip_plot import StripPlot
 
-from tests.helpers.window_fuzz import fuzz_keys
 from tests.helpers.windows import Driver
 
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -56,7 +55,6 @@ def test_a_plot_in_the_table_has_its_line_of_help_and_is_fuzzed(monkeypatch: pyt
     monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
     assert action_of(pygame.K_8, 0) == "momentum"
     assert "momentum of each bead" in [binding.text for binding in groups()["Plots"]]
-    assert Key(pygame.K_8) in fuzz_keys()
 
 
 def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.MonkeyPatch) -> None:
