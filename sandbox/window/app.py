@@ -10,7 +10,7 @@ from time import perf_counter
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
-from softcradle.sandbox.languages import ENGLISH, LANGUAGES, _, language, scene_words, use_language
+from softcradle.sandbox.languages import ENGLISH, LANGUAGES, N_, _, language, scene_words, use_language
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import main_loop, theme
 from softcradle.sandbox.window.dialog import Choices, Dialog, PathDialog
@@ -50,8 +50,9 @@ class App:
         self.surface = open_display(size)
         self.reader = ScreenReader("softcradle")
         self.size = self._window_size = self.surface.get_size()
-        self.scale, self.running, self.help = 1.0, True, False
+        self.running, self.help = True, False
         self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
+        self.scale = self.settings.scale
         use_theme(self.settings.theme)
         use_language(self.settings.language or system_language())
         self.dialog: Modal | None = None
@@ -90,15 +91,19 @@ class App:
             self.gallery = GalleryPage(self, self.open)
         return self.gallery
 
+    @property
+    def _usual_unit(self) -> float:
+        """The unit at a scale of 1."""
+        return min(max(min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1]), 0.75), 2.5)
+
     def _unit(self) -> float:
-        fitting = min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1])
-        largest = min(self.size[0] / LEAST[0], self.size[1] / LEAST[1])
-        return min(self.scale * min(max(fitting, 0.75), 2.5), largest)
+        return min(self.scale * self._usual_unit, self.size[0] / LEAST[0], self.size[1] / LEAST[1])
 
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
         if page is not self.page:
             self.page.close()
+            self.messages.leave_page()
         self.dialog = self.focus.place = None
         self.page = page
         clear_cached_surfaces()
@@ -215,9 +220,13 @@ class App:
     def rescale(self, by: int) -> None:
         """Take the next larger or smaller scale; 0 is the normal one."""
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
-        self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
+        self.scale = self.settings.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
+        self.settings.save()
         self.rebuild()
-        self.messages.show(_("scale {percent:.0f} %", percent=100 * self.scale), subject="scale")
+        text, shown = N_("scale {percent:.0f} %"), self.unit / self._usual_unit
+        if shown < self.scale - 0.005:
+            text = N_("scale {percent:.0f} %: there is no room for more in this window")
+        self.messages.show(_(text, percent=100 * shown), subject="scale")
 
     def run(self) -> None:
         """Frames until the user quits."""

@@ -45,6 +45,12 @@ class Geometry:
     energy_bars: Rect
     plots: tuple[tuple[Rect, ...], ...]
 
+    @property
+    def below_beads(self) -> Rect:
+        """The rectangle from the foot of the lanes to the footer."""
+        left, bottom = self.lanes[0].left, self.lanes[-1].bottom
+        return Rect(left, bottom, self.lanes[0].width, self.footer.top - bottom)
+
 
 def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int], panel: bool) -> Geometry:
     """The page for a window of `size`; `plots` is the number of plots in each row."""

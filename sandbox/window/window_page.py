@@ -45,11 +45,11 @@ class Host(Protocol):
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
 
+    def act(self, action: str | None) -> None:
+        """Do an action of the table of keys, if the page or the window has it."""
+
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
-
-    def next_language(self) -> None:
-        """Take the next language."""
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask the user for a line of text, beginning with `text`."""
@@ -141,6 +141,13 @@ class Focus(Protocol):
     def control(self) -> UIElement | None:
         """The control that has the focus."""
 
+    @property
+    def typed(self) -> UIElement | None:
+        """The line in which is being typed."""
+
+    def close_list(self) -> bool:
+        """Close the list of a menu; whether one was open."""
+
     def handle(self, event: pygame.Event) -> bool:
         """Give a key to the control; whether it took it."""
 
@@ -193,9 +200,6 @@ class Window(Host, Protocol):
 
     def open(self, name_or_path: str) -> None:
         """Open a scene or a file."""
-
-    def act(self, action: str | None) -> None:
-        """Do an action of the table of keys."""
 
     def fit(self, surface: pygame.Surface | None) -> None:
         """Follow a new size of the display."""

@@ -13,7 +13,7 @@ from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.card_drawing import paint_border, paint_caption
 from softcradle.sandbox.window.gallery.card_grid import HEADER, MARGIN, CardGrid
-from softcradle.sandbox.window.gallery.sections import found, sections_of
+from softcradle.sandbox.window.gallery.sections import FOUND, Section, found, sections_of
 from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
 from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_SOURCE, HANGING_TEXT, HANGING_TITLE
 from softcradle.sandbox.window.look_ahead import motions_ahead
@@ -115,8 +115,8 @@ class GalleryPage:
         self._arrange()
 
     def _arrange(self) -> None:
-        texts = {name: " ".join(caption) for name, caption in self.captions.items()}
-        sections = sections_of(found(texts, self.search))
+        names = found(self.captions, self.search)
+        sections = [Section(FOUND, tuple(names))] if self.search and names else sections_of(names)
         self.names = tuple(name for section in sections for name in section.names)
         self.selected = min(self.selected, max(0, len(self.names) - 1))
         self.grid.arrange(self.host.size, self.host.unit, sections)
@@ -167,6 +167,8 @@ class GalleryPage:
             return True
         if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED and event.ui_element is self.entry:
             self.host.manager.set_focus_set(None)
+            if self.names:
+                self.choose(self.names[self.selected])
             return True
         return False
 
@@ -240,7 +242,7 @@ class GalleryPage:
         picture = pygame.Rect(place.topleft, self.grid.picture_size)
         if image is None:
             surface.fill(tones.lane_background, picture)
-            write(surface, "drawing …", picture.center, 13 * unit, tones.muted, align=(0.5, 0.5))
+            write(surface, _("drawing …"), picture.center, 13 * unit, tones.muted, align=(0.5, 0.5))
         else:
             surface.blit(image, picture)
         paint_caption(surface, self.captions[name], picture, unit)

@@ -31,6 +31,7 @@ SECTIONS = (
     Section(N_("Trains"), ("train-shunting", "train-solid", "train-cut", "train-starting", "train-braking")),
 )
 REST = N_("More")  # title above scenes that no section names
+FOUND = N_("Found")  # title above what a search has found
 
 
 def sections_of(names: Sequence[str]) -> list[Section]:
@@ -41,7 +42,14 @@ def sections_of(names: Sequence[str]) -> list[Section]:
     return [section for section in chosen if section.names]
 
 
-def found(texts: Mapping[str, str], search: str) -> list[str]:
-    """Names of the scenes whose `texts` contain every word of the search."""
+def found(captions: Mapping[str, Sequence[str]], search: str) -> list[str]:
+    """Names of the scenes whose captions, the title first, contain every word of the search; those in whose title they all
+    are come first, then those with words that begin so."""
     words = search.lower().split()
-    return [name for name, text in texts.items() if all(word in f"{name} {text}".lower() for word in words)]
+
+    def rank(name: str) -> tuple[bool, bool]:
+        title, text = captions[name][0].lower(), " ".join(captions[name]).lower()
+        return not all(word in title for word in words), not all(f" {word}" in f" {text}" for word in words)
+
+    texts = {name: f"{name} {' '.join(caption)}".lower() for name, caption in captions.items()}
+    return sorted((name for name, text in texts.items() if all(word in text for word in words)), key=rank)

@@ -29,9 +29,9 @@ from softcradle.sandbox.window.window_page import Host
 ROW = 40.0  # design pixels of a parameter
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
 KIND_NAMES = {
-    "power": NP_("button", "power law"),
+    "power": NP_("button", "alpha < 1"),
     "gear": NP_("button", "draft gear"),
-    "hard": NP_("button", "hard"),
+    "hard": NP_("button", "alpha ≥ 1"),
 }
 
 
@@ -89,7 +89,7 @@ class Inspector:
             self._make_bead_buttons(self.pick, y + 4 * unit)
 
     def _make_kinds(self, pick: Pick, y: float) -> None:
-        """Three buttons: power law, draft gear, hard."""
+        """Three buttons: a power law below 1, a draft gear, and a power law from 1 on, which is stiff where it was another."""
         unit, wide = self.host.unit, self.rect.width / 3
         present = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index])
         for k, (kind, name) in enumerate(KIND_NAMES.items()):

@@ -12,6 +12,7 @@ from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.palette import Colour, tones
+from softcradle.sandbox.draw.rigid_clusters import has_marks
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array, Motion
@@ -26,12 +27,17 @@ LEAST_REACH = 5.0  # design pixels: half the width in which a click means a bead
 
 @dataclass(frozen=True)
 class SessionLane:
-    """A live lane as a LaneDrawing takes it, and which pistons are locked."""
+    """A live lane as a LaneDrawing takes it, how it went into its collision, and which pistons are locked."""
 
     label: str
-    velocity: tuple[float, ...]
+    approach: tuple[Array, Array]
     live_chain: Chain
     locked: tuple[bool, ...]
+
+    @property
+    def velocity(self) -> tuple[float, ...]:
+        """(n+1,) velocities [m/s] before the collision."""
+        return tuple(self.approach[1].tolist())
 
     def chain(self) -> Chain:
         """The chain, which a Lane of a scene makes."""
@@ -54,7 +60,7 @@ class SessionLanes:
 def _session_lane(session: Session, number: int) -> SessionLane:
     lane = session.lanes[number]
     locked = tuple(law is not None for law in lane.setup.locked)
-    return SessionLane(session.label(number), tuple(session.approach(number).tolist()), lane.chain, locked)
+    return SessionLane(session.label(number), session.approach(number), lane.chain, locked)
 
 
 class LaneView:
@@ -79,9 +85,16 @@ class LaneView:
         self.insets = MagnifiedInsets(insets, unit, self.drawing, scales.deepest[number]) if insets.height else None
         self.energy_bars = EnergyBars(bars, unit, self.drawing.colours, scales, badges=False) if bars.height else None
         lane = scene.lanes[number]
+        self.take_approach(*lane.approach)
         self.locked = lane.locked
         self.edges: Array = np.zeros(lane.live_chain.contacts + 1)
         self.contacts: Array = np.zeros(lane.live_chain.contacts)
+
+    def take_approach(self, overlap: Array, velocity: Array) -> bool:
+        """Take how the beads went into a collision; whether there are marks of rigid clusters now and were none, or not."""
+        before = has_marks(self.drawing.ends)
+        self.drawing.take_approach(overlap.tolist(), velocity.tolist())
+        return has_marks(self.drawing.ends) != before
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw what does not change."""

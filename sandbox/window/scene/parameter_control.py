@@ -50,7 +50,7 @@ class Control:
         if (parameter.value == self.shown and not force) or self.entry.is_focused:
             return
         self.entry.set_text(number_text(parameter.value))
-        if with_slider and not self.slider.has_moved_recently and not self.grabbed:
+        if with_slider and not self.grabbed:
             self.slider.set_current_value(parameter.share())
         self.shown = parameter.value
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
@@ -16,6 +17,7 @@ from softcradle.sandbox.window.page_geometry import narrow
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
+from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, session_savings
 from softcradle.sandbox.window.scene.scene_clock import SceneClock
@@ -31,6 +33,18 @@ from softcradle.sandbox.window.scene.window_film import WindowFilm
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
+Actions = dict[str, Callable[[], None]]
+
+
+def joined(*tables: Actions) -> Actions:
+    """All actions of some tables, of which no two have the same name."""
+    found: Actions = {}
+    for table in tables:
+        if twice := found.keys() & table.keys():
+            raise ValueError(f"two actions are called {', '.join(sorted(twice))}")
+        found |= table
+    return found
+
 
 class ScenePage:
     """One session on screen. `leave` goes back to the gallery; `replay` runs the session where it is a recorded one."""
@@ -44,7 +58,8 @@ class ScenePage:
         self.inspector = Inspector(host, session, self.editor)
         self.view = SceneView(host, session, self.editor, self.board, self.inspector)
         self.timeline = Timeline(session)
-        self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay)
+        self.outcome = OutcomeCard(host, session, partial(host.act, "compare_balls"))
+        self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         self.time_controls = TimeControls(host, session, self.board, self.clock.activity)
         self.clock.controls = self.time_controls
         self.pointer = PointerTool(host, session, self.editor, self.view)
@@ -55,20 +70,16 @@ class ScenePage:
         self.sound = SceneSound(host, session)
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene)
         self.lessons = LessonRunner(host, session, self.clock)
-        self.actions: dict[str, Callable[[], None]] = {
+        own: Actions = {
             "lesson": self.lessons.ask,
-            **self.tools.actions,
-            **self.inspector.actions,
-            "tools": lambda: self.tools.show_menu(self.toolbar.buttons["tools"].rect, self.actions),
-            **self.clock.actions,
-            **ViewKeys(host, self.editor, self.board, self.view, self.cards).actions,
-            **self.editor.actions,
-            **self.dialogs.actions,
+            "tools": lambda: self.tools.show_menu(self.toolbar.buttons["tools"].rect),
             "sound": self.sound.toggle,
             "help": host.toggle_help,
-            "language": host.next_language,
             "leave": self.escape,
         }
+        view_keys = ViewKeys(host, self.editor, self.board, self.view, self.cards)
+        parts = (self.tools, self.inspector, self.clock, view_keys, self.editor, self.dialogs)
+        self.actions: Actions = joined(own, *(part.actions for part in parts))
 
     def show_scene(self, scene: Scene) -> None:
         """Show a scene that was made of this one in its place; edits of this one stay unsaved there."""
@@ -132,6 +143,7 @@ class ScenePage:
         self.inspector.build(self.cards.build(panel, self.editor.selection is not None))
         self.view.rebuild()
         self.tools.build()
+        self.outcome.build(places.below_beads)
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
@@ -139,8 +151,7 @@ class ScenePage:
             self.session.end_gesture()
         chosen = self.cards.handle(event)
         if chosen is not None:
-            if self.editor.apply(chosen):
-                self.host.rebuild()  # a menu that keys have moved does not redraw itself
+            self.editor.apply(chosen)
             return True
         if self.time_controls.handle(event) or self.inspector.handle(event):
             return True
@@ -169,6 +180,7 @@ class ScenePage:
         self.tools.values.update()
         self.sound.update(self.view.scales.scales.force)
         self.lessons.update()
+        self.outcome.update()
 
     def _notice_kernels(self) -> None:
         """Go on where the kernels have been loaded."""
@@ -210,6 +222,7 @@ class ScenePage:
         self.tools.paint(surface)
         self.timeline.paint(surface)
         self.cards.paint(surface)
+        self.outcome.paint(surface)
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw what lies above the widgets."""

@@ -55,13 +55,13 @@ class SceneView:
         self._frame = -1  # whose collision the marks are of
         self._backdrop: pygame.Surface | None = None
         self._backdrop_key: tuple[Pick | None, bool] = (None, False)
+        self._cuts = session.history.cuts
         self.look_ahead()
 
     def look_ahead(self) -> None:
         """Take scales and camera from a run ahead, as a film does; estimate them, and run behind, where it would take long."""
         seen = self._scales_ahead()
-        scales = seen or estimated_scales(self.session.scene, self.session)
-        self.scales = LiveScales(scales, self.session.lanes)
+        self.scales = LiveScales(seen or estimated_scales(self.session.scene, self.session), self.session)
         self.follower = EditFollower(self.host, self.session, self.scales, self.rebuild)
         if seen is None:
             self.follower.notice()
@@ -192,18 +192,19 @@ class SceneView:
         self._follow_collisions()
         length = self.session.scene.view.length
         widened = self.camera.keep_in_sight(lanes, length, self._visible())
-        if self.scales.fit(self.motions) or widened:
+        cut, self._cuts = self.session.history.cuts != self._cuts, self.session.history.cuts
+        if cut:
+            self.scales.follow_history()
+        if self.scales.fit(self.motions) or widened or cut:
             self.rebuild()
 
     def _follow_collisions(self) -> None:
         """Let marks of rigid clusters be those of the collision that is under way."""
         for k, (view, lane) in enumerate(zip(self.lanes, self.session.lanes, strict=True)):
             same = len(view.drawing.chain.mass) == len(lane.chain.mass)
-            if same and self.session.frame != self._frame and (lane.state.force > 0.0).any():
-                had = any(view.drawing.rigid)
-                view.drawing.take_approach(self.session.approach(k).tolist())
-                if any(view.drawing.rigid) != had:
-                    self.redraw()
+            new = same and self.session.frame != self._frame and (lane.state.force > 0.0).any()
+            if new and view.take_approach(*self.session.approach(k)):
+                self.redraw()
         self._frame = self.session.frame
 
     def on_a_lane(self, point: tuple[int, int]) -> bool:

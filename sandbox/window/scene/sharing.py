@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import pygame
 from softcradle.sandbox.languages import _
+from softcradle.sandbox.session.contact_conversion import kind_of
+from softcradle.sandbox.session.inputs import SetKind
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.session.summary_text import summary_text
@@ -47,6 +49,22 @@ class Sharing:
             self.host.messages.show(_("nothing was copied: {error}", error=error), warning=True)
         else:
             self.host.messages.show(done)
+
+
+def beside_other_balls(session: Session) -> Scene:
+    """The first lane of a session beside the same blow among steel balls, or among soft beads where they are of steel.
+
+    ValueError where contacts are couplers or laws of one's own, or no scene file can say it.
+    """
+    scene = beside_itself(session.to_scene())
+    contacts = session.lanes[0].chain.contact
+    kind = "power" if all(kind_of(contact) == "hard" for contact in contacts) else "hard"
+    other = Session(scene)
+    other.apply(SetKind(1, None, kind))
+    found = other.to_scene()
+    first, second = found.lanes
+    label = _("steel balls") if kind == "hard" else second.label
+    return found.model_copy(update={"lanes": (first, second.model_copy(update={"label": label}))})
 
 
 def beside_itself(scene: Scene) -> Scene:
