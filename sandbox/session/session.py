@@ -97,6 +97,14 @@ class Session(Player):
         labels = [self.label(lane) for lane in range(len(self.lanes))]
         return scene_of(self.scene, self.setup, labels)
 
+    @property
+    def edited(self) -> bool:
+        """Whether its lanes begin otherwise than those of the scene it was opened with: what that says of them may be wrong."""
+        try:
+            return self.to_scene().lanes != self.scene.lanes
+        except ValueError:  # no scene file can say it
+            return True
+
     def save_scene(self, path: str | Path) -> None:
         """Write :meth:`to_scene` to a TOML file, whole or not at all. UserError where that cannot be."""
         try:

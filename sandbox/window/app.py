@@ -15,7 +15,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import main_loop, theme
 from softcradle.sandbox.window.dialog import Choices, Dialog, PathDialog
 from softcradle.sandbox.window.display import not_too_small, open_display, toggle_fullscreen
-from softcradle.sandbox.window.event_router import EventRouter
+from softcradle.sandbox.window.event_router import NOWHERE, EventRouter
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 from softcradle.sandbox.window.help_overlay import paint_help
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
@@ -25,6 +25,7 @@ from softcradle.sandbox.window.opening import page_of
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
 from softcradle.sandbox.window.settings import Settings
 from softcradle.sandbox.window.system_language import system_language
+from softcradle.sandbox.window.unsaved_scene import forget_unsaved, unsaved_path
 from softcradle.sandbox.window.widget_cleanup import collect_garbage
 from softcradle.sandbox.window.window_page import Modal, Page
 from softcradle.scenes import SceneError
@@ -40,11 +41,16 @@ class App:
     Arguments:
         size: of the window [pixels].
         start: name of a scene, or path of a scene or session file, to open; None shows the gallery.
+        lab: with all controls, whatever the level was at the end of the last start.
         clock: wall time [s], by which physics and plots of a frame end when the frame's time is used up.
     """
 
     def __init__(
-        self, size: tuple[int, int] = DESIGN, start: str | None = None, clock: Callable[[], float] = perf_counter
+        self,
+        size: tuple[int, int] = DESIGN,
+        start: str | None = None,
+        clock: Callable[[], float] = perf_counter,
+        lab: bool = False,
     ) -> None:
         self.clock = clock
         self.surface = open_display(size)
@@ -52,7 +58,7 @@ class App:
         self.size = self._window_size = self.surface.get_size()
         self.running, self.help = True, False
         self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
-        self.scale = self.settings.scale
+        self.scale, self.explore = self.settings.scale, self.settings.explore and not lab
         use_theme(self.settings.theme)
         use_language(self.settings.language or system_language())
         self.dialog: Modal | None = None
@@ -74,12 +80,24 @@ class App:
             "open": self.ask_path,
             "paste": self.paste,
             "theme": self.toggle_theme,
+            "level": self.toggle_level,
             "language": self.next_language,
             "next_control": partial(self.focus.move, 1),
             "previous_control": partial(self.focus.move, -1),
         }
         self.page: Page = self._first_page(start)
         self._build()
+        self._keep_unsaved = False
+        if unsaved_path().exists():
+            choices = {_("Open it"): self._open_unsaved, _("Discard it"): forget_unsaved}
+            self.choose(_("An unsaved scene"), _("The window was ended with edits that are not saved."), choices)
+
+    def _open_unsaved(self) -> None:
+        """Open the scene that was not saved when the window was killed."""
+        page = self._opened(str(unsaved_path()))
+        if page is not None:
+            page.call_unsaved()
+            self.show(page)
 
     def _first_page(self, start: str | None) -> Page:
         page = None if start is None else self._opened(start)
@@ -135,6 +153,12 @@ class App:
         self.settings.save()
         use_theme(self.settings.theme)
         self._draw_anew()
+
+    def toggle_level(self) -> None:
+        """Go from few controls to all of them, or back, now and after the next start."""
+        self.explore = self.settings.explore = not self.explore
+        self.settings.save()
+        self.rebuild()
 
     def next_language(self) -> None:
         """Take the next language, now and after the next start."""
@@ -198,14 +222,18 @@ class App:
             return
         choices = {
             _("Save ..."): self.page.actions["save_scene"],
-            _("Discard them"): go_on,
+            _("Discard them"): partial(self._discard, go_on),
             _("Stay"): lambda: None,
         }
         self.choose(_("Keep the edits?"), _("This scene has edits that are not saved."), choices)
 
-    def quit(self) -> None:
-        """End at the end of this frame."""
-        self.running = False
+    def _discard(self, go_on: Callable[[], object]) -> None:
+        forget_unsaved()
+        go_on()
+
+    def quit(self, killed: bool = False) -> None:
+        """End at the end of this frame; what is unsaved is kept for the next start where the window is `killed`."""
+        self.running, self._keep_unsaved = False, killed
 
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
@@ -235,6 +263,8 @@ class App:
     def close(self) -> None:
         """Close the page, the thread and the display."""
         self.page.close()
+        if not self._keep_unsaved:
+            forget_unsaved()
         self.warmup.stop()
         use_language(ENGLISH)  # the window alone has another one
         gc.unfreeze()
@@ -290,6 +320,12 @@ class App:
         self.messages.paint(self.surface, self.size[1] - 84 * self.unit, self.unit)
         if self.help:
             paint_help(self.surface, self.unit)
+
+    @property
+    def pointer(self) -> tuple[int, int]:
+        """Place of the mouse; on nothing where a dialog lies over the page."""
+        covered = self.dialog is not None and self.dialog.open
+        return NOWHERE if covered else pygame.mouse.get_pos()
 
     def act(self, action: str | None) -> None:
         """Do an action of the table of keys, if the page or the window has it."""

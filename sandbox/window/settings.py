@@ -1,4 +1,4 @@
-"""Settings that the window keeps from one start to the next: theme, language, scale, and the files that were open last."""
+"""Settings that the window keeps from one start to the next: theme, language, scale, level, and the files that were open last."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ class Settings:
     Attributes:
         theme: a name of THEMES.
         language: a code of LANGUAGES; empty until one is chosen: that of the locale.
+        explore: whether the window is at its first level, with few controls.
         scale: of everything in the window, relative to the usual size.
         recent: paths of files, the one opened or saved last first.
     """
@@ -39,6 +40,7 @@ class Settings:
     theme: str = "light"
     language: str = ""
     scale: float = 1.0
+    explore: bool = True
     recent: list[str] = field(default_factory=list)
 
     @classmethod
@@ -50,6 +52,7 @@ class Settings:
             loaded = cls(**known)
             loaded.recent = [str(path) for path in loaded.recent][:MOST_RECENT]
             loaded.scale = min(max(float(loaded.scale), LEAST_SCALE), MOST_SCALE)
+            loaded.explore = bool(loaded.explore)
         except (OSError, ValueError, TypeError):
             return cls()
         loaded.theme = loaded.theme if loaded.theme in THEMES else cls.theme

@@ -17,7 +17,7 @@ class Section(NamedTuple):
 
 
 SECTIONS = (
-    Section(N_("Start here"), ("one-on-four", "locked-pistons", "draft-gear-one-on-three", HANGING_NAME)),
+    Section(N_("Start here"), ("hertz-cradle", "one-on-four", "steel-and-soft", "train-shunting")),
     Section(
         N_("The paper"),
         (
@@ -26,19 +26,23 @@ SECTIONS = (
             *("experiment-one-on-three", "experiment-two-on-two"),
         ),
     ),
-    Section(N_("Draft gears"), ("beads-against-gear", "draft-gear-two-on-two")),
-    Section(N_("Cradles"), ("hertz-cradle", "hooke-cradle")),
-    Section(N_("Trains"), ("train-shunting", "train-solid", "train-cut", "train-starting", "train-braking")),
+    Section(
+        N_("Draft gears"), ("draft-gear-one-on-three", "locked-pistons", "beads-against-gear", "draft-gear-two-on-two")
+    ),
+    Section(N_("Cradles"), (HANGING_NAME, "hooke-cradle")),
+    Section(N_("Trains"), ("train-solid", "train-cut", "train-starting", "train-braking")),
 )
 REST = N_("More")  # title above scenes that no section names
+MINE = N_("My scenes")  # title above files that were opened or saved last
 FOUND = N_("Found")  # title above what a search has found
 
 
-def sections_of(names: Sequence[str]) -> list[Section]:
-    """The sections of those scenes; scenes of none come last."""
-    listed = {name for section in SECTIONS for name in section.names}
+def sections_of(names: Sequence[str], mine: Sequence[str] = ()) -> list[Section]:
+    """The sections of those scenes, files of one's `mine` after the first; scenes of none come last."""
+    listed = {name for section in SECTIONS for name in section.names} | set(mine)
     rest = Section(REST, tuple(name for name in names if name not in listed))
-    chosen = [Section(title, tuple(name for name in own if name in names)) for title, own in (*SECTIONS, rest)]
+    order = (SECTIONS[0], Section(MINE, tuple(mine)), *SECTIONS[1:], rest)
+    chosen = [Section(title, tuple(name for name in own if name in names)) for title, own in order]
     return [section for section in chosen if section.names]
 
 

@@ -175,13 +175,14 @@ def _row_axis(names: Sequence[str]) -> Axis:
 
 
 # kinds that are asked for by name
-VELOCITIES, KYMOGRAPH, OWN = NP_("button", "velocities"), NP_("button", "kymograph"), "x-y"
+VELOCITIES, FORCES, KYMOGRAPH = NP_("button", "velocities"), NP_("button", "forces"), NP_("button", "kymograph")
+OWN = "x-y"
 
 PLOT_KINDS: dict[str, PlotKind] = {
     kind.name: kind
     for kind in (
         PlotKind(VELOCITIES, pygame.K_1, N_("velocities"), _velocities, shown=True),
-        PlotKind(NP_("button", "forces"), pygame.K_2, N_("forces"), _forces, shown=True),
+        PlotKind(FORCES, pygame.K_2, N_("forces"), _forces, shown=True),
         PlotKind(NP_("button", "overlaps"), pygame.K_3, N_("overlaps"), _overlaps, shown=True),
         PlotKind(NP_("button", "energy"), pygame.K_4, N_("energy split"), _energies, StackedPlot),
         PlotKind(NP_("button", "space-time"), pygame.K_5, N_("space-time strip"), _contact_forces_by_row, StripPlot),

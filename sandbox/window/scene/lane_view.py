@@ -20,6 +20,8 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.scenes import View
 
+HANDLE = 7.0  # design pixels: half the diagonal of the handle of a contact
+LEAST_HANDLED = 6.0 * HANDLE  # design pixels of a bead that has room for handles
 REACH = 9.0  # design pixels: half the width in which a click means a contact
 REACH_OF_BEAD = 0.2  # of a bead's length: the same, where it is more
 LEAST_REACH = 5.0  # design pixels: half the width in which a click means a bead, however small
@@ -188,6 +190,9 @@ class LaneView:
             return Pick(self.number, "contact", contact)
         if not self.drawing.rect.collidepoint(point):
             return None
+        contact = self._handle(point)
+        if contact is not None:
+            return Pick(self.number, "contact", contact)
         bead = self._bead(point)
         if bead is not None:
             return Pick(self.number, "bead", bead)
@@ -203,6 +208,29 @@ class LaneView:
             if math.dist(point, insets.centre(slot)) <= insets.radius + 4 * self.unit:
                 return contact
         return None
+
+    def handles(self) -> list[tuple[float, float]]:
+        """Places of the handles of the contacts, at the touching points; none where beads are too small for them."""
+        y = self.drawing.ground - 0.5 * self.drawing.bead
+        roomy = self.drawing.bead >= LEAST_HANDLED * self.unit
+        return [(x, y) for x in self.contacts.tolist()] if roomy else []
+
+    def _handle(self, point: tuple[int, int]) -> int | None:
+        """The contact whose handle is at `point`."""
+        reach = 1.3 * HANDLE * self.unit
+        return next((k for k, place in enumerate(self.handles()) if math.dist(place, point) <= reach), None)
+
+    def paint_handles(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
+        """Draw them where the pointer is over the lane, that at the pointer filled."""
+        if not self.drawing.rect.collidepoint(point):
+            return
+        surface.set_clip(self.drawing.rect)
+        half, held = HANDLE * self.unit, self._handle(point)
+        for k, (x, y) in enumerate(self.handles()):
+            points = [(x - half, y), (x, y - half), (x + half, y), (x, y + half)]
+            pygame.draw.polygon(surface, tones.foreground if k == held else tones.background, points)
+            pygame.draw.aalines(surface, tones.foreground, True, points)
+        surface.set_clip(None)
 
     def _bead(self, point: tuple[int, int]) -> int | None:
         """The bead at `point`; of small beads the nearest within LEAST_REACH."""

@@ -14,6 +14,7 @@ from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.window.plots.plot_kinds import FORCES
 from softcradle.sandbox.window.window_page import Host
 
 SIZE = 15.0  # design pixels of the text
@@ -53,6 +54,8 @@ class OutcomeCard:
 
     def show_forces(self) -> None:
         """Go back to the moment of the greatest force, and say what the bars and marks mean there."""
+        if self.host.explore:
+            self.host.act(FORCES)
         history = self.session.history
         parts = list(history_slices(history, 0, history.first, history.last))
         peaks = [float(part.force.max()) for part in parts]

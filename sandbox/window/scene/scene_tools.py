@@ -9,6 +9,7 @@ from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.menu import Menu
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.plots.plot_kinds import FORCES, VELOCITIES
 from softcradle.sandbox.window.scene.data_tool import DataTool
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
 from softcradle.sandbox.window.scene.scene_view import SceneView
@@ -38,6 +39,10 @@ MENU = (
     *("sweep", "fit", "pause_at_end", "sound", "logarithmic", "inspector"),
     *("open", "larger", "smaller", "fullscreen", "theme", "language"),
 )
+
+
+# those that are buttons in the lab, and entries of the menu at the first level
+BUTTONS_OF_LAB = (VELOCITIES, FORCES, "overlaps", "save_scene", "film", "screenshot")
 
 
 class SceneTools:
@@ -73,7 +78,7 @@ class SceneTools:
 
     def show_menu(self, button: pygame.Rect) -> None:
         """Show the menu below its button."""
-        self.host.put_over(Menu(self.host, button.bottomright, MENU))
+        self.host.put_over(Menu(self.host, button.bottomright, (*BUTTONS_OF_LAB, *MENU) if self.host.explore else MENU))
 
     def toggle_values(self) -> None:
         """Show the table of values in place of the plots, or the plots."""
