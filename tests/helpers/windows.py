@@ -28,10 +28,12 @@ class Driver:
         time: of that clock [s].
     """
 
-    def __init__(self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True) -> None:
-        """`wait`: until all kernels are in memory."""
+    def __init__(
+        self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True, lab: bool = True
+    ) -> None:
+        """`wait`: until all kernels are in memory; `lab`: with all controls."""
         self.time = 0.0
-        self.app = App(size, start, lambda: self.time)
+        self.app = App(size, start, lambda: self.time, lab)
         assert not wait or self.app.warmup.complete.wait(LONGEST)
         self.frames(2)
 

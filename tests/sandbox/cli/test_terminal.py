@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
@@ -187,6 +188,20 @@ def test_quiet_leaves_out_what_is_no_result(tmp_path, capsys):
     assert capsys.readouterr().out.endswith(f"replaced: {tmp_path / 'x.csv'}\n")
     assert "final velocity" in quiet
     assert "written" not in quiet
+
+
+@pytest.mark.usefixtures("loud")
+def test_quiet_leaves_out_the_bar_of_a_film(tmp_path, monkeypatch):
+    seen = []
+
+    def render(scene, output, progress=True, **settings):
+        seen.append(progress)
+        return SimpleNamespace(output=tmp_path, frames=1, duration=0.0, seconds=0.0)
+
+    monkeypatch.setattr("softcradle.sandbox.film.scene_film.render_scene", render)
+    for flags in ([], ["-q"]):
+        assert main(["render", "one-on-four", "-o", str(tmp_path / "x.png"), *flags]) == 0
+    assert seen == [True, False]
 
 
 def test_a_second_file_is_written_too(tmp_path, capsys):
