@@ -14,7 +14,7 @@ from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page.motion_family import render_page
-from softcradle.sandbox.studies.verify.known_numbers import verified
+from softcradle.sandbox.studies.verify import verified
 from softcradle.scenes.contact_kinds import KINDS
 
 from softcradle import METHODS, one_on, power_law, scenes

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.verify.known_numbers import Checked
+    from softcradle.sandbox.studies.verify import Checked
 
 DISAGREES = 1  # exit code where a number is not met
 
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Compute all numbers and print them; the exit code is 1 where one is not met."""
     from softcradle.sandbox.console import ProgressShown
-    from softcradle.sandbox.studies.verify.known_numbers import known_numbers, verified
+    from softcradle.sandbox.studies.verify import known_numbers, verified
 
     with ProgressShown("numbers", len(known_numbers())) as progress:
         found = verified(lambda _: progress.advance())
