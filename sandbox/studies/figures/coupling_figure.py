@@ -68,7 +68,8 @@ def discrepancies() -> Table:
 def rise() -> Table:
     """Fig. 2d: t from 1e-16 to 1, all four forces of the model and of the full equations."""
     times = tuple(np.logspace(np.log10(FIRST_TIME), 0.0, 321).tolist())
-    full, model = (solved(N, ALPHA, 1.0, times, RISE_TOLERANCE) for solved in (full_one_on, model_one_on))
+    full = full_one_on(N, ALPHA, 1.0, times, RISE_TOLERANCE)
+    model = model_one_on(N, ALPHA, 1.0, times, RISE_TOLERANCE)
     return {"t": full.time, **_force_columns("full", full.force), **_force_columns("model", model.trajectory.force)}
 
 

@@ -88,5 +88,5 @@ def _draw_times(axes: Axes, table: Table) -> None:
     axes.plot([], [], color=GREY, linewidth=0.6, linestyle="--", label=r"$2n/(n+1)$")
     axes.plot([], [], color=GREY, label=r"response of the inner contact at $\max\,\psi$", **hollow)
     axes.plot([], [], color=GREY, linewidth=0.7, linestyle=":", label=r"$e^{-1/(2n\alpha)}/\sqrt{\alpha}$")
-    axes.set(xlabel=r"$\alpha$", ylabel="time", ylim=(1e-15, 30.0))
+    axes.set(xlabel=r"$\alpha$", ylabel="time", ylim=(1e-22, 30.0))
     axes.legend(loc="lower right")
