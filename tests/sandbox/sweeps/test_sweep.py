@@ -26,11 +26,17 @@ from tests.helpers.paths import ROOT
 from tests.helpers.swept import deadly, logged, numbers, reasoned
 
 xr = pytest.importorskip("xarray")
-pytest.importorskip("zarr")
+zarr = pytest.importorskip("zarr")
 pytest.importorskip("h5netcdf")
 
 A = np.linspace(0.0, 1.0, 21)
 GRID = grid({"a": A, "n": [1, 2, 3]})
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _loop_of_zarr(tmp_path_factory):
+    """Zarr keeps a thread with two sockets from its first use on."""
+    zarr.create_group(tmp_path_factory.mktemp("zarr"))
 
 
 @pytest.fixture(scope="module")
