@@ -29,6 +29,11 @@ def kind_of(contact: Joint) -> str:
     return "power" if contact.exponent < 1.0 else "hard"
 
 
+def has_soft_contacts(chain: Chain) -> bool:
+    """Whether some contact is no usual cradle's: a power law below 1, or preloaded."""
+    return any(kind_of(contact) in ("power", "gear") for contact in chain.contact)
+
+
 def plain_contact(chain: Chain, index: int) -> Contact:
     """Contact `index`. ValueError where it is a coupler or a law of one's own, which no edit turns into another kind."""
     contact = chain.contact[index]

@@ -89,7 +89,7 @@ class App:
         self._build()
         self._keep_unsaved = False
         if unsaved_path().exists():
-            choices = {_("Open it"): self._open_unsaved, _("Discard it"): forget_unsaved}
+            choices: Choices = {_("Open it"): self._open_unsaved, _("Discard it"): forget_unsaved}
             self.choose(_("An unsaved scene"), _("The window was ended with edits that are not saved."), choices)
 
     def _open_unsaved(self) -> None:

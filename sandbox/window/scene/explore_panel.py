@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import wrapped, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.badge_numbers import GOOD, LEVELS, Health
-from softcradle.sandbox.session.contact_conversion import at_the_same_depth
+from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.about_scene import paint_about
@@ -83,8 +83,11 @@ class ExplorePanel(Inspector):
             )
         y += side + 14 * unit
         if len(self.session.lanes) == 1 and not self.session.lanes[0].chain.couplers:
-            soft = any(law.exponent < 1.0 or law.preload > 0.0 for law in self.session.lanes[0].chain.contact)
-            text = _("Compare with steel balls") if soft else _("Compare with soft beads")
+            text = (
+                _("Compare with steel balls")
+                if has_soft_contacts(self.session.lanes[0].chain)
+                else _("Compare with soft beads")
+            )
             place = pygame.Rect(rect.left, round(y), rect.width, round(44 * unit))
             self._button(place, text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below"))
             y += 58 * unit

@@ -11,6 +11,7 @@ from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, width, wrapped, write
 from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.session.contact_conversion import has_soft_contacts
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
@@ -46,9 +47,7 @@ class OutcomeCard:
         """Say what happened, and offer the forces and the same blow among other balls."""
         choices: dict[str, Callable[[], None]] = {_("Why? The forces"): self.show_forces}
         if len(self.session.lanes) == 1:
-            soft = any(
-                contact.exponent < 1.0 or contact.preload > 0.0 for contact in self.session.lanes[0].chain.contact
-            )
+            soft = has_soft_contacts(self.session.lanes[0].chain)
             choices[_("Now with steel balls") if soft else _("Now with soft beads")] = self.steel
         self._show(outcome_text(self.session), choices)
 

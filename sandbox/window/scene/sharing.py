@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pygame
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.session.contact_conversion import kind_of, steel_ball
+from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
 from softcradle.sandbox.session.inputs import SetContact, SetKind
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.shared_text import shared_text
@@ -58,12 +58,11 @@ def beside_other_balls(session: Session) -> Scene:
     ValueError where contacts are couplers or laws of one's own, or no scene file can say it.
     """
     scene = beside_itself(session.to_scene())
-    contacts = session.lanes[0].chain.contact
-    steel = not all(kind_of(contact) == "hard" for contact in contacts)
-    other, speed = Session(scene), session.lanes[0].setup.speed
+    chain, speed = session.lanes[0].chain, session.lanes[0].setup.speed
+    steel, other = has_soft_contacts(chain), Session(scene)
     if steel:
-        for i in range(len(contacts)):
-            law = steel_ball(session.lanes[0].chain, i, speed, scene.view.length)
+        for i in range(chain.contacts):
+            law = steel_ball(chain, i, speed, scene.view.length)
             other.apply(SetContact(1, i, law))
     else:
         other.apply(SetKind(1, None, "power"))
