@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
+from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
 
@@ -67,6 +69,56 @@ def closing_scale(
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
     return max(found, LEAST_SCALE * (high - low)) or closing_speed(velocity)
+
+
+def largest_error(chain: Chain, start: State, end: State) -> Array:
+    """(n+1,) the largest error [m/s] that velocities of `end` can have: momentum and the energy since `start` allow no more."""
+    force, passed = start.external(chain), end.time - start.time
+    push = np.zeros(len(chain.mass)) if force is None else force
+    walls = np.unique(start.velocity(chain)[np.isinf(chain.mass)])
+    if walls.size > 1 or (walls.any() and chain.on_bed):
+        return np.full(push.size, np.inf)
+    stored = chain.stored_energy(start.overlap).sum()
+    mean, room = velocity_room(
+        np.asarray(chain.mass), np.asarray(chain.on_bed), start.velocity(chain), stored, push, passed
+    )
+    return np.abs(end.velocity(chain) - mean) + room
+
+
+def is_possible(chain: Chain, start: State, error: float) -> bool:
+    """Whether the velocity of every bead can be off by `error` [m/s], as the fastest pair alone tells: cheap, and mostly so."""
+    pair = float((start.rate**2 / chain.inverse_reduced_mass).max())
+    return error <= math.sqrt(pair) * _least_share(chain)
+
+
+@per_chain
+def _least_share(chain: Chain) -> float:
+    """The least sqrt(1/m - 1/M), as in `velocity_room`."""
+    total = math.inf if chain.walls or chain.on_bed else float(chain.finite_mass.sum())
+    inverse = chain.inverse_mass
+    return math.sqrt(max(float(inverse[inverse > 0.0].min(initial=math.inf)) - 1.0 / total, 0.0))
+
+
+def velocity_room(
+    mass: Array, on_bed: NDArray[np.bool_], velocity: Array, stored: Array, push: Array, passed: Any
+) -> tuple[Array, Array]:
+    """(..., n+1) the mean velocity of all beads after `passed` (...) [s], and how far [m/s] that of each can be from it.
+
+    Beads with the energy E about their mean velocity are no faster than sqrt(2 E (1/m - 1/M)) beside it, where M is the mass of
+    all, infinite with a wall or a bed. Forces `push` (..., n+1) [N] add no more than t sqrt(sum f²/m) to sqrt(2 E). `stored`
+    (...) is the energy [J] of the contacts at the start.
+    """
+    walls = np.isinf(mass)
+    finite, inverse = np.where(walls, 0.0, mass), 1.0 / mass
+    held = walls.any(axis=-1) | on_bed
+    total = np.where(held, np.inf, finite.sum(axis=-1))
+    first = np.take_along_axis(velocity, walls.argmax(axis=-1)[..., None], -1)[..., 0] * walls.any(axis=-1)
+    mean = np.where(held, first, (finite * velocity).sum(axis=-1) / total)[..., None]
+    pull = ((inverse > 0.0) * push).sum(axis=-1) / total
+    energy = 0.5 * (finite * (velocity - mean) ** 2).sum(axis=-1) + stored
+    given = passed * np.sqrt((inverse * (push - finite * pull[..., None]) ** 2).sum(axis=-1))
+    room = (np.sqrt(2.0 * energy) + given)[..., None] * np.sqrt(np.maximum(inverse - 1.0 / total[..., None], 0.0))
+    return mean + (passed * pull)[..., None] * np.ones_like(mass), room
 
 
 def _released_speed(chain: Chain, overlap: Array) -> float:

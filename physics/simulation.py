@@ -13,7 +13,7 @@ from softcradle.physics import dispatch
 from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
-from softcradle.physics.checked_input import magnitude, number_array, real_number, require_kind, shown, whole_number
+from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
 from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.default_step import default_step
 from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
@@ -170,8 +170,7 @@ def move(
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
     _require_carried(method, chain)
-    duration = real_number("duration", duration)
-    _require(math.isfinite(duration) and duration >= 0.0, f"duration must be a finite number >= 0, not {duration!r}")
+    duration = magnitude("duration", duration, zero=True)
     _require(whole_number("most_steps", most_steps) > 0, f"most_steps must be at least 1, not {shown(most_steps)}")
     length = _step(chain, state, chosen, step)
     fineness = tolerance if chosen.adaptive else 0.0
@@ -262,7 +261,8 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain) -> 
     times = number_array("samples", samples).copy()
     _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
-    _require(math.isfinite(times[-1]), "sample times must be finite")
+    for time in (*times[times > 0.0][:1], times[-1]):  # what is far below underflows in the overlaps at its time
+        magnitude("sample times", time, zero=True)
     _require(duration is None or times[-1] <= duration, f"sample times must lie within the duration {duration}")
     return times
 

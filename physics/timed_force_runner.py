@@ -162,6 +162,7 @@ class _Joined:
     status: Status = Status.DONE
     warnings: dict[WarningCode, CodedWarning] = field(default_factory=dict)
     most_energy: float = 0.0
+    fastest: float = 0.0
 
     def __post_init__(self) -> None:
         chain = self.whole.chain
@@ -201,12 +202,17 @@ class _Joined:
             self.estimated = True
             self.error = np.hypot(record.growth * self.error, record.velocity_error + self.frequency * piece.error)
         self.most_energy = max(self.most_energy, start.energy(self.whole.chain))
+        self.fastest = max(self.fastest, float(np.ptp(start.velocity(self.whole.chain))))
+        still = start.energy(self.whole.chain) < STILL * self.most_energy
+        allowed = self.whole.tolerance * self.fastest  # however small the speeds of this piece are
+        determined = not (record.velocity_error > allowed).any()
+        status = Status.DONE if record.status is Status.UNDETERMINED and determined else record.status
+        blameless = {WarningCode.ENERGY: still, WarningCode.SENSITIVE: determined}
         for warning in record.warnings:
-            blames_energy = warning.code is WarningCode.ENERGY
-            if not (blames_energy and start.energy(self.whole.chain) < STILL * self.most_energy):
+            if not blameless.get(warning.code, False):
                 self.warnings.setdefault(warning.code, warning)
-        if record.status.gave_up or record.status is Status.UNDETERMINED or not self.status.gave_up:
-            self.status = record.status if self.status is not Status.UNDETERMINED else self.status
+        if status.gave_up or status is Status.UNDETERMINED or not self.status.gave_up:
+            self.status = status if self.status is not Status.UNDETERMINED else self.status
 
     def record(self) -> Record:
         """All of them as one."""

@@ -177,7 +177,7 @@ def integrate(
         if open_passed(row, event, chain, regime, motion, slow):
             control[LAST] = 0.0
         log_switches(before, time, motion, wanted, scratch, log)
-        grow_errors(chain, motion, wanted, scratch)
+        grow_errors(row, event, chain, motion, wanted, scratch)
         if row >= 0:
             switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
 

@@ -25,7 +25,7 @@ from softcradle.physics.adaptive.dop853_tableau import (
 )
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
-from softcradle.physics.numerics.law_curve import care, signed_force, slope_at
+from softcradle.physics.numerics.law_curve import care, larger, signed_force, slope_at
 from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
 
@@ -207,7 +207,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
                     rough = True
                 else:
                     push = force_at(law, i, overlap[i] if opens else end_overlap[i])
-                    worst = max(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+                    worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     slowest = math.inf
     error, frequency = fifth, third  # from here on of each contact: its error, and its local frequency squared
     for i in range(first, last):
@@ -218,12 +218,12 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         if mode[i] == LOADED and at > 0.0:
             frequency[i] = frequency_of(law, inverse_mass, i, at)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
-            error[i] = max(error[i], math.sqrt(frequency[i]) * of_overlap)
+            error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)
             if law[i, 2] < 1.0:
                 slowest = min(slowest, frequency[i])
     for i in range(first, last):
         faster = frequency[i] / slowest if math.isfinite(slowest) else 1.0
-        worst = max(worst, error[i] * care(law[i, 2], h * h * frequency[i], faster))
+        worst = larger(worst, error[i] * care(law[i, 2], h * h * frequency[i], faster))
     return worst
 
 
@@ -252,7 +252,7 @@ def add_scaled(factor, source, first, last, target):
 def combined(fifth, third):
     """The error of order 8 from those of orders 5 and 3, as in the authors' code."""
     scale = fifth * fifth + 0.01 * third * third
-    return fifth * fifth / math.sqrt(scale) if scale > 0.0 else 0.0
+    return fifth * fifth / math.sqrt(scale) if scale != 0.0 else 0.0
 
 
 @jit

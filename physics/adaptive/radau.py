@@ -123,8 +123,9 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     for iteration in range(MOST_TRIES):
         directions(h, chain, mode, trial, scratch)
         eliminate(h, chain, motion, trial, scratch)
-        size, changed, largest = 0.0, 0.0, strongest
+        size, settled = 0.0, True
         for i in range(n):
+            changed, largest = 0.0, max(force[i], FORCE_PRECISION * strongest)
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
                 by_overlap, by_force = along[k, i] * z[k, i], across[k, i] * z[k, i]
@@ -147,7 +148,9 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                 by_overlap, by_force = max(abs(by_overlap), asked_overlap), max(abs(by_force), asked_force)
                 size = max(size, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
                 changed, largest = max(changed, by_force), max(largest, abs(stage_force[k, i]))
-        if changed <= FORCE_PRECISION * largest and (
+            settled &= changed <= FORCE_PRECISION * largest
+            strongest = max(strongest, largest)
+        if settled and (
             size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before)
         ):
             return iteration + 1

@@ -7,7 +7,7 @@ import math
 from softcradle.physics.adaptive.constants import RATIO
 from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_curve import care, flow_into, slope_at
+from softcradle.physics.numerics.law_curve import care, flow_into, larger, slope_at
 from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
 
 
@@ -75,8 +75,8 @@ def embedded_error(h, chain, motion, trial, work):
         times = 1.0
         if upper[i] > 0.0:
             weight = inverse_mass[i] + inverse_mass[i + 1]
-            by_fine = max(by_fine, math.sqrt(weight * upper[i]) * abs(fine[i]))
-            by_coarse = max(by_coarse, math.sqrt(weight * upper[i]) * abs(coarse[i]))
+            by_fine = larger(by_fine, math.sqrt(weight * upper[i]) * abs(fine[i]))
+            by_coarse = larger(by_coarse, math.sqrt(weight * upper[i]) * abs(coarse[i]))
             times = care(law[i, 2], h * h * weight / upper[i], weight / upper[i] / slowest)
-        worst = max(worst, times * by_fine * min(1.0, RATIO * by_fine / max(by_coarse, 1e-300)))
+        worst = larger(worst, times * by_fine * min(1.0, RATIO * by_fine / max(by_coarse, 1e-300)))
     return worst

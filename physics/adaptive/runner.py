@@ -12,7 +12,7 @@ from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
 from softcradle.physics.adaptive.effective_chain import chain_and_regime
 from softcradle.physics.adaptive.kept_steps import KeptSteps
-from softcradle.physics.adaptive.self_check import checked, is_sensitive
+from softcradle.physics.adaptive.self_check import checked
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
     GROWTH,
@@ -24,7 +24,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import DOUBT, finish
+from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, finish, undetermined
 from softcradle.physics.adaptive.usual_budget import step_budget
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.contact import power_law
@@ -43,6 +43,7 @@ from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
     FALLBACK,
+    OUT_OF_STEPS,
     PAUSED,
     REJECTED,
     STEP,
@@ -56,7 +57,7 @@ from softcradle.physics.problem import (
     with_ends_as_samples,
     with_samples_of,
 )
-from softcradle.physics.scales import closing_scale
+from softcradle.physics.scales import closing_scale, is_possible, largest_error
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -64,6 +65,7 @@ Array = NDArray[np.float64]
 
 TURN_GROWTH = 1.0 / 16.0  # by each turn of an oscillation, whose phase all errors before it have moved
 PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
+LONGER = 1.1  # a budget of steps that has grown by this since it was asked for is worth another call
 PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
 PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
 SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
@@ -96,7 +98,7 @@ def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
     KERNELS.load_made()  # so that the cost measured is that of the motion
     record = completed(problem)
-    if problem.most_steps is None and record.status != Status.UNDETERMINED and is_sensitive(problem, record):
+    if problem.most_steps is None and record.status != Status.UNDETERMINED and record.growth > MOST_GROWN:
         record = checked(problem, record, _scale(problem), completed)
     if record.kept is not None and not problem.later:
         began = perf_counter()
@@ -104,6 +106,11 @@ def run(problem: Problem) -> Record:
         record.seconds += perf_counter() - began
     before, change = _ledger(problem, record)
     record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
+    if not is_possible(problem.chain, problem.state, float(record.velocity_error.max())):
+        most = largest_error(problem.chain, problem.state, record.end)
+        record.velocity_error = np.minimum(record.velocity_error, most)
+    if record.status == Status.UNDETERMINED:
+        record.warnings += (undetermined(record.velocity_error),)
     if change > MOST_ENERGY * problem.tolerance * before:
         record.warnings += (_energy_warning(problem, change / before),)
     return record
@@ -174,7 +181,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
 def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kept: KeptSteps | None = None) -> Any:
     """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
     data, regime = chain_and_regime(problem.chain, state)
-    most, counter, stop = step_budget(problem), memory.log.counter, problem.duration is None
+    most, counter, stop = step_budget(problem, state.time), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
@@ -194,6 +201,10 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
                 tuple(steps), tuple(memory.log),
             )  # fmt: skip
         resumed = True
+        if code == OUT_OF_STEPS:
+            allowed = step_budget(problem, time)
+            if allowed > LONGER * most:
+                code, most = PAUSED, allowed
         if kept:
             kept.take(memory.log)
     return code, time
@@ -209,7 +220,7 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     """What a run could not do."""
     found = []
     if status.gave_up:
-        steps = step_budget(problem)
+        steps = int(log.counter[STEP] + log.counter[REJECTED])
         sentence = (
             f"{problem.method} gave up after {steps} steps at t = {time:.6g} s: the contacts rattle on; take method "
             "'conserving', or a looser tolerance"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
-from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, confirmed_error, undetermined
+from softcradle.physics.adaptive.undetermined import DOUBT, confirmed_error
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Problem, Record
@@ -28,18 +28,6 @@ ALIKE = FINER ** (2.0 * ERROR_EXPONENT[RADAU])
 LEAST_PROMISED = 1e-11
 
 
-def is_sensitive(problem: Problem, record: Record) -> bool:
-    """True where errors of single steps have grown, or are not known.
-
-    They grow by bounces and by many oscillations. Where a steady push brings a soft contact back to zero overlap, a change d of
-    the overlap is one of sqrt(d) in velocity.
-    """
-    if record.growth > MOST_GROWN:
-        return True
-    driven = problem.state.external(problem.chain) is not None
-    return driven and any(contact.preload == 0.0 and contact.exponent < 1.0 for contact in problem.chain.power_laws)
-
-
 def checked(problem: Problem, record: Record, scale: float, complete: Callable[[Problem], Record]) -> Record:
     """The first record with which a finer one of a slightly different chain agrees, or the finest, which is undetermined.
 
@@ -51,7 +39,8 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
-        chain, state = _shaken(problem.chain, TOLERANCE_PART * tolerance), problem.state.copy()
+        # to and fro, for two runs that are shaken alike are off alike
+        chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
         state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))
@@ -72,9 +61,7 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
 
 
 def _undetermined(record: Record, error: Array) -> Record:
-    return replace(
-        record, status=Status.UNDETERMINED, velocity_error=error, warnings=(*record.warnings, undetermined(error))
-    )
+    return replace(record, status=Status.UNDETERMINED, velocity_error=error)
 
 
 def _with_cost_of(record: Record, other: Record) -> Record:

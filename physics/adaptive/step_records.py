@@ -81,7 +81,7 @@ class Scratch(NamedTuple):
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
     grown: Array  # (n,) growth of errors by the present bounce of each contact
     most_grown: Array  # (n,) what that can be at the most: a mistimed bounce changes velocities by twice its speed
-    course: Array  # (n,) the last rate of each loaded contact that was above the tolerance; 0 where there is none
+    course: Array  # (n,) the fastest rate of each loaded contact since it turned, if above the tolerance; 0 where there is none
     turns: Array  # (n,) how often that has changed its sign
     along: Array  # (3, n)
     across: Array  # (3, n)

@@ -6,14 +6,16 @@ force vanishes smoothly or with the smallest of overlaps, and it is located afte
 
 from __future__ import annotations
 
+import math
+
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.event_location import is_continued
+from softcradle.physics.adaptive.event_location import OPENS, is_continued
 from softcradle.physics.adaptive.radau_guess import AFTER
 from softcradle.physics.adaptive.step import take_step
-from softcradle.physics.adaptive.step_records import GROWTH
+from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.law_curve import cubic, flow_into
+from softcradle.physics.numerics.law_curve import cubic, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
 
@@ -42,25 +44,59 @@ def log_switches(before, time, motion, wanted, scratch, log):
 
 
 @inlined
-def grow_errors(chain, motion, wanted, scratch):
-    """How the bounces that now go on make errors grow, and how often loaded contacts have turned.
+def grow_errors(row, event, chain, motion, wanted, scratch):
+    """How the bounces that now go on, and returns to d = 0, make errors grow, and how often loaded contacts have turned.
 
     A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
-    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u.
+    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. `row` and `event` are what ended the step.
     """
+    course, slowest = scratch.course, wanted / TOLERANCE_PART
     for i in range(motion.mode.size):
-        if motion.mode[i] != LOADED:
-            scratch.course[i] = 0.0
-        elif abs(motion.rate[i]) > wanted / TOLERANCE_PART:
-            scratch.turns[i] += 1.0 if scratch.course[i] * motion.rate[i] < 0.0 else 0.0
-            scratch.course[i] = motion.rate[i]
+        loaded, rate = motion.mode[i] == LOADED, motion.rate[i]
+        own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
+        others = own - flow_into(i, chain.inverse_mass, motion.force)
+        if chain.external.size:
+            others += chain.external[i]
+        turned = abs(rate) > slowest and course[i] * rate < 0.0
+        if loaded and i == row and event == OPENS:
+            return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
+        elif loaded and turned and rate > 0.0:
+            bend = others - own
+            least = motion.overlap[i] - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
+            return_to_touch(i, course[i], 0.0, least, others, chain, scratch.control)
+        elif motion.mode[i] == OPEN and course[i] < 0.0:
+            return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
+        if not loaded:
+            course[i] = 0.0
+        elif abs(rate) > slowest:
+            scratch.turns[i] += 1.0 if turned else 0.0
+            if turned or abs(rate) > abs(course[i]):
+                course[i] = rate
         if scratch.lateness[i] > 0.0:
-            own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
-            others = own - flow_into(i, chain.inverse_mass, motion.force)
-            if chain.external.size:
-                others += chain.external[i]
             grown = min(scratch.lateness[i] * abs(others), scratch.most_grown[i])
             scratch.grown[i] = max(scratch.grown[i], grown)
+
+
+@jit
+def return_to_touch(i, fastest, rate, least, others, chain, control):
+    """Growth of errors where contact i comes back to d = 0 at `rate`, or turns at the overlap `least` before it.
+
+    A velocity error e in a swing whose largest rate was u is one u e of half the rate squared, so one u e / w of the rate w here,
+    and sqrt(2 u e) of none. That moves the time spent beyond d = 0, where the force of the contact is missing among the `others`.
+    """
+    weight, fastest = chain.inverse_mass[i] + chain.inverse_mass[i + 1], abs(fastest)
+    bend = others - weight * chain.law[i, 0]
+    if bend <= 0.0 or fastest == 0.0:
+        return
+    error = max(math.sqrt(control[LOCAL_SQUARE]), ROUND_OFF * fastest)
+    square = fastest * error
+    if bend * least > FEW_TRIES * square:
+        return
+    missing = weight * signed_force(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], square / bend)
+    grown = fastest / math.sqrt(max(rate * rate, 2.0 * square)) - 1.0
+    if grown > 0.0:
+        control[GROWTH] += 2.0 * missing / (bend + missing) * grown
+        control[LOCAL_SQUARE] = max(control[LOCAL_SQUARE], error * error)
 
 
 @jit

@@ -96,7 +96,7 @@ def _joined(problem: Problem, first: Record, last: Record, error: Array) -> Reco
     return replace(
         _in_a_row(problem.chain, [problem.state.time, first.end.time], [first, last]),
         status=Status.UNDETERMINED,
-        warnings=(undetermined(error),),
+        warnings=(),
         velocity_error=error,
         growth=first.growth,
     )

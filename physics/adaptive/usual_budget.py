@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, ERROR_EXPONENT, RADAU
 from softcradle.physics.problem import MOST_STEPS, Problem
 from softcradle.physics.scales import contact_scales
@@ -14,27 +12,39 @@ STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times i
 USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
 
 
-def usual_budget(contacts: int, tolerance: float, passes: Any) -> Any:
-    """Steps of motions whose durations are `passes` times their longest contact times, a number or (C,); 0 without duration."""
-    budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16) + STEPS_A_CONTACT_TIME * passes
-    finer = max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU]
-    return budget * finer
+def usual_budget(contacts: int, tolerance: float) -> int:
+    """Steps of a motion without a duration."""
+    budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16)
+    return int(min(budget * _finer(tolerance), MOST_STEPS))
+
+
+def _finer(tolerance: float) -> float:
+    """Times the steps at the usual tolerance."""
+    return float(max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU])
+
+
+def _lasting(problem: Problem, time: float) -> int:
+    """More steps of a motion with a duration that has lasted until `time` [s]."""
+    if problem.duration is None or time == problem.state.time:
+        return 0
+    longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
+    return int(STEPS_A_CONTACT_TIME * _finer(problem.tolerance) * (time - problem.state.time) / longest)
 
 
 def usual_steps(problem: Problem) -> int:
-    """The usual budget of a run."""
-    passes = 0.0
-    if problem.duration is not None:
-        passes = problem.duration / contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
-    return min(int(usual_budget(problem.chain.contacts, problem.tolerance, passes)), MOST_STEPS)
+    """The usual budget of a whole run."""
+    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, problem.end)
 
 
-def step_budget(problem: Problem) -> int:
-    """Steps, rejected ones included, after which a motion rattles more than it determines; or what the problem allows."""
+def step_budget(problem: Problem, time: float) -> int:
+    """Steps by `time` [s], rejected ones included, above which a motion rattles more than it determines; or what is allowed.
+
+    Bounces at full speed never take so many, however long they go on.
+    """
     if problem.most_steps is not None:
         return problem.most_steps
     if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
-        return MOST_STEPS
+        return MOST_STEPS + _lasting(problem, time)
     if problem.budget is not None:
         return problem.budget
-    return usual_steps(problem)
+    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, time)

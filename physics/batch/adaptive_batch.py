@@ -19,9 +19,12 @@ from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN
 from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.batch.batch_parts import BatchRun, Part
 from softcradle.physics.batch.chain_batch import ChainBatch
+from softcradle.physics.batch.lockstep_loop import BatchMotion
+from softcradle.physics.contact import stored_energy
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import DONE, SEPARATED
 from softcradle.physics.problem import MOST_STEPS
+from softcradle.physics.scales import velocity_room
 
 Array = NDArray[np.float64]
 
@@ -39,15 +42,11 @@ class Accuracy:
     control: Array  # (C, 2) growth by those before, and the sum of squares of the errors of steps
 
 
-def accuracy_of(
-    batch: ChainBatch, method: str, tolerance: float, scale: Array, times: Array, durations: Array
-) -> Accuracy:
-    """With the budget of `step_budget` for contacts that take `times` (C, n) [s]."""
+def accuracy_of(batch: ChainBatch, method: str, tolerance: float, scale: Array) -> Accuracy:
+    """With the budget of `step_budget` at the start: a chain that takes more steps is run again."""
     n = batch.contacts
-    budget = np.full(batch.chains, MOST_STEPS, dtype=np.int64)
-    if ALLOWED[method] != DOP853:
-        passes = np.where(np.isfinite(durations), durations, 0.0) / times.max(axis=1)
-        budget = np.minimum(usual_budget(n, tolerance, passes), MOST_STEPS).astype(np.int64)
+    steps = MOST_STEPS if ALLOWED[method] == DOP853 else usual_budget(n, tolerance)
+    budget = np.full(batch.chains, steps, dtype=np.int64)
     grown, turns, control = (np.zeros((batch.chains, count)) for count in (n, n, 2))
     return Accuracy(method, tolerance, scale, budget, grown, turns, control)
 
@@ -73,10 +72,15 @@ def errors(accuracy: Accuracy) -> tuple[Array, Array]:
     return DOUBT * growth * np.sqrt(accuracy.control[:, 1]), growth
 
 
-def needs_another_run(batch: ChainBatch, status: NDArray[np.int64], growth: Array) -> NDArray[np.bool_]:
-    """(C,) whether more than one run decides on a chain: it gave up, errors have grown, or contacts are very soft."""
-    soft = (batch.preload == 0.0) & (batch.exponent < 1.0)
-    driven = batch.driven & soft.any(axis=1)
-    softest = (soft & (batch.exponent < SOFTEST)).any(axis=1)
-    found: NDArray[np.bool_] = ((status != DONE) & (status != SEPARATED)) | (growth > MOST_GROWN) | driven | softest
+def needs_another_run(
+    batch: ChainBatch, velocity: Array, moving: BatchMotion, error: Array, growth: Array
+) -> NDArray[np.bool_]:
+    """(C,) whether more than one run decides on a chain from its start `velocity` (C, n+1): it gave up, errors have grown, its
+    contacts are very soft, or its energy allows no such error."""
+    soft = (batch.preload == 0.0) & (batch.exponent < SOFTEST)
+    stored = stored_energy(batch.preload, batch.stiffness, batch.exponent, 0.0 - batch.gap).sum(axis=1)
+    _, room = velocity_room(batch.mass, batch.on_bed, velocity, stored, batch.drive, moving.time)
+    room[np.isinf(batch.mass)] = np.inf
+    gave_up = (moving.status != DONE) & (moving.status != SEPARATED)
+    found: NDArray[np.bool_] = gave_up | (growth > MOST_GROWN) | soft.any(axis=1) | (error > room.min(axis=1))
     return found

@@ -69,7 +69,10 @@ def ensemble_ends(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> EnsembleEnds:
-    """Let very many short chains of one shape move, each as `simulate` would, to the last digit; their ends as arrays.
+    """Let very many short chains of one shape move, each as `simulate` would; their ends as arrays.
+
+    They are those of `simulate` to the last digit, but for some of the motions that rattle, which amplify round-off: of these a
+    few in a hundred have been seen to differ, by 1.5e-8 m/s at the most.
 
     Explicit steps are taken by several chains side by side, in the lanes of vector code; the other methods run one chain after
     the other in compiled code, on all cores. Chains whose motion takes more than one run, because they rattle or errors have
@@ -129,7 +132,7 @@ def ensemble_ends(
             raise ValueError(f"tolerance must be from {LEAST_TOLERANCE:g} to {LARGEST:g}, not {shown(tolerance)}")
         run = BatchRun.of(batch, start, np.zeros(batch.chains), durations, duration is None)
         scale = closing_scales(batch, start, durations)
-        accuracy = adaptive_batch.accuracy_of(batch, method, float(tolerance), scale, times, durations)
+        accuracy = adaptive_batch.accuracy_of(batch, method, float(tolerance), scale)
         move: Any = partial(adaptive_batch.run_part, KERNELS["adaptive"].of(integrate_each, np.inf), accuracy, run)
     else:
         steps = default_steps(batch, start.velocity, times) if step is None else _each("step", step, batch.chains)
@@ -146,7 +149,7 @@ def ensemble_ends(
     if chosen.adaptive:
         error, growth = adaptive_batch.errors(accuracy)
         ends.velocity_error[:] = error[:, None]
-        again = np.flatnonzero(adaptive_batch.needs_another_run(batch, ends.status, growth))
+        again = np.flatnonzero(adaptive_batch.needs_another_run(batch, start.velocity, moving, error, growth))
         _run_again(batch, start.velocity, again, durations, method, float(tolerance), ends, workers or cores())
     return ends
 

@@ -56,6 +56,12 @@ def care(exponent, swing, faster):
 
 
 @jit
+def larger(a, b):
+    """The larger of two errors; nan where either is none, which ``max`` may pass over."""
+    return b if b > a or math.isnan(b) else a
+
+
+@jit
 def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap, by_force):
     """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
 

@@ -70,6 +70,10 @@ def take_row(motion, rows, k):
 
 @inlined
 def take_sample(samples, log, motion):
-    """Copy `motion` into the next sample row."""
-    put_row(samples, log.counter[SAMPLE], motion)
+    """Copy `motion` into the next sample row; an open contact does not push, whatever its mean force in the last step was."""
+    k = log.counter[SAMPLE]
+    put_row(samples, k, motion)
+    for i in range(motion.force.size):
+        if motion.overlap[i] < 0.0:
+            samples.force[k, i] = min(motion.force[i], 0.0)
     log.counter[SAMPLE] += 1

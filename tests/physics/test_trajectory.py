@@ -195,6 +195,10 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
         ({"method": "rk4"}, "unknown method 'rk4'; there are auto, euler, verlet"),
         ({"duration": -1.0}, "duration must be a finite number >= 0, not -1.0"),
         ({"duration": math.inf}, "duration must be a finite number >= 0, not inf"),
+        (
+            {"samples": [0.0, 1e-310]},
+            "sample times must be from 1e-30 to 1e\\+30, not 1e-310",
+        ),  # it hung, and heard no signal
         ({"step": 0.0}, "step must be a finite number > 0, not 0.0"),
         ({"step": math.nan}, "step must be a finite number > 0, not nan"),
         ({"samples": 1}, r"samples must be from 2 \(start and end\) to 20000000 of these beads, not 1"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_TRIES, RATIO
+from softcradle.physics.adaptive.dop853 import error_of_range
 from softcradle.physics.adaptive.radau import radau_step
 from softcradle.physics.adaptive.radau_error import compliance, embedded_error
 from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, first_guess
@@ -266,3 +267,22 @@ def test_a_guess_by_the_step_before_is_as_good_as_its_cubic():
             errors.append(np.abs(guess.force - exact.force).max())
         assert errors[0] < 2e-4
         assert errors[1] < errors[0] / 8.0
+
+
+@pytest.mark.parametrize("row", [0, 1, 2])
+def test_an_error_that_is_no_number_is_none_of_0(row):
+    """``max(0, nan)`` is 0: a step with a row that is no number would have been taken as exact."""
+    chain = Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)])
+    state = State.at_start(chain, [1.0, 0.5, 0.0, -0.5])
+    state.overlap[:], state.force[:] = 0.4, [law.force(0.4) for law in chain.contact]
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = LOADED
+    used, trial = stepped(data, motion, 0.01)
+    assert used > 0
+    trial.rate[:, row] = math.nan
+    assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((3, 4))))
+    trial = empty_trial(3)
+    for rows in trial[:3]:
+        rows[:] = 0.4
+    trial.overlap[0, row] = math.nan
+    assert math.isnan(error_of_range(0.01, 0, 3, data, motion, trial, np.zeros(3)))

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, draft_gear, hertz, hooke, one_on, power_law
-from softcradle.physics.adaptive import runner, undetermined
+from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, one_on, power_law
+from softcradle.physics.adaptive import runner, undetermined, usual_budget
 from softcradle.physics.adaptive.usual_budget import usual_steps
 from softcradle.physics.problem import Problem
-from softcradle.physics.scales import closing_scale
+from softcradle.physics.scales import closing_scale, largest_error, velocity_room
 from softcradle.physics.simulation import solve
 from softcradle.physics.state import State
 from softcradle.physics.status import Status, WarningCode
@@ -153,7 +153,7 @@ def run_for_ever(problem):
 @pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="signals reach the main thread")
 def test_a_signal_is_heard_within_a_run(monkeypatch):
     monkeypatch.setattr(runner, "PAUSE", 50)
-    monkeypatch.setattr(runner, "step_budget", lambda problem: 10_000_000)
+    monkeypatch.setattr(runner, "step_budget", lambda *_: 10_000_000)
 
     class HeardError(Exception):
         """The handler ran."""
@@ -182,3 +182,76 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
     assert plain.status == doubled.status == Status.UNDETERMINED
     assert doubled.time.tolist() == plain.time.tolist() == times.tolist()
     assert doubled.overlap.shape == plain.overlap.shape
+
+
+def pushed_beyond_preload(seed):
+    """A bead at a wall behind a preloaded spring, under a drive just beyond the preload: it comes back to rest after each period.
+
+    The chain, its duration, tolerance, velocity at the end and largest velocity.
+    """
+    draw = np.random.default_rng(seed)
+    preload, stiffness, mass = 10.0 ** draw.uniform(-1, 1, 3)
+    beyond, periods, tolerance = 10.0 ** draw.uniform(-8, 0), draw.uniform(1, 30), 10.0 ** draw.uniform(-11, -5)
+    chain = Chain([mass, math.inf], Contact(preload, stiffness, 1.0), drive=[preload * (1.0 + beyond), 0.0])
+    fastest = beyond * preload / math.sqrt(stiffness * mass)
+    phase = 2.0 * math.pi * periods
+    return chain, phase * math.sqrt(mass / stiffness), tolerance, fastest * math.sin(phase), fastest
+
+
+# those whose error was silent, up to 2e-4 of their own speed, among others
+@pytest.mark.parametrize("seed", [18, 29, 51, 93, 98, 140, 144, *range(200, 216)])
+def test_no_error_of_a_return_at_rest_is_silent(seed):
+    """At rest at d = 0, where the force jumps, a change e of the velocity has become one of sqrt(e)."""
+    chain, duration, tolerance, velocity, fastest = pushed_beyond_preload(seed)
+    found = solve(chain, [0.0, 0.0], duration, samples=2, tolerance=tolerance)
+    error = abs(found.final_velocity[0] - velocity)
+    assert found.warnings or error <= max(20.0 * tolerance * fastest, found.velocity_error[0])
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 2.0])
+def test_a_bead_that_comes_back_at_speed_needs_no_other_run(part):
+    """The same bead with a velocity of its own goes through d = 0, again and again, and nothing grows by it."""
+    chain = Chain([1.0, math.inf], draft_gear(1.0, 1.0), drive=[2.0, 0.0])
+    start = [part, 0.0]
+    fine = solve(chain, start, 20.0, samples=2, tolerance=1e-11)
+    found = solve(chain, start, 20.0, samples=2)
+    assert not found.warnings
+    assert abs(found.final_velocity - fine.final_velocity).max() < 1e-7
+
+
+def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
+    """A bead between two springs, 600 bounces at full speed: no number of steps is too large for them."""
+    monkeypatch.setattr(usual_budget, "CONTACT_STEPS", 1000)
+    monkeypatch.setattr(usual_budget, "STEPS_A_CONTACT", 0)
+    bounces, gap, stiffness = 600, 1.0, 1e4
+    chain = Chain([math.inf, 1.0, math.inf], hooke(stiffness), gap=0.5 * gap)
+    duration = bounces * (gap + math.pi / math.sqrt(stiffness)) + 0.3 * gap
+    found = solve(chain, [0.0, 1.0, 0.0], duration, samples=2, tolerance=1e-6)
+    assert not found.warnings
+    assert found.steps > 5000
+    assert abs(found.final_velocity[1] - 1.0) <= found.velocity_error[1] < 1e-4
+
+
+def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
+    """Two beads have two velocities that keep both: where they are, and where they were."""
+    chain = Chain([1.0, 3.0], hooke(1.0))
+    start = State.at_start(chain, [1.0, 0.0])
+    np.testing.assert_allclose(largest_error(chain, start, start), [1.5, 0.5])
+    walled = Chain([math.inf, 1.0, math.inf], hooke(1.0))
+    start = State.at_start(walled, [0.0, 1.0, 0.0])
+    np.testing.assert_allclose(largest_error(walled, start, start), [0.0, 2.0, 0.0])
+    found = simulate_quietly(RATTLES, struck(RATTLES), tolerance=1.0, samples=2)
+    start, end = (State.at_start(RATTLES, velocity) for velocity in (struck(RATTLES), found.final_velocity))
+    assert (found.velocity_error <= largest_error(RATTLES, start, end) * (1.0 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_velocities_of_one_momentum_and_energy_lie_in_their_room(seed):
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(2, 6))
+    mass, start, other = 10.0 ** draw.uniform(-1, 1, n), draw.normal(size=n), draw.normal(size=n)
+    mean = mass @ start / mass.sum()
+    other -= mass @ other / mass.sum()
+    other *= math.sqrt(mass @ (start - mean) ** 2 / (mass @ other**2))
+    centre, room = velocity_room(mass, np.array(False), start, np.array(0.0), np.zeros(n), 0.0)
+    assert (np.abs(mean + other - centre) <= room * (1.0 + 1e-12)).all()
