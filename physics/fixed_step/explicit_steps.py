@@ -13,7 +13,6 @@ With dissipation, for methods without a backward part:
     kick(c h)    v -= c h (forces);  then |v| falls by c h mu g, to 0 at most: the bed stops a bead, never turns it round
 
 Contacts absorb loss * (fall of the stored energy) in a drift, the bed what the kinetic energy falls by in a kick.
-Long chains take the same steps in vector code: `explicit_steps_simd`.
 
 A preload is set-valued at overlap 0; these methods take f = 0 there, so a contact that should only touch chatters.
 """
