@@ -97,12 +97,11 @@ def reduced(about, x, more):
 
 
 @jit
-def unusual_exp(x, more):
-    """e**(x + more) for any x: below the least float 0, above the largest infinite."""
-    if math.isnan(x):
-        return x
-    half = min(max(0.5 * (x + more), -USUAL), USUAL)
-    factor, rest = reduced(half, half, 0.0)
+def unusual_exp(about, x, more):
+    """e**(x + more) for any x: below the least float 0, above the largest infinite; `about` is the rounded sum."""
+    if not abs(about) < 2.0 * USUAL:
+        return math.inf if about > 0.0 else 0.0 * about
+    factor, rest = reduced(0.5 * about, 0.5 * x, 0.5 * more)
     root = factor + factor * rest
     return root * root
 
@@ -111,7 +110,7 @@ def unusual_exp(x, more):
 def exp(x):
     """e**x: 0 below the least float, infinite above the largest."""
     if not -USUAL <= x <= USUAL:
-        return unusual_exp(x, 0.0)
+        return unusual_exp(x, x, 0.0)
     factor, rest = reduced(x, x, 0.0)
     return factor + factor * rest
 
@@ -144,7 +143,7 @@ def usual_power(base, lifted, exponent):
     x, more = times_log(exponent, base, lifted)
     about = x + more
     if not -USUAL < about < USUAL:
-        return unusual_exp(x, more)
+        return unusual_exp(about, x, more)
     factor, rest = reduced(about, x, more)
     return factor + factor * rest
 
