@@ -25,7 +25,7 @@ from softcradle import scenes
 from tools.wasm_runner import WasmKernels, node
 
 FRAME = 1.0 / 60.0  # [s] of the viewer
-SLOW = 2.0  # the motion is shown so many times slower
+SLOW = 2.0  # a motion that is no scene is shown so many times slower
 WITHOUT_FMA = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4", "NPY_DISABLE_CPU_FEATURES": "AVX512F AVX512_SKX"}
 TIERS: dict[str, dict[str, str]] = {
     "machine code": {"SOFTCRADLE_COMPILE": "first"},
@@ -35,31 +35,34 @@ TIERS: dict[str, dict[str, str]] = {
     "Node": {"NUMBA_DISABLE_JIT": "1"},
 }
 
-Motion = tuple[Chain, list[float], list[float] | None]  # chain, start velocities, pushes
+Motion = tuple[
+    Chain, list[float], list[float] | None, float
+]  # chain, start velocities, pushes, how much slower it is shown
 
 
 def motions() -> dict[str, Motion]:
     """Four scenes, friction, loss, and pushes on the ends of a row."""
     soft, strike = power_law(1.0, 0.1), [1.0, 0.0, 0.0, 0.0, 0.0]
     found: dict[str, Motion] = {
-        "1/14": (Chain([1.0] * 6, power_law(1.0, 1.0 / 14.0)), [*strike, 0.0], None),
-        "friction": (Chain([1.0] * 5, soft, friction=0.02), strike, None),
-        "loss": (Chain([1.0] * 5, power_law(1.0, 0.1, loss=0.2)), strike, None),
-        "pushed": (Chain([1.0] * 5, soft), strike, [0.3, 0.0, 0.0, 0.0, -0.1]),
+        "1/14": (Chain([1.0] * 6, power_law(1.0, 1.0 / 14.0)), [*strike, 0.0], None, SLOW),
+        "friction": (Chain([1.0] * 5, soft, friction=0.02), strike, None, SLOW),
+        "loss": (Chain([1.0] * 5, power_law(1.0, 0.1, loss=0.2)), strike, None, SLOW),
+        "pushed": (Chain([1.0] * 5, soft), strike, [0.3, 0.0, 0.0, 0.0, -0.1], SLOW),
     }
     for name in ("one-on-four", "draft-gear-one-on-three", "hertz-cradle"):
-        lane = scenes.load(name).lanes[0]
-        found[name] = lane.chain(), list(lane.velocity), None
+        scene = scenes.load(name)
+        lane = scene.lanes[0]
+        found[name] = lane.chain(), list(lane.velocity), None, scene.view.slow
     return found
 
 
 def frames(motion: Motion, count: int, move: Any) -> NDArray[np.float64]:
     """Time, overlaps, rates, anchor, forces and absorbed energies after each frame that `move` moves the motion on by."""
-    chain, velocity, push = motion
+    chain, velocity, push, slow = motion
     state, step, rows = State.at_start(chain, velocity), default_step(chain, velocity), []
     state.push = None if push is None else np.array(push)
     for _ in range(count):
-        move(chain, state, FRAME / SLOW, step)
+        move(chain, state, FRAME / slow, step)
         rows.append(
             np.concatenate(([state.time], state.overlap, state.rate, state.anchor, state.force, state.absorbed))
         )

@@ -80,7 +80,11 @@ class WasmKernels:
 
     def __init__(self, run: Run, file: Path = FILE) -> None:
         self._run = run
-        self._base = run(f"start('{base64.b64encode(file.read_bytes()).decode()}')")
+        self.load(file)
+
+    def load(self, file: Path) -> None:
+        """Take this file."""
+        self._base = self._run(f"start('{base64.b64encode(file.read_bytes()).decode()}')")
 
     def advance(self, chain: Chain, state: State, duration: float, step: float) -> None:
         """Move `state` on by `duration` in place, as :func:`softcradle.physics.advance` does with method conserving."""

@@ -29,7 +29,7 @@ from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.own_contacts import force_at
 from softcradle.physics.numerics.switches import any_switched
 
-_OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
+_OUTER = 1.0 / (2.0 - 1.2599210498948732)
 _INNER = 1.0 - 2.0 * _OUTER
 
 # (drifts, kicks) as parts of the step; one drift more than kicks

@@ -5,7 +5,9 @@
     b**a = e**(a ln b),                 ln b and a ln b as sums of two floats
 
 The C library of each system rounds them in its own way, and so does each processor with fused products; here every operation is
-one of IEEE 754, in a fixed order. Errors in units of the last place (``python -m tools.elementary_errors``):
+one of IEEE 754, in a fixed order. Largest errors in units of the last place (``python -m tools.elementary_errors``): exp and
+log near 1 .51 and .75, log1p .75, expm1 1.5; powers .51 for exponents below 3, .7 below 30, 1.7 where a result is near the
+largest or the least float.
 """
 
 from __future__ import annotations
@@ -100,7 +102,7 @@ def reduced(about, x, more):
 def unusual_exp(about, x, more):
     """e**(x + more) for any x: below the least float 0, above the largest infinite; `about` is the rounded sum."""
     if not abs(about) < 2.0 * USUAL:
-        return math.inf if about > 0.0 else 0.0 * about
+        return 0.0 if about < 0.0 else math.inf if about > 0.0 else about
     factor, rest = reduced(0.5 * about, 0.5 * x, 0.5 * more)
     root = factor + factor * rest
     return root * root

@@ -73,7 +73,7 @@ if COMPILED:
 
             return types.float64(types.int64), generate
 
-        at.py_func = values.__getitem__
+        at.py_func = lambda index, values=values: values[index]
         return at
 
 else:
@@ -81,4 +81,4 @@ else:
 
     def table(values: tuple[float, ...]) -> Callable[[int], float]:
         """A function that gives the float at an index."""
-        return values.__getitem__
+        return lambda index: values[index]
