@@ -3,8 +3,8 @@
     python -m tests.helpers.digests            # says which answers differ from data/digests.json, the one record of them
     python -m tests.helpers.digests --write    # writes it anew, after a change that is meant to change digits
 
-They hold on every machine: kernels have powers, exponentials and logarithms of their own, and no product is fused with a sum. Only
-pymunk's are those of its wheel.
+They hold on every machine: kernels have powers, exponentials and logarithms of their own, and no product is fused with a sum.
+Only those of pymunk are its wheel's.
 """
 
 from __future__ import annotations
