@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test test-all check release-check coverage docs links play screenshots charts languages bench over-time clean help
+.PHONY: demo test test-all check release-check coverage docs links play screenshots charts languages wasm bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make check  format, types, layers, links: a minute at the most"
@@ -17,6 +17,7 @@ help:
 	@echo "make over-time  the same numbers for each release, by asv: keep those of this commit in benchmarks/releases"
 	@echo "make play   open the sandbox window"
 	@echo "make languages   update the catalogues of messages, and say what waits for a translation"
+	@echo "make wasm   compile the kernels for browsers anew, after a change of their digits: assets/page/kernels.wasm"
 	@echo "make screenshots   pictures of the window, of a page and of films, for README and documentation"
 	@echo "make charts   the chart and the maps of stability, for the same"
 
@@ -100,6 +101,11 @@ charts: .venv/.installed # minutes; other people's integrators are on the chart 
 
 languages: .venv/.installed
 	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues
+
+wasm: .venv/.installed # a minute; all else reads the file that is kept
+	$(BIN)/python -m pip install --quiet --editable '.[wasm]'
+	$(BIN)/python -m tools.wasm_kernels
+	$(BIN)/python -m tools.same_digits
 
 clean:
 	rm -rf .venv out dist

@@ -1,9 +1,8 @@
 """Two tiers of the kernels that Python calls: machine code, and the same source as plain Python until that is at hand.
 
-Machine code is made once a machine, which takes up to half a minute. Plain Python gives the same digits at once, a hundred
-times slower; explicit steps of long rows, which are vector code with fused products, agree with it to round-off. So a run
-begins in plain Python while a process behind compiles into the cache on the disk; what is too long for plain Python waits for
-it. SOFTCRADLE_COMPILE=first compiles before the first run, in its own process.
+Machine code is made once a machine, which takes up to half a minute. Plain Python gives the same digits at once, some hundred
+times slower. So a run begins in plain Python while a process behind compiles into the cache on the disk; what is too long for
+plain Python waits for it. SOFTCRADLE_COMPILE=first compiles before the first run, in its own process.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
+from softcradle.physics.numerics.array_powers import powers
 from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
@@ -135,7 +136,7 @@ def _driven_speed(chain: Chain, force: Array | None) -> float:
     preload, stiffness, exponent = chain.law_rows.T
     force = np.maximum(_rigid_forces(chain, force) - preload, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        depth = ((1.0 + exponent) * force / stiffness) ** (1.0 / exponent)
+        depth = powers((1.0 + exponent) * force / stiffness, 1.0 / exponent)
     for i, law in chain.own_contacts:
         depth[i] = law.overlap(2.0 * (force[i] + law.preload))
     with np.errstate(invalid="ignore"):
@@ -168,7 +169,7 @@ def _scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     preload, stiffness, exponent = chain.law_rows.T
     energy = 0.5 * speed * speed / chain.inverse_reduced_mass
     with np.errstate(divide="ignore"):
-        by_power = ((1.0 + exponent) * energy / stiffness) ** (1.0 / (1.0 + exponent))
+        by_power = powers((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent))
         depth = np.minimum(energy / preload, by_power)
     for i, law in chain.own_contacts:
         depth[i] = law.depth(float(energy[i]))

@@ -23,10 +23,10 @@ from softcradle.physics.adaptive.dop853_tableau import (
     WEIGHTS,
     WEIGHTS_SQUARE,
 )
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, larger, signed_force, slope_at
-from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
 
 

@@ -241,17 +241,19 @@ def lowest_of(b, margin):
     while high - low > ROUND_OFF:
         x = 0.5 * (low + high)
         y = 1.0 - x
+        xx, xy, yy = x * x, x * y, y * y
         slope = (
-            y**4 * (b[1] - b[0]) + 4.0 * x * y**3 * (b[2] - b[1]) + 6.0 * x * x * y * y * (b[3] - b[2])
-            + 4.0 * x**3 * y * (b[4] - b[3]) + x**4 * (b[5] - b[4])
+            yy * yy * (b[1] - b[0]) + 4.0 * xy * yy * (b[2] - b[1]) + 6.0 * xy * xy * (b[3] - b[2])
+            + 4.0 * xx * xy * (b[4] - b[3]) + xx * xx * (b[5] - b[4])
         )  # fmt: skip
         if slope < 0.0:
             low = x
         else:
             high = x
     x, y = low, 1.0 - low
-    value = y**5 * b[0] + 5.0 * x * y**4 * b[1] + 10.0 * x * x * y**3 * b[2]
-    value += 10.0 * x**3 * y * y * b[3] + 5.0 * x**4 * y * b[4] + x**5 * b[5]
+    xx, xy, yy = x * x, x * y, y * y
+    value = y * (yy * yy * b[0] + 5.0 * xy * yy * b[1] + 10.0 * xy * xy * b[2])
+    value += x * (10.0 * xy * xy * b[3] + 5.0 * xx * xy * b[4] + xx * xx * b[5])
     return low if value < margin else 1.0
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 from softcradle.physics.adaptive.constants import FOLLOW, MOST_GUESSED, ROUND_OFF, SUDDEN
+from softcradle.physics.numerics.elementary import exp, log, power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
-from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used
@@ -49,16 +47,16 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                     and (not follows or (origin == AFTER and h > SUDDEN * abs(time)))
                     and overlap[i] > SMALLEST
                 ):
-                    growth = math.log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
+                    growth = log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
                     if own and flown <= 0.0 and preload == 0.0:
                         stage_overlap[k, i], stage_force[k, i] = flown, 0.0
                         continue
                     if not own:
                         growth *= rate[i] * time / overlap[i]
-                    most = math.log(MOST_GUESSED) / exponent
+                    most = log(MOST_GUESSED) / exponent
                     growth = min(max(growth, -most), most)
-                    stage_overlap[k, i] = overlap[i] * math.exp(growth)
-                    stage_force[k, i] = preload + (force[i] - preload) * math.exp(exponent * growth)
+                    stage_overlap[k, i] = overlap[i] * exp(growth)
+                    stage_force[k, i] = preload + (force[i] - preload) * exp(exponent * growth)
                 elif follows:
                     excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
                     if force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload):
@@ -97,6 +95,7 @@ def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_forc
     """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
     if push <= 0.0:
         return
-    flown = 0.5 * (h * NODES[k]) ** 2 * inverse_mass[bead] * push
+    time = h * NODES[k]
+    flown = 0.5 * (time * time) * inverse_mass[bead] * push
     stage_force[k, i] = min(0.8 * push, law[i, 1] * power(flown, law[i, 2]))
     stage_overlap[k, i] = power(stage_force[k, i] / law[i, 1], 1.0 / law[i, 2])

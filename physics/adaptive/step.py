@@ -29,6 +29,7 @@ from softcradle.physics.adaptive.radau import radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
 from softcradle.physics.adaptive.radau_guess import AFTER, NO_GUESS
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, REJECTED, STEP
 
@@ -137,5 +138,5 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             h *= SAFETY * early
             continue
         rejected = h if early == 1.0 else rejected
-        h *= max(LEAST_PART, SAFETY * (wanted / error) ** ERROR_EXPONENT[kind])
+        h *= max(LEAST_PART, SAFETY * power(wanted / error, ERROR_EXPONENT[kind]))
     return 0.0, 0.0, NO_CONTACT, NOTHING, rejected

@@ -31,6 +31,7 @@ from softcradle.physics.adaptive.step_records import (
     REACH,
     UNLIMITED,
 )
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import slope_at
 from softcradle.physics.numerics.records import LOADED, OPEN
@@ -49,8 +50,8 @@ def onset_step(chain, i, speed, wanted):
     exponent, stiffness = chain.law[i, 2], chain.law[i, 1]
     if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
         return math.inf
-    weight = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * stiffness * speed**exponent
-    return ((1.0 + exponent) * wanted / weight) ** (1.0 / (1.0 + exponent))
+    weight = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * stiffness * power(speed, exponent)
+    return power((1.0 + exponent) * wanted / weight, 1.0 / (1.0 + exponent))
 
 
 @jit
@@ -133,7 +134,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
     `rejected` is the length of the last step rejected for its error just before this one (inf: none): the next stays well below.
     """
     exponent = ERROR_EXPONENT[kind]
-    grow = min(MOST_GROWTH, SAFETY * (wanted / max(error, 1e-300)) ** exponent)
+    grow = min(MOST_GROWTH, SAFETY * power(wanted / max(error, 1e-300), exponent))
     control[UNLIMITED] = h * grow
     if landing >= 0 or near:
         control[LAST] = 0.0
@@ -141,9 +142,9 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
         return
     error = max(error, 1e-300)
     if control[LAST] > 0.0:
-        predicted = (h / control[LAST]) * (control[ERROR] / error) ** exponent
+        predicted = (h / control[LAST]) * power(control[ERROR] / error, exponent)
         if h < control[LAST]:
-            grow = min(grow, SAFETY * predicted * (wanted / error) ** exponent)
+            grow = min(grow, SAFETY * predicted * power(wanted / error, exponent))
         elif math.isfinite(control[REACH]):
             grow = min(MOST_GROWTH, grow * min(max(predicted, 1.0), FURTHER_GROWTH))
     control[LAST], control[ERROR], control[NEXT] = h, max(error, NEWTON_PART * wanted), h * grow

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.checked_input import SMALLEST
 from softcradle.physics.default_step import STEPS_A_CONTACT, STEPS_A_STOP, default_step
+from softcradle.physics.numerics.array_powers import powers
 from softcradle.physics.scales import (
     LEAST_DEPTH,
     LEAST_SCALE,
@@ -65,7 +66,7 @@ def contact_times(batch: ChainBatch, velocity: Array) -> Array:
     inverse_reduced = batch.inverse_mass[:, :-1] + batch.inverse_mass[:, 1:]
     energy = (0.5 * speed * speed)[:, None] / inverse_reduced
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
-        by_power = ((1.0 + batch.exponent) * energy / batch.stiffness) ** (1.0 / (1.0 + batch.exponent))
+        by_power = powers((1.0 + batch.exponent) * energy / batch.stiffness, 1.0 / (1.0 + batch.exponent))
         depth = np.minimum(energy / batch.preload, by_power)
         times: Array = 2.0 * depth / speed[:, None]
     computable = (speed >= SMALLEST) & ((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)).all(axis=1)

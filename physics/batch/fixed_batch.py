@@ -10,19 +10,19 @@ from softcradle.physics.batch.batch_parts import BatchRun, Part
 from softcradle.physics.batch.lockstep_loop import empty_state, march_lanes
 from softcradle.physics.batch.lockstep_steps import LANES, empty_lanes
 from softcradle.physics.batch.run_each import march_each
-from softcradle.physics.fixed_step.explicit_steps_simd import LONG
 from softcradle.physics.fixed_step.runner import DRIFTS_AND_KICKS, MOST_STEPS, Scratch
-from softcradle.physics.fixed_step.step_loop import DISCRETE_GRADIENT, SPLITTING, SPLITTING_SIMD
+from softcradle.physics.fixed_step.step_loop import DISCRETE_GRADIENT, SPLITTING
 from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 
 LOCKSTEP_METHODS = ("euler", "verlet", "yoshida4")
+LONG = 64  # contacts from which chains side by side take more memory than the nearest caches have
 LEAST_AT_ONCE = 8 * LANES  # chains in a part: lanes that run out of chains are a small share of its work
 
 
 def in_lockstep(method: str, contacts: int) -> bool:
-    """Whether chains are stepped side by side: long ones have vector code of their own, plain Python has none."""
+    """Whether chains are stepped side by side, for which plain Python has no vector lanes."""
     return method in LOCKSTEP_METHODS and contacts < LONG and COMPILED
 
 
@@ -44,8 +44,7 @@ def run_part(kernel: Any, method: str, run: BatchRun, part: Part) -> None:
             kernel(which, drifts, kicks, run.stop, MOST_STEPS, *kinds, *records, lanes, state)
             return
         scratch = Scratch.of(method, contacts)
-        vectors = method != "conserving" and contacts >= LONG and not part.dissipates
-        kind = DISCRETE_GRADIENT if method == "conserving" else SPLITTING_SIMD if vectors else SPLITTING
+        kind = DISCRETE_GRADIENT if method == "conserving" else SPLITTING
         log = scratch.log
         kernel(
             which, kind, drifts, kicks, run.stop, MOST_STEPS, part.driven, True if part.dissipates else None, part.braked,

@@ -13,7 +13,6 @@ With dissipation, for methods without a backward part:
     kick(c h)    v -= c h (forces);  then |v| falls by c h mu g, to 0 at most: the bed stops a bead, never turns it round
 
 Contacts absorb loss * (fall of the stored energy) in a drift, the bed what the kinetic energy falls by in a kick.
-Long chains take the same steps in vector code: `explicit_steps_simd`.
 
 A preload is set-valued at overlap 0; these methods take f = 0 there, so a contact that should only touch chatters.
 """
@@ -30,7 +29,7 @@ from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.own_contacts import force_at
 from softcradle.physics.numerics.switches import any_switched
 
-_OUTER = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
+_OUTER = 1.0 / (2.0 - 1.2599210498948732)
 _INNER = 1.0 - 2.0 * _OUTER
 
 # (drifts, kicks) as parts of the step; one drift more than kicks

@@ -24,11 +24,9 @@ from softcradle.physics.fixed_step.checkpoints import (
 )
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.explicit_steps import EULER, VERLET, YOSHIDA4
-from softcradle.physics.fixed_step.explicit_steps_simd import LONG
 from softcradle.physics.fixed_step.step_loop import (
     DISCRETE_GRADIENT,
     SPLITTING,
-    SPLITTING_SIMD,
     march,
     sample_between,
 )
@@ -198,7 +196,7 @@ def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[A
         return march, most
     ends = np.isfinite(duration)
     steps = duration / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
-    if not plain or _kind(problem.method, chain) == SPLITTING_SIMD:  # vector code is no plain Python
+    if not plain:
         steps = np.inf
     kernel = _kernels(chain).of(march, steps * chain.contacts)
     return kernel, most if kernel is march or ends else min(most, int(steps))
@@ -227,20 +225,13 @@ def _call(
     """Call a tier of a kernel on `state` with its `span` of time and steps and its `checkpoints`."""
     chain = problem.chain
     data, dissipation = chain_records(chain, state)
-    method = _kind(problem.method, chain), *DRIFTS_AND_KICKS[problem.method]
+    kind = DISCRETE_GRADIENT if problem.method == "conserving" else SPLITTING
+    method = kind, *DRIFTS_AND_KICKS[problem.method]
     records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log), *checkpoints
     with kernel_arithmetic():
         found = kernel(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
     require_finite_motion(chain, state)
     return found
-
-
-def _kind(method: str, chain: Chain) -> int:
-    """The kind of step that the loop takes."""
-    if method == "conserving":
-        return DISCRETE_GRADIENT
-    scalar = chain.dissipative or chain.own_laws or chain.couplers  # vector code has the power law alone
-    return SPLITTING if scalar or chain.contacts < LONG else SPLITTING_SIMD
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:

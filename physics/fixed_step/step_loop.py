@@ -32,7 +32,6 @@ from softcradle.physics.fixed_step.checkpoints import (
 )
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.explicit_steps import split_steps
-from softcradle.physics.fixed_step.explicit_steps_simd import simd_split_steps
 from softcradle.physics.fixed_step.next_steps import FIRST_LOOK, FLOWN, GRID_TOLERANCE, RUNNING, look_ahead, seems_over
 from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
@@ -62,7 +61,7 @@ from softcradle.physics.numerics.switches import (
 )
 
 # kinds of step
-SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
+SPLITTING, DISCRETE_GRADIENT = 0, 1
 
 STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
 
@@ -166,11 +165,8 @@ def march(
             moved = spare if sampling else motion
             if kind == DISCRETE_GRADIENT:
                 taken = gradient_steps(most, length, chain, dissipation, moved, log.closed, beads, work, counter)
-            elif kind == SPLITTING:
+            else:
                 taken = split_steps(most, length, drifts, kicks, chain, dissipation, moved, log.closed, beads)
-            elif dissipation is None:
-                taken = simd_split_steps(most, length, drifts, kicks, chain, moved, log.closed)
-            if kind != DISCRETE_GRADIENT:
                 counter[EVALUATION] += taken * kicks.size
         if sampling:
             take_sample(samples, log, spare)

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.law_kernels import energy, force, power
+from softcradle.physics.numerics.law_kernels import energy, force
 from softcradle.physics.numerics.resolvent import EPSILON, MOST_SCALAR, mean_force, resolvent_slope
 
 Array = NDArray[np.float64]

@@ -1,8 +1,10 @@
-"""The bits of a float as an integer, and back: one move between registers, and no obstacle to vectorised loops."""
+"""The bits of a float as an integer, and back: one move between registers; tables of floats among the machine code."""
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
+from hashlib import sha256
 
 try:
     import numba
@@ -12,29 +14,23 @@ except ImportError:
     COMPILED = False
 
 
-def _has_vectors():
-    """Whether this machine has vector code for float and integer alike: wide registers and fused products."""
-    from llvmlite import binding
-
-    features = binding.get_host_cpu_features()
-    return bool(features.get("avx2") and features.get("fma"))
+_packed, _unpacked = struct.Struct("<d"), struct.Struct("<q")
 
 
-def _plain_bits(number):
+def _plain_bits(number, pack=_packed.pack, unpack=_unpacked.unpack):
     """The 64 bits of a float as an integer."""
-    return struct.unpack("<q", struct.pack("<d", number))[0]
+    return unpack(pack(number))[0]
 
 
-def _plain_float(bits):
+def _plain_float(bits, pack=_unpacked.pack, unpack=_packed.unpack):
     """The float that has these 64 bits."""
-    return struct.unpack("<d", struct.pack("<q", bits))[0]
+    return unpack(pack(bits))[0]
 
-
-VECTORS = COMPILED and _has_vectors()
 
 if COMPILED:
     from llvmlite import ir
     from numba import types
+    from numba.core import cgutils
     from numba.extending import intrinsic
 
     @intrinsic
@@ -58,5 +54,31 @@ if COMPILED:
     # what plain Python calls in their place, as of a kernel
     bits_of.py_func, float_of.py_func = _plain_bits, _plain_float
 
+    def table(values: tuple[float, ...]) -> Callable[[int], float]:
+        """A function that gives the float at an index, from constants of the machine code; the index is not checked."""
+        name = f"table.{sha256(repr(values).encode()).hexdigest()[:16]}"  # one of its kind, whoever calls the function
+
+        @intrinsic
+        def at(typing_context, index):
+            """The float at `index`."""
+
+            def generate(context, builder, signature, arguments):
+                rows = builder.module.globals.get(name) or cgutils.global_constant(
+                    builder.module,
+                    name,
+                    ir.Constant(ir.ArrayType(ir.DoubleType(), len(values)), values),
+                    "linkonce_odr",
+                )
+                return builder.load(builder.gep(rows, [ir.IntType(32)(0), arguments[0]], inbounds=True))
+
+            return types.float64(types.int64), generate
+
+        at.py_func = lambda index, values=values: values[index]
+        return at
+
 else:
     bits_of, float_of = _plain_bits, _plain_float
+
+    def table(values: tuple[float, ...]) -> Callable[[int], float]:
+        """A function that gives the float at an index."""
+        return lambda index: values[index]

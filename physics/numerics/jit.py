@@ -19,7 +19,7 @@ except ImportError:  # no wheel for this machine: the same functions run as plai
         """The function itself, uncompiled."""
         return function
 
-    inlined = fused = jit
+    inlined = jit
 
 else:
     # references to arrays: kernels make no array, and counting references to views took half of the time
@@ -55,10 +55,6 @@ else:
         Python cannot call it; code for that would take a tenth of the time to compile.
         """
         return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-
-    def fused(function: Kernel) -> Kernel:
-        """`jit`, put into its caller; products and sums may be fused to one operation, and its loops become vector code."""
-        return _compiled(function, forceinline=True, fastmath={"contract"})
 
 
 def c_function(function: Kernel, signature: Any) -> Any:

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_kernels import power
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
@@ -86,7 +86,7 @@ def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap,
     if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
         excess = force + by_force - preload
         if excess > 0.0 or (preload > 0.0 and excess < 0.0):
-            reach = (abs(excess) / stiffness) ** (1.0 / exponent)
+            reach = power(abs(excess) / stiffness, 1.0 / exponent)
             return (reach if excess > 0.0 else -reach), preload + excess
         if preload == 0.0 and excess <= 0.0:
             return min(overlap + by_overlap, -SMALLEST), 0.0

@@ -2,19 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import jit
-
-
-@jit
-def power(base, exponent):
-    """``base**exponent`` for base > 0; the exponents 1 and 3/2 cost no call of pow."""
-    if exponent == 1.0:
-        return base
-    if exponent == 1.5:
-        return base * math.sqrt(base)
-    return base**exponent
 
 
 @jit

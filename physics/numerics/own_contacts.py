@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.numerics.elementary import exp
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_kernels import force as power_force
 from softcradle.physics.numerics.resolvent import (
@@ -90,7 +91,7 @@ def own_solve_loaded(own, number, start, weight, s, guess):
         else:
             low = overlap
         move = -excess / (1.0 + weight * slope)
-        following = overlap + move if move > 0.0 else overlap * math.exp(max(move / overlap, -200.0))
+        following = overlap + move if move > 0.0 else overlap * exp(max(move / overlap, -200.0))
         if not low <= following <= high:
             following = math.sqrt(low * high) if low > 0.0 and high > 4.0 * low else 0.5 * (low + high)
         if abs(following - overlap) <= 4.0 * EPSILON * overlap:

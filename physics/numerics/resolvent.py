@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.numerics.elementary import exp, expm1, log1p, power
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_kernels import power
 
 EPSILON = 2.220446049250313e-16
 SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
@@ -20,7 +20,8 @@ MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is c
 def mean_force(preload, stiffness, exponent, start, start_power, overlap):
     """Mean force g = (E(d1)-E(d0))/(d1-d0) and slope dg/dd1 for d1 > 0, without cancellation where d1 is near d0.
 
-    `start_power` is d0**a where d0 > 0. Near d0: (r**p - 1)/(p (r - 1)) = expm1(p log1p(x)) / (p x), r = 1 + x, p = 1 + a.
+    `start_power` is d0**a where d0 > 0. Near d0: (r**p - 1)/(p (r - 1)) = (e + x (1 + e)) / (p x), e = expm1(a log1p(x)),
+    r = 1 + x, p = 1 + a.
     """
     p = 1.0 + exponent
     if start > 0.0:
@@ -29,9 +30,9 @@ def mean_force(preload, stiffness, exponent, start, start_power, overlap):
             scale = stiffness * start_power
             if abs(x) < 1e-7:
                 return preload + scale * (1.0 + 0.5 * exponent * x), 0.5 * scale * exponent / start
-            logarithm = math.log1p(x)
-            mean = math.expm1(p * logarithm) / (p * x)
-            slope = (math.exp(exponent * logarithm) - mean) / x if abs(x) > 1e-4 else 0.5 * exponent
+            above = expm1(exponent * log1p(x))
+            mean = (above + x * (1.0 + above)) / (p * x)
+            slope = ((1.0 + above) - mean) / x if abs(x) > 1e-4 else 0.5 * exponent
             return preload + scale * mean, scale * slope / start
         end_power = power(overlap, exponent)
         mean = stiffness * (overlap * end_power - start * start_power) / (p * (overlap - start))
@@ -69,7 +70,7 @@ def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, gu
         if abs(move) <= 1e-9 * overlap:  # Newton squares this: the moved point is exact to round-off
             overlap += move
             return overlap, (s - overlap) / weight if weight * slope > 1.0 else force + slope * move, slope
-        following = overlap + move if move > 0.0 else overlap * math.exp(max(move / overlap, -200.0))
+        following = overlap + move if move > 0.0 else overlap * exp(max(move / overlap, -200.0))
         if not low <= following <= high:
             following = math.sqrt(low * high) if low > 0.0 and high > 4.0 * low else 0.5 * (low + high)
         if abs(following - overlap) <= precision * overlap:
@@ -123,6 +124,6 @@ def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess
         return 0.0, 0.0, 0.0
     if not 0.0 < guess < s:
         reach = (s / weight - preload) * (1.0 + exponent) / stiffness
-        guess = reach ** (1.0 / exponent) if 0.0 < reach < power(s, exponent) else 0.5 * s
+        guess = power(reach, 1.0 / exponent) if 0.0 < reach < power(s, exponent) else 0.5 * s
     overlap, force, slope = solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess)
     return overlap, force, resolvent_slope(slope, weight)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.coupler_kernels import is_joint, joint_mean_force
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined
-from softcradle.physics.numerics.law_kernels import power
 from softcradle.physics.numerics.resolvent import EPSILON, mean_force
 
 ROUND_OFF = 8.0 * EPSILON  # of the terms of a residual: converged

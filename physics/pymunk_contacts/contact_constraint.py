@@ -15,6 +15,8 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, require_kind, shown
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.kernel_tiers import plain
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
@@ -346,4 +348,5 @@ def _scalar_law(contact: LawLike) -> Callable[[float], float]:
         return lambda overlap: preload + stiffness * overlap
     if exponent == 1.5:
         return lambda overlap: preload + stiffness * (overlap * math.sqrt(overlap))
-    return lambda overlap: preload + stiffness * overlap**exponent
+    plain_power = plain(power)
+    return lambda overlap: preload + stiffness * plain_power(overlap, exponent)

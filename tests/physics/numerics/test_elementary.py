@@ -1,0 +1,131 @@
+"""Powers, exponentials and logarithms of our own: errors against decimal arithmetic, edges, the same digits however they run."""
+
+from __future__ import annotations
+
+import decimal
+import math
+
+import numpy as np
+import pytest
+from softcradle.physics.kernel_tiers import plain
+from softcradle.physics.numerics import elementary
+from softcradle.physics.numerics.array_powers import FEW, powers
+from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
+
+from tools import elementary_tables
+
+COUNT = 400
+
+
+def within(low, high):
+    return lambda draw: draw.uniform(low, high, COUNT)
+
+
+def sizes(low, high):
+    return lambda draw: 10.0 ** draw.uniform(low, high, COUNT)
+
+
+def either_sign(low, high):
+    return lambda draw: draw.choice((-1.0, 1.0), COUNT) * sizes(low, high)(draw)
+
+
+FUNCTIONS = {
+    "exp": (elementary.exp, lambda x: x.exp(), within(-690.0, 690.0), 0.51),
+    "expm1": (elementary.expm1, lambda x: x.exp() - 1, within(-2.0, 2.0), 1.55),
+    "expm1 of small numbers": (elementary.expm1, lambda x: x.exp() - 1, either_sign(-12.0, -2.0), 1.55),
+    "log": (elementary.log, lambda x: x.ln(), sizes(-300.0, 300.0), 0.51),
+    "log1p": (elementary.log1p, lambda x: (1 + x).ln(), within(-0.5, 1.0), 0.51),
+    "log1p of small numbers": (elementary.log1p, lambda x: (1 + x).ln(), either_sign(-12.0, -2.0), 0.76),
+}
+POWERS = {
+    "overlaps of soft contacts": (sizes(-30.0, 0.0), within(0.02, 0.2), 0.51),
+    "all sizes": (sizes(-100.0, 100.0), within(0.005, 3.0), 0.55),
+    "near 1": (sizes(-1e-3, 1e-3), within(0.005, 3.0), 0.55),
+    "large exponents": (sizes(-9.0, 9.0), within(3.0, 30.0), 0.8),
+    "falling": (sizes(-30.0, 30.0), within(-3.0, -0.02), 0.55),
+    "numbers without all bits": (sizes(-323.0, -308.0), within(0.02, 0.9), 0.55),
+}
+
+
+def ulps(found, truth):
+    """Distance of a float from a decimal number, in units of the last place."""
+    return abs(float((decimal.Decimal(found) - truth) / decimal.Decimal(math.ulp(float(truth)))))
+
+
+@pytest.fixture(autouse=True)
+def _many_digits():
+    with decimal.localcontext(prec=40, Emin=-999999, Emax=999999):
+        yield
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_are_right_to_about_a_unit_of_the_last_place(name):
+    kernel, truth, arguments, allowed = FUNCTIONS[name]
+    function = plain(kernel)
+    worst = max(ulps(function(x), truth(decimal.Decimal(x))) for x in arguments(np.random.default_rng(1)).tolist())
+    assert 0.4 < worst < allowed
+
+
+@pytest.mark.parametrize("name", POWERS)
+def test_powers_are_right_to_a_unit_of_the_last_place(name):
+    bases, exponents, allowed = POWERS[name]
+    draw, function = np.random.default_rng(2), plain(elementary.power)
+    pairs = zip(bases(draw).tolist(), exponents(draw).tolist(), strict=True)
+    worst = max(ulps(function(b, a), (+decimal.Decimal(b)) ** (+decimal.Decimal(a))) for b, a in pairs)
+    assert 0.4 < worst < allowed
+
+
+def test_edges():
+    power, exp = plain(elementary.power), plain(elementary.exp)
+    found = [
+        power(b, a) for b, a in ((0.0, 0.1), (math.inf, 0.1), (1e300, 2.0), (1e-300, 2.0), (1.0, 2.7), (math.inf, -1.0))
+    ]
+    assert found == [0.0, math.inf, math.inf, 0.0, 1.0, 0.0]
+    assert math.isnan(power(math.nan, 0.3))
+    assert [power(2.5, 1.0), power(2.5, 1.5)] == [2.5, 2.5 * math.sqrt(2.5)]
+    assert power(1e-200, 1.55) == pytest.approx(1e-310, rel=1e-13)
+    assert [exp(0.0), exp(-1000.0), exp(1000.0), exp(-math.inf), exp(math.inf)] == [1.0, 0.0, math.inf, 0.0, math.inf]
+    assert math.isnan(exp(math.nan))
+    assert [plain(elementary.expm1)(0.0), plain(elementary.log1p)(0.0), plain(elementary.log)(1.0)] == [0.0, 0.0, 0.0]
+
+
+@jit
+def _all_of_them(x, exponent, found):
+    for i in range(x.size):
+        found[0, i] = elementary.power(x[i], exponent[i])
+        found[1, i] = elementary.exp(x[i])
+        found[2, i] = elementary.expm1(min(x[i], 600.0))
+        found[3, i] = elementary.log1p(min(x[i], 1.0))
+        found[4, i] = elementary.log(x[i])
+
+
+def test_machine_code_plain_python_and_arrays_have_the_same_digits():
+    draw = np.random.default_rng(3)
+    x, exponent = 10.0 ** draw.uniform(-12.0, 3.0, 3000), draw.choice([1.0, 1.5, 0.1, 2.3, 40.0, -0.7], 3000)
+    compiled, plainly = np.empty((5, 3000)), np.empty((5, 3000))
+    with kernel_arithmetic():
+        _all_of_them(x, exponent, compiled)
+    for i, (number, power) in enumerate(zip(x.tolist(), exponent.tolist(), strict=True)):
+        plainly[0, i] = plain(elementary.power)(number, power)
+        plainly[1, i] = plain(elementary.exp)(number)
+        plainly[2, i] = plain(elementary.expm1)(min(number, 600.0))
+        plainly[3, i] = plain(elementary.log1p)(min(number, 1.0))
+        plainly[4, i] = plain(elementary.log)(number)
+    assert compiled.tobytes() == plainly.tobytes()
+    assert powers(x, exponent).tobytes() == plainly[0].tobytes()
+    assert powers(x[:FEW], exponent[:FEW]).tobytes() == plainly[0, :FEW].tobytes()
+
+
+def test_powers_of_arrays_at_edges():
+    base = np.array([0.0, 1.0, 4.0, 1e-310, np.inf, np.nan, 1e300, 1e-300] * 3)
+    for exponent in (0.1, 1.0, 1.5, 2.0, -0.5):
+        one_by_one = [
+            plain(elementary.power)(b, exponent) if b else (0.0 if exponent > 0.0 else np.inf) for b in base.tolist()
+        ]
+        np.testing.assert_array_equal(powers(base, exponent), one_by_one)
+    assert powers(np.full((2, 1), 4.0), [0.5, 1.0, 2.0]).tolist() == [[2.0, 4.0, 16.0]] * 2
+
+
+def test_tables_are_those_that_their_command_writes():
+    assert elementary_tables.FILE.read_text(encoding="utf-8") == elementary_tables.text()

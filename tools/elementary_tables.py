@@ -1,0 +1,124 @@
+"""Tables and coefficients of `physics/numerics/elementary.py`, from the mathematics in 50 digits.
+
+    python -m tools.elementary_tables
+
+writes `physics/numerics/elementary_tables.py` anew.
+
+    ln x   = k ln 2 - ln v + ln(1 + r),   r = z v - 1,   x = 2**k z:  a v of few bits for each 128th of an octave of z
+    e**x   = 2**(n/128) e**r,             r = x - n ln(2)/128:        2**(j/128) for each of 128 j
+    ln(1 + r) = r - r**2 P(r),   e**r = 1 + r + r**2 Q(r):    P and Q are interpolated at the nodes of Chebyshev
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable
+from decimal import Decimal, getcontext
+from itertools import pairwise
+from pathlib import Path
+
+getcontext().prec = 50
+
+FILE = Path(__file__).parents[1] / "physics" / "numerics" / "elementary_tables.py"
+PARTS, PART_BITS = 128, 45  # of an octave; bits of a float below those that tell its part
+OFFSET = 0x3FE6900000000000  # bits of the least z; 1 is in the middle of its part, whose v is 1
+INVERSE_BITS = 10  # of v behind the point: z v - 1 is exact where z has no more than 43 bits
+HEAD_BITS = 17  # of logarithms behind the point: with k ln 2 they have 27 bits, whose product with 26 others is exact
+EXP_HEAD_BITS = 41  # of ln(2)/128 behind the point: its product with n is exact
+P_COUNT, Q_COUNT = 6, 4  # coefficients: the least with which errors are far below a unit of the last place
+WIDEST_LOG, WIDEST_EXP = Decimal("0.0055"), Decimal(2).ln() / 256  # largest |r|
+
+HEAD = '''"""Tables and coefficients of `elementary.py`, written by ``python -m tools.elementary_tables``."""
+
+from __future__ import annotations
+
+from softcradle.physics.numerics.float_bits import table
+
+# fmt: off
+'''
+
+
+def float_at(bits: int) -> Decimal:
+    """The float that has these 64 bits."""
+    return Decimal(struct.unpack("<d", struct.pack("<q", bits))[0])
+
+
+def head_and_tail(number: Decimal, bits: int) -> tuple[float, float]:
+    """`number` rounded to `bits` behind the point, and the rest."""
+    head = round(number * 2**bits) / Decimal(2**bits)
+    return float(head), float(number - head)
+
+
+def logarithms() -> list[tuple[float, float, float]]:
+    """v, and the two parts of -ln v, for each part of an octave."""
+    found = []
+    for part in range(PARTS):
+        low, high = (float_at(OFFSET + (k << PART_BITS)) for k in (part, part + 1))
+        inverse = round(2 / (low + high) * 2**INVERSE_BITS) / Decimal(2**INVERSE_BITS)
+        if low < 1 < high:
+            inverse = Decimal(1)
+        assert max(1 - low * inverse, high * inverse - 1) < WIDEST_LOG
+        found.append((float(inverse), *head_and_tail(-inverse.ln(), HEAD_BITS)))
+    return found
+
+
+def exponentials() -> list[tuple[float, float]]:
+    """2**(j/128) as a float, and what it lacks as a part of it."""
+    found = []
+    for j in range(PARTS):
+        exact = Decimal(2) ** (Decimal(j) / PARTS)
+        found.append((float(exact), float(exact / Decimal(float(exact)) - 1)))
+    return found
+
+
+def of_logarithm(r: Decimal) -> Decimal:
+    """P(r)."""
+    return sum(((-r) ** k / (k + 2) for k in range(16)), Decimal(0))
+
+
+def of_exponential(r: Decimal) -> Decimal:
+    """Q(r)."""
+    return sum((r**k / math.factorial(k + 2) for k in range(16)), Decimal(0))
+
+
+def interpolated(function: Callable[[Decimal], Decimal], count: int, widest: Decimal) -> list[float]:
+    """Coefficients of the polynomial through `function` at the nodes of Chebyshev of [-widest, widest], lowest first."""
+    nodes = [widest * Decimal(round(math.cos(math.pi * (k + 0.5) / count), 12)) for k in range(count)]
+    values = [function(node) for node in nodes]
+    for order in range(1, count):  # divided differences
+        for k in range(count - 1, order - 1, -1):
+            values[k] = (values[k] - values[k - 1]) / (nodes[k] - nodes[k - order])
+    found = [Decimal(0)] * count
+    for k in range(count - 1, -1, -1):
+        shifted = [below - nodes[k] * at for below, at in pairwise(found)]
+        found = [values[k] - nodes[k] * found[0], *shifted]
+    return [float(value) for value in found]
+
+
+def text() -> str:
+    """The module of tables."""
+    ln2 = Decimal(2).ln()
+    numbers = {
+        "OFFSET": hex(OFFSET),
+        "LN2_HEAD, LN2_TAIL": head_and_tail(ln2, HEAD_BITS),
+        "PARTS_BY_LN2": float(PARTS / ln2),
+        "STEP_HEAD, STEP_TAIL": head_and_tail(ln2 / PARTS, EXP_HEAD_BITS),
+    }
+    for name, function, count, widest in (
+        ("P", of_logarithm, P_COUNT, WIDEST_LOG),
+        ("Q", of_exponential, Q_COUNT, WIDEST_EXP),
+    ):
+        numbers |= {f"{name}{k}": value for k, value in enumerate(interpolated(function, count, widest))}
+    lines = [f"{name} = {str(value).strip('()[]')}" for name, value in numbers.items()]
+    inverse, log_head, log_tail = zip(*logarithms(), strict=True)
+    power, power_tail = zip(*exponentials(), strict=True)
+    tables = {"INVERSE": inverse, "LOG_HEAD": log_head, "LOG_TAIL": log_tail, "POWER": power, "POWER_TAIL": power_tail}
+    for name, values in tables.items():
+        rows = [", ".join(map(repr, values[k : k + 4])) for k in range(0, PARTS, 4)]
+        lines += [f"{name} = table((", *(f"    {row}," for row in rows), "))"]
+    return HEAD + "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    FILE.write_text(text(), encoding="utf-8")

@@ -1,0 +1,129 @@
+"""Frames of a chain by assets/page/kernels.wasm, in Node or in a browser: what a page does, for tests and comparisons."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain, State
+from softcradle.physics.fixed_step.checkpoints import NEVER
+from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
+from softcradle.physics.numerics.records import COUNTERS, DONE
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS
+
+from tools.wasm_kernels import ARRAYS, FILE, LOSSY
+
+MOST_STEPS = 100_000  # of one frame
+MOVED = ("overlap", "rate", "anchor", "force", "absorbed")  # what a frame changes in a State
+
+# `start` makes an instance of the module and tells where its memory is free; `call` puts an image of memory there, calls a kernel
+# and returns the image as it is then.
+SCRIPT = """
+let kernels, base;
+const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+const text = (image) => btoa(Array.from(image, (byte) => String.fromCharCode(byte)).join(""));
+const start = async (file) => {
+  kernels = (await WebAssembly.instantiate(bytes(file), {})).instance.exports;
+  return base = (kernels.__heap_base.value + 15) & ~15;
+};
+const call = (name, numbers, image) => {
+  const lacking = base + image.length - kernels.memory.buffer.byteLength;
+  if (lacking > 0) kernels.memory.grow(Math.ceil(lacking / 65536));
+  const place = new Uint8Array(kernels.memory.buffer, base, bytes(image).length);
+  place.set(bytes(image));
+  if (kernels[name](...numbers)) throw new Error("a kernel has raised an exception");
+  return text(place);
+};
+"""
+NODE = """
+import("node:readline").then(({ createInterface }) => createInterface({ input: process.stdin }).on("line", async (line) => {
+  console.log(JSON.stringify(await eval(line)));
+}));
+"""
+
+Run = Callable[[str], Any]  # the value of a line of JavaScript
+
+
+@contextmanager
+def node() -> Iterator[Run]:
+    """Lines of JavaScript in a process of Node, which runs SCRIPT first. Raises FileNotFoundError where it is not installed."""
+    path = shutil.which("node")
+    if path is None:
+        raise FileNotFoundError("Node is not installed")
+    with subprocess.Popen(
+        [path, "-e", SCRIPT + NODE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+
+        def run(line: str) -> Any:
+            process.stdin.write(line + "\n")
+            process.stdin.flush()
+            return json.loads(process.stdout.readline())
+
+        try:
+            yield run
+        finally:
+            process.kill()
+
+
+class WasmKernels:
+    """The module in what runs JavaScript, by `run`, which has run SCRIPT."""
+
+    def __init__(self, run: Run, file: Path = FILE) -> None:
+        self._run = run
+        self.load(file)
+
+    def load(self, file: Path) -> None:
+        """Take this file."""
+        self._base = self._run(f"start('{base64.b64encode(file.read_bytes()).decode()}')")
+
+    def advance(self, chain: Chain, state: State, duration: float, step: float) -> None:
+        """Move `state` on by `duration` in place, as :func:`softcradle.physics.advance` does with method conserving."""
+        arrays = _arrays(chain, state)
+        places, end = {}, self._base
+        for name, array in arrays.items():
+            places[name] = end
+            end += -(-array.nbytes // 8) * 8
+        image = b"".join(array.tobytes().ljust(-(-array.nbytes // 8) * 8, b"\0") for array in arrays.values())
+        numbers = [chain.contacts, chain.anchor, int(state.external(chain) is not None), 0, MOST_STEPS]
+        numbers += [step, state.time, state.time + duration]
+        addresses = [places[name] for name in ARRAYS.split(", ")]
+        kernel = "march"
+        if chain.dissipative:
+            kernel, addresses = "march_lossy", [*addresses, places["loss"], places["bed"], chain.bed.size]
+        call = [kernel, [places["result"], places["raised"], *numbers, *addresses], base64.b64encode(image).decode()]
+        moved = base64.b64decode(self._run(f"call({json.dumps(call)[1:-1]})"))
+        found = {
+            name: np.frombuffer(moved, array.dtype, array.size, places[name] - self._base)
+            for name, array in arrays.items()
+        }
+        if found["result"][0] != DONE:
+            raise ArithmeticError(f"the kernel ended with status {found['result'][0]}")
+        for name in MOVED:
+            getattr(state, name)[:] = found[name]
+        state.time = float(found["reached"][0])
+
+
+def _arrays(chain: Chain, state: State) -> dict[str, NDArray[Any]]:
+    """All that a kernel reads and writes."""
+    n, push = chain.contacts, state.external(chain)
+    nothing, result = np.zeros(0), np.zeros(2, dtype=np.int32)
+    found = {
+        "result": result, "raised": result, "law": chain.law_rows, "inverse_mass": chain.inverse_mass,
+        "push": np.zeros(n + 1) if push is None else push, **{name: getattr(state, name) for name in MOVED},
+        "log_contact": nothing, "log_time": nothing, "closed": state.closed.astype(np.int8),
+        "counter": np.zeros(COUNTERS, dtype=np.int64), "plan": np.array([0, NEVER, 0]),
+        "beads": np.zeros((BEAD_ROWS, n + 1)), "work": np.zeros((WORK_ROWS, n)), "reached": np.zeros(1),
+        "loss": chain.loss, "bed": chain.bed,
+    }  # fmt: skip
+    assert found.keys() >= {*ARRAYS.split(", "), *LOSSY.split(", ")[:2]}
+    return found
