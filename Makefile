@@ -3,12 +3,13 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test test-all check release-check docs links play screenshots charts languages bench over-time clean help
+.PHONY: demo test test-all check release-check coverage docs links play screenshots charts languages bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make check  format, types, layers, links: a minute at the most"
 	@echo "make test   every behaviour: five minutes"
 	@echo "make test-all   both, and browsers, wheel, documentation, layouts in every language, Dask, other processors"
+	@echo "make coverage   branches of the kernels that the tests take"
 	@echo "make release-check   test-all, and no message that waits for a translation"
 	@echo "make docs   build the documentation in out/docs, warnings are errors"
 	@echo "make links  check the links of the documentation to other sites"
@@ -44,6 +45,12 @@ test: .venv/.installed # kernels are compiled first, side by side: test processe
 test-all: check test
 	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
+coverage: .venv/.installed # branches of the kernels, as plain Python, that the tests of single kernels and of short motions take
+	@mkdir -p out/coverage
+	NUMBA_DISABLE_JIT=1 COVERAGE_CORE=ctrace SDL_VIDEODRIVER=dummy $(BIN)/coverage run \
+		-m pytest -q -n 0 -p no:cacheprovider -m "not slow" @tests/physics/kernel_tests.txt
+	$(BIN)/coverage report --fail-under 95
+
 release-check: test-all
 	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues --complete
 
@@ -59,7 +66,8 @@ check: .venv/.installed
 	@touch $@
 
 docs: .venv/.docs
-	$(BIN)/python -m pytest -q -n 0 -k "not built" tests/house/test_documentation.py
+	@echo "compiling kernels first, minutes on a new machine; the examples of the pages are tested by make test"
+	@$(BIN)/softcradle warm
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs out/docs
 
 links: .venv/.docs # needs the network, so it is no part of the tests

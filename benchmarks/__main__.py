@@ -1,7 +1,7 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``mutants`` and ``coverage`` are commands of their own, each with its ``--help``: random chains against the
-reference; which changes of a kernel the tests notice; which branches of the kernels they take.
+``scan``, ``conserving`` and ``mutants`` are commands of their own, each with its ``--help``: random chains against the
+reference; steps of conserving; which changes of a kernel the tests notice.
 """
 
 from __future__ import annotations
@@ -140,11 +140,10 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "cold-start": cold_start,
 }
 COMMANDS = {
-    "constants": "benchmarks.constants",
     "scan": "benchmarks.scan.command",
-    "mutants": "benchmarks.mutants.command",
-    "coverage": "benchmarks.branch_coverage",
+    "mutants": "benchmarks.mutants",
     "conserving": "benchmarks.conserving_scan",
+    "soft-contacts": "benchmarks.soft_contacts",
 }
 
 

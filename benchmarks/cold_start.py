@@ -33,7 +33,7 @@ WINDOW = """
 from time import perf_counter, sleep
 import numpy as np
 from softcradle.sandbox.window.app import App
-app = App(start="one-on-four")
+app = App(start="one-on-four", lab=True)
 app.frame(1.0 / 60.0)
 print(perf_counter(), flush=True)
 app.page.clock.play_pause()

@@ -13,7 +13,6 @@ from softcradle.physics import one_on, power_law
 from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.sweeps import run_sweep, sobol
-from softcradle.sandbox.sweeps.chunk_pools import sendable
 
 from benchmarks.reports import Report, at_most
 from softcradle import scenes
@@ -63,7 +62,7 @@ def measure_traffic(count: int = 1000) -> dict[str, float]:
     work = run_sweep.sweep_work(scene, points, MEASURES)
     back = pickle.dumps(work.compute(0, count))
     return {
-        "work_bytes": len(sendable(work)),
+        "work_bytes": len(pickle.dumps(work)),
         "task_bytes": len(pickle.dumps((0, count, 1.0))),
         "point_bytes": len(back) / count,
     }

@@ -35,7 +35,7 @@ slow = 2.0
 """
 FIRST_FRAME = """
 from softcradle.sandbox.window.app import App
-app = App()
+app = App(lab=True)
 app.frame(1 / 60)
 print("shown", flush=True)
 """
@@ -43,7 +43,7 @@ print("shown", flush=True)
 PAUSED = """
 import threading, time
 from softcradle.sandbox.window.app import App
-app, marks = App(start="one-on-four"), []
+app, marks = App(start="one-on-four", lab=True), []
 app.warmup.complete.wait()
 def mark():
     marks.append((time.process_time(), time.perf_counter()))
@@ -129,7 +129,7 @@ def _opened_app() -> Any:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fifty.toml"
         path.write_text(SCENE)
-        app = App(start=str(path))
+        app = App(start=str(path), lab=True)
     app.warmup.complete.wait()
     app.frame(FRAME)
     app.act("play_pause")

@@ -5,14 +5,16 @@ from __future__ import annotations
 import argparse
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page.motion_family import render_page
-from softcradle.sandbox.studies.verify.number_list import verified
+from softcradle.sandbox.studies.verify import verified
 from softcradle.scenes.contact_kinds import KINDS
 
 from softcradle import METHODS, one_on, power_law, scenes
@@ -33,6 +35,7 @@ def write_all(folder: Path) -> None:
         "errors": errors(),
         "commands": commands(),
         "verified": checked(),
+        "measures": measures(),
     }
     for name, lines in parts.items():
         text, path = "\n".join(lines) + "\n", folder / f"{name}.md"
@@ -110,15 +113,25 @@ def checked() -> Iterator[str]:
             row.known.source,
             _found(row.found),
             scientific(row.error, 0),
+            scientific(row.known.allowed, 0) if row.known.allowed else "0",
         ]
         for row in verified()
     ]
-    return table(["number", "known", "source", "found", "error"], rows)
+    return table(["number", "known", "source", "found", "error", "met up to"], rows)
 
 
 def _found(value: float) -> str:
     """A number to ten digits; one of round-off to one."""
     return f"{value:.10g}" if value == 0.0 or abs(value) > ROUND_OFF else scientific(value, 0)
+
+
+def measures() -> Iterator[str]:
+    """The numbers of a collision and of its contacts."""
+    found = [
+        field for kind in (CollisionMeasures, ContactMeasures) for field in fields(kind) if "title" in field.metadata
+    ]
+    rows = {field.metadata["title"]: [field.metadata["unit"], field.metadata["meaning"]] for field in reversed(found)}
+    return table(["measure", "unit", "what it means"], [[title, *row] for title, row in reversed(rows.items())])
 
 
 def commands() -> Iterator[str]:

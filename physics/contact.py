@@ -72,6 +72,48 @@ class Contact:
                 f"contact loss must be >= 0 and below 1, not {self.loss!r}: at 1 it would never come out again"
             )
 
+    @classmethod
+    def by_contact_time(
+        cls, duration: float, mass: float, speed: float, exponent: float = 1.5, loss: float = 0.0
+    ) -> Contact:
+        """Contact without preload by how long it lasts when two bodies meet: ``T = (1 + 1/sqrt(1-l)) (d_max/v) B(1/p, 1/2)/p``.
+
+        With ``p = 1 + exponent`` and the largest overlap ``d_max = (p mass speed**2 / (2 K))**(1/p)``; solved for K. A Hooke
+        contact (exponent 1) lasts as long at any speed: half a period, ``1 / (2 frequency)``.
+
+        Parameters
+        ----------
+        duration : float
+            Contact time T > 0 [s].
+        mass : float
+            Reduced mass m1 m2 / (m1 + m2) > 0 [kg]: half the mass of two like balls, the mass of a ball at a wall.
+        speed : float
+            Speed v > 0 at which they meet [m/s].
+        exponent : float, optional
+            3/2: Hertz; 1: Hooke; 1/10: a power law whose rows move as one.
+        loss : float, optional
+            Part l of the energy that the contact absorbs: a ball comes back with ``sqrt(1 - loss)`` of its speed.
+
+        Raises
+        ------
+        ValueError
+            A number is out of range.
+
+        Examples
+        --------
+        >>> Contact.by_contact_time(0.05, mass=0.5, speed=1.0, exponent=1.0).stiffness  # 0.5 (pi / 0.05)**2
+        1973.92088021787...
+        """
+        time, mu, v = (
+            magnitude(name, value) for name, value in (("duration", duration), ("mass", mass), ("speed", speed))
+        )
+        unit = cls(0.0, 1.0, exponent, loss)
+        power = 1.0 + unit.exponent
+        way = math.sqrt(math.pi) * math.gamma(1.0 / power) / (power * math.gamma(1.0 / power + 0.5))  # B(1/p, 1/2) / p
+        depth = time * v / (way * (1.0 + 1.0 / math.sqrt(1.0 - unit.loss)))
+        exact = math.log(0.5 * power * mu) + 2.0 * math.log(v) - power * math.log(depth)
+        return cls(0.0, math.exp(min(max(exact, -700.0), 700.0)), exponent, loss)
+
     @overload
     def force(self, overlap: float) -> float: ...
     @overload

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from contextlib import suppress
+from functools import partial
 from itertools import repeat
+from queue import Empty, SimpleQueue
+from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain
@@ -16,6 +21,8 @@ from softcradle.physics.trajectory import Trajectory
 PARTS = 8  # of the work for each core: chains differ in cost, so the last core to finish should not have much left
 MOST_AT_ONCE = 64  # chains in a part, so that progress is told often
 
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 Each = float | Sequence[float | None] | None  # one for all chains, or one for each
 
 
@@ -80,12 +87,61 @@ def ensemble(
     found = part(range(min(1, count)))  # loads the kernels once, before threads would all wait for it
     if progress is not None and found:
         progress(1)
-    with ThreadPoolExecutor(threads) as pool:
-        for done in pool.map(part, _parts(len(found), count, threads)):
-            found += done
-            if progress is not None:
-                progress(len(done))
-    return found
+    parts = _parts(len(found), count, threads)
+    done: list[list[Trajectory]] = [[] for _ in parts]
+    for k, runs in in_threads(part, parts, threads):
+        done[k] = runs
+        if progress is not None:
+            progress(len(runs))
+    return found + [run for runs in done for run in runs]
+
+
+class DaemonThreads(Executor):
+    """Threads that nobody waits for: they are in kernels, which hear no signal, and a program that is stopped ends without them.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._waiting: SimpleQueue[tuple[Future[Any], Callable[[], Any]] | None] = SimpleQueue()
+        self._count = count
+        for _ in range(count):
+            threading.Thread(target=self._work, name="softcradle", daemon=True).start()
+
+    def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
+        """Let a thread call a function."""
+        future: Future[Any] = Future()
+        self._waiting.put((future, partial(function, *args, **keywords)))
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the threads after what they are at; `cancel_futures` is meant in any case, and none is waited for."""
+        with suppress(Empty):
+            while (task := self._waiting.get_nowait()) is not None:
+                task[0].cancel()
+        for _ in range(self._count):
+            self._waiting.put(None)
+
+    def _work(self) -> None:
+        while (task := self._waiting.get()) is not None:
+            future, call = task
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                future.set_result(call())
+            except BaseException as error:
+                future.set_exception(error)
+
+
+def in_threads(function: Callable[[Item], Found], items: Sequence[Item], count: int) -> Iterator[tuple[int, Found]]:
+    """Number and result of `function` for all items, as they come; the first error is raised."""
+    with DaemonThreads(min(count, len(items))) as pool:
+        numbers = {pool.submit(function, item): k for k, item in enumerate(items)}
+        for future in as_completed(numbers):
+            yield numbers[future], future.result()
 
 
 def cores() -> int:

@@ -1,6 +1,6 @@
 """Two tiers of the kernels that Python calls: machine code, and the same source as plain Python until that is at hand.
 
-Machine code is made once a machine, which takes up to half a minute. Plain Python gives the same digits at once, some hundred
+Machine code is made once a machine, which takes up to half a minute. Plain Python gives the same digits at once, a hundred
 times slower; explicit steps of long rows, which are vector code with fused products, agree with it to round-off. So a run
 begins in plain Python while a process behind compiles into the cache on the disk; what is too long for plain Python waits for
 it. SOFTCRADLE_COMPILE=first compiles before the first run, in its own process.
@@ -33,7 +33,14 @@ LOOKING = 0.25  # seconds between two looks whether machine code has come
 YIELDING = 10  # niceness of a process that compiles behind frames, which are to be drawn in time
 # of that process
 PROGRAM = "import os; getattr(os, 'nice', int)({}); from {} import TIERS; TIERS[{!r}].compile_and_unlock()"
-LONGEST_COMPILATION = 600.0  # seconds after which a process that should compile is given up
+HEARTBEAT = 5.0  # seconds between two signs of life of a process that compiles
+# Seconds without a sign of life after which it is given up: one that yields to others may be heard of late.
+LONGEST_SILENCE = 600.0
+TOLD_AFTER = 60.0  # seconds of waiting, after which that is said
+WAITING = (
+    "waiting for kernels (%s) that process %d compiles, for %.0f s so far: other work on this machine slows it down; "
+    "Ctrl+C is harmless"
+)
 
 logger = logging.getLogger("softcradle")
 
@@ -97,9 +104,17 @@ class KernelTiers:
         return COMPILED and self._made.exists()
 
     def load(self) -> None:
-        """Load the machine code, or compile it in this process where there is none."""
+        """Load the machine code; where there is none it is compiled, in a process behind, because that hears signals."""
         if self._loaded:
             return
+        if not (self.in_memory or self.on_disk):
+            _tell_first()
+            logger.info("compiling the kernels of %s", self.name)
+            try:
+                self.wait()
+            except BaseException:
+                self._stop()
+                raise
         self._here.forced = True
         try:
             self.call_all()
@@ -138,26 +153,46 @@ class KernelTiers:
                 process_group=0,  # which no Ctrl+C reaches, but in our session: where these share the processors, niceness counts
             )
             self._lock.write_text(f"{self._process.pid} {niceness}")
+            threading.Thread(target=self._process.wait, name="reap compiler", daemon=True).start()  # no zombie is left
         except OSError:  # no room, or no right to write: this process compiles for itself when it has to
             return False
         return True
 
     def compile_and_unlock(self) -> None:
         """What the process behind does."""
+        threading.Thread(target=self._live, name="heartbeat", daemon=True).start()
         try:
             self.load()
             drop_unused(self._made.parent)
         finally:
             self._lock.unlink(missing_ok=True)
 
+    def _live(self) -> None:
+        """Give signs of life."""
+        while True:
+            sleep(HEARTBEAT)
+            try:
+                os.utime(self._lock)
+            except OSError:  # the lock is gone: all is compiled
+                return
+
     def wait(self) -> None:
         """Wait until no process compiles these kernels any more."""
-        began = monotonic()
         # one that yields hardly goes on where others take all processors
         if self.compile_behind() and _holder(self._lock)[1] > 0:
             self._begin()
-        while self.compile_behind() and not self.on_disk and monotonic() - began < LONGEST_COMPILATION:
+        began = told = monotonic()
+        while self.compile_behind() and not self.on_disk:
             sleep(0.05)
+            if monotonic() - told > TOLD_AFTER:
+                told = monotonic()
+                logger.warning(WAITING, self.name, _holder(self._lock)[0], told - began)
+
+    def _stop(self) -> None:
+        """End the process behind, if it is one of ours."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            self._lock.unlink(missing_ok=True)
 
     @cached_property
     def _made(self) -> Path:
@@ -176,6 +211,12 @@ class _Detached(subprocess.Popen[bytes]):
 
     def __del__(self) -> None:
         """Let it run on."""
+
+
+@cache
+def _tell_first() -> None:
+    """Say once that it takes a while."""
+    logger.warning(FIRST)
 
 
 # ---- plain Python
@@ -222,12 +263,12 @@ def _holder(lock: Path) -> tuple[int, int]:
 
 
 def _is_alive(lock: Path) -> bool:
-    """Whether the process that `lock` names still compiles."""
+    """Whether the process that `lock` names still compiles: it is there, and gave a sign of life."""
     number = _holder(lock)[0]
     try:
-        age = time() - lock.stat().st_mtime
+        silence = time() - lock.stat().st_mtime
         if os.name == "posix" and number:
             os.kill(number, 0)
     except OSError:
         return False
-    return number > 0 and age < LONGEST_COMPILATION
+    return number > 0 and silence < LONGEST_SILENCE

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+import threading
+from contextlib import suppress
+from time import monotonic
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -10,6 +14,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 WIDTH_OF_A_PIPE = 120  # columns of text; rich assumes 80 for a file or a pager
+MINUTE = 60.0  # s
+LINE_AFTER = MINUTE  # s between two lines of progress in a file
 _state = {"quiet": False}
 
 
@@ -39,11 +45,74 @@ def console(*, error: bool = False) -> Console:
     return found
 
 
-def progress_bar() -> Progress:
-    """A bar on standard error that disappears at the end."""
-    from rich.progress import Progress
+class ProgressShown:
+    """How far a command is, on standard error: on a terminal a bar that disappears, in a file a line a minute.
 
-    return Progress(console=console(error=True), transient=True, disable=is_quiet())
+    Arguments:
+        what: what is counted.
+        count: how many there are; None where that is told later.
+        shown: whether to show anything.
+    """
+
+    def __init__(self, what: str, count: int | None = None, shown: bool = True) -> None:
+        self._what, self._done, self._count = what, 0, count
+        self._shown, self._ended = shown and not is_quiet(), threading.Event()
+        self._bar: Progress | None = None
+        self._began, self._before = monotonic(), 0
+
+    def __enter__(self) -> ProgressShown:
+        output = console(error=True) if self._shown else None
+        if output is not None and output.is_terminal:
+            self._bar = _bar(output)
+            self._task = self._bar.add_task(self._what, total=self._count)
+            self._bar.start()
+        elif output is not None:
+            threading.Thread(target=self._write_lines, name="progress", daemon=True).start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._ended.set()
+        if self._bar is not None:
+            self._bar.stop()
+
+    def tell(self, what: str, done: int, count: int | None = None) -> None:
+        """So many are done, of so many."""
+        if (what, count) != (self._what, self._count):
+            self._began, self._before = monotonic(), done
+        self._what, self._done, self._count = what, done, count
+        if self._bar is not None:
+            self._bar.update(self._task, description=what, completed=done, total=count)
+
+    def advance(self) -> None:
+        """One more is done."""
+        self.tell(self._what, self._done + 1, self._count)
+
+    def _write_lines(self) -> None:
+        while not self._ended.wait(LINE_AFTER):
+            with suppress(OSError, ValueError):  # a full disk, a closed stream
+                print(f"softcradle: {self.line(monotonic() - self._began)}", file=sys.stderr, flush=True)
+
+    def line(self, seconds: float) -> str:
+        """How far it is after so many seconds: done, rate, time left."""
+        of = "" if self._count is None else f" of {self._count}"
+        rate = (self._done - self._before) / max(seconds, 1e-9)
+        told = f"{self._what}: {self._done}{of}, after {_duration(seconds)}"
+        if self._count is None or rate == 0.0:
+            return told
+        return f"{told}, {rate:.3g} a second, about {_duration((self._count - self._done) / rate)} left"
+
+
+def _bar(output: Console) -> Progress:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    return Progress(*columns, console=output, transient=True)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < MINUTE:
+        return f"{seconds:.0f} s"
+    return f"{seconds / MINUTE:.0f} min" if seconds < MINUTE**2 else f"{seconds / MINUTE**2:.1f} h"
 
 
 def table(*columns: str, numbers: bool = False) -> Table:
@@ -61,15 +130,24 @@ def print_table(output: Console, grid: Table) -> None:
     """Print a table: on a terminal that is too narrow for its numbers as a record a row; in a pipe as wide as it is."""
     from rich.measure import Measurement
 
-    for column in grid.columns if grid.columns[-1].justify == "right" else ():  # labels and numbers are not broken
-        column.min_width = max(len(line) for cell in column.cells for line in str(cell).splitlines() or [""])
+    numbers = grid.columns[-1].justify == "right"
+    for column in grid.columns if numbers else ():  # labels and numbers are not broken
+        lines = [line for cell in column.cells for line in str(cell).splitlines()]
+        column.min_width = max(map(len, lines), default=0)
     needed = Measurement.get(output, output.options.update(max_width=10_000), grid).minimum
-    if needed <= output.width:
+    if needed <= output.width and (not numbers or _is_whole(output, grid)):
         output.print(grid)
     elif output.is_terminal:
         _print_records(output, grid)
     else:
         output.print(grid, width=needed, crop=False)
+
+
+def _is_whole(output: Console, grid: Table) -> bool:
+    """Whether every word of the table is printed: it may be a column wider than it is measured."""
+    text = "\n".join("".join(segment.text for segment in line) for line in output.render_lines(grid))
+    words = [word for column in grid.columns for cell in (column.header, *column.cells) for word in str(cell).split()]
+    return all(word in text for word in words)
 
 
 def _print_records(output: Console, grid: Table) -> None:

@@ -42,6 +42,10 @@ class Motion:
         """(T, n+1) positions [m], bead lengths taken out."""
         return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
 
+    def middles(self, length: float) -> Array:
+        """(T, n+1) places of the middles of the beads, each `length` long [m]."""
+        return self.position + length * (np.arange(self.chain.contacts + 1) + 0.5)
+
     @cached_property
     def velocity(self) -> Array:
         """(T, n+1) bead velocities [m/s]."""

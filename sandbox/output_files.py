@@ -38,5 +38,6 @@ def make_folder(path: Name) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UserError(f"cannot write to {path}: {reason(error)}") from None
+        told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
+        raise UserError(f"cannot write to {path}: {told}") from None
     return folder

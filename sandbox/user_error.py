@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class UserError(Exception):
     """One sentence for the user; the command prints it as ``softcradle: sentence`` on stderr and exits with code 2."""
@@ -9,6 +12,18 @@ class UserError(Exception):
 
 class GaveUpError(UserError):
     """A run gave up before its end, so that there is nothing whole to write; the command exits with code 3."""
+
+
+class StudyError(UserError, ValueError):
+    """What is wrong with a sweep that was asked for; in Python it is a ValueError."""
+
+
+def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
+    """The refusal of a name that nothing has."""
+    names = list(known)
+    near = difflib.get_close_matches(word, names, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return UserError(f"there is no {kind} {word!r}; {hint}there are {', '.join(names)}")
 
 
 def reason(error: OSError) -> str:

@@ -25,7 +25,7 @@ function factorText(value) {
 }
 
 // An overlap; where the contact has closed but presses by less than the samples tell, it touches.
-const overlapText = (depth, state) => (depth > 0 ? scientific(depth) : state === "open" ? "apart" : "touching");
+const overlapText = (depth, state) => (depth > 0 ? scientific(depth) : state === "open" && depth < 0 ? "apart" : "touching");
 
 const contactName = (k) => lowered(k + 1 > 9 ? `${k}-${k + 1}` : `${k}${k + 1}`);
 

@@ -64,7 +64,7 @@ function captionPlaces(pen, motion, data, room) {
   const stops = motion.solid.flat().some((force) => force !== null);
   const force = `contact force (${data.forceUnit.name})${motion.pulls ? "   hollow: pulls" : ""}${stops ? "   dark: solid" : ""}`;
   const label = 8 + (motion.label ? words(motion.label, 600, 15) + 14 : 0), after = label + words(force, 400, 12.5);
-  const named = after < room ? force : "", rigid = motion.rigid.some((share) => share !== 0);
+  const named = after < room ? force : "", rigid = motion.marks;
   const beside = after + 36 + words(RIGID, 400, 12.5) < room;
   return { label, force: named, rigid: rigid && (beside ? [after + 16, 20] : [8, 39]), bottom: rigid && !beside ? 40 : 22 };
 }
@@ -132,13 +132,31 @@ function bodies(pen, view, data, edges, faces) {
 
 const barTop = (view, data, force) => view.base - view.barRoom * force / (data.scales.force / FORCE_MARGIN);
 
+// The force that each contact would have if clusters were rigid, as in rigid_clusters.py: those at the ends of a cluster, each
+// carried on by the share of the mass beyond; 0 where clusters end.
+function rigidForces(motion, now, length) {
+  const apart = now.overlap.map((depth, k) => motion.ends[k] || depth < -1e-9 * length), found = now.force.map(() => 0);
+  const ends = [...apart.keys()].filter((k) => apart[k]), sum = (masses) => masses.reduce((total, mass) => total + mass, 0);
+  let first = 0;
+  for (const last of [...ends, motion.contacts]) {
+    const mass = motion.mass.slice(first, last + 1), whole = sum(mass);
+    for (let k = first; k < last && !mass.includes(null); k++) {
+      const beyond = sum(mass.slice(k - first + 1)) / whole;
+      found[k] = (first > 0 ? now.force[first - 1] : 0) * beyond + (last < motion.contacts ? now.force[last] : 0) * (1 - beyond);
+    }
+    first = last + 1;
+  }
+  return found;
+}
+
 // A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5).
 function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * data.scales.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.scales.force / unit)));
+  const rigid = rigidForces(motion, now, data.length);
   now.contacts.forEach((x, k) => {
-    const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = now.force[motion.interface] * motion.rigid[k];
+    const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
     pen.fillStyle = view.contactColours[k];
     pen.fillRect(x - wide / 2, top, wide, view.base - top);
     if (force < 0 && view.base - top > 2 * PULL_RIM) { // hollow: it pulls
@@ -149,7 +167,7 @@ function forceBars(pen, view, data, now) {
     const solid = motion.solid[k][force < 0 ? 1 : 0]; // dark: what is beyond the force at which the gear is solid
     if (solid !== null && Math.abs(force) > solid) pen.fillRect(x - wide / 2, top, wide, barTop(view, data, solid) - top);
     let above = top;
-    if (k !== motion.interface && expected > visible) {
+    if (expected > visible) {
       const reach = wide / 2 + (view.narrow ? 3 : 5), line = barTop(view, data, expected);
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
       if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import numpy as np
 from softcradle.physics.status import WarningCode
-from softcradle.sandbox.sweeps.chunk_work import Chunk
 
 from benchmarks.scan.families import motion
 from benchmarks.scan.truth import SOURCES, Truth, truth_of
@@ -46,11 +45,9 @@ def compiled() -> None:
     warm()
 
 
-def entries(chunk: Chunk, columns: Mapping[str, Any]) -> Iterator[tuple[Entry | None, Entry]]:
-    """The truth of each chain of a chunk, None where it was known, and its verdict; `columns` are its points."""
-    for k, (family, seed) in enumerate(zip(columns["family"], columns["seed"].tolist(), strict=True)):
-        row = {name: column[k] for name, column in chunk.columns.items() if name not in ("status", "warned")}
-        yield _truth(row, family, seed), _verdict(row, family, seed)
+def entries(row: Mapping[str, Any], family: str, seed: int) -> tuple[Entry | None, Entry]:
+    """The truth of a chain from the numbers of its point, None where it was known, and its verdict."""
+    return _truth(row, family, seed), _verdict(row, family, seed)
 
 
 def _truth(row: Mapping[str, Any], family: str, seed: int) -> Entry | None:

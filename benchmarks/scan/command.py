@@ -2,7 +2,7 @@
 
 Truths take longest: they are kept in one file and used again by every later scan. Verdicts are
 kept in another, so that a scan that was interrupted goes on where it stopped; ``--fresh`` begins anew. Chains
-are the points of a sweep: both files are written as its chunks come back, and the chain whose process dies is tried again.
+are the points of a sweep: both files are written as its points come back, and the chain whose process dies is tried again.
 """
 
 from __future__ import annotations
@@ -15,16 +15,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
-from rich.progress import Progress, TaskID
 from softcradle.physics.atomic_files import output_file
 from softcradle.physics.version import version
-from softcradle.sandbox.console import progress_bar
+from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.sweeps import listed
-from softcradle.sandbox.sweeps.chunk_work import Chunk
-from softcradle.sandbox.sweeps.sweep_places import Where
-from softcradle.sandbox.sweeps.swept_columns import swept
+from softcradle.sandbox.sweeps.executors import Where
+from softcradle.sandbox.sweeps.run_sweep import map_points
 
 from benchmarks.json_lines import append, lines
 from benchmarks.reports import Report
@@ -86,26 +85,22 @@ def _compute(
     keys = [motion(family, seed).key for seed, family in wanted]
     function = partial(chain_numbers, {key: truths[key] for key in keys if key in truths}, args.method, args.tolerance)
 
-    def keep(chunk: Chunk) -> None:
-        for truth, entry in entries(chunk, points.columns(chunk.begin, chunk.end)):
-            if truth is not None:
-                append(args.folder / TRUTHS, truth)
-            append(_verdicts(args), entry)
-            known[entry["family"], entry["seed"]] = entry
+    def keep(number: int, row: Mapping[str, Any]) -> None:
+        truth, entry = entries(row, families[number], seeds[number])
+        if truth is not None:
+            append(args.folder / TRUTHS, truth)
+        append(_verdicts(args), entry)
+        known[entry["family"], entry["seed"]] = entry
 
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
     where: Where = "here" if args.jobs <= 1 else "processes"
     compiled()  # once, on the disk: processes that begin side by side would each compile all kernels
-    with progress_bar() as progress:
-        task = progress.add_task("chains", total=len(wanted))
-        told = partial(_tell, progress, task)
-        with swept(function, points, None, told, args.jobs, executor=where, alike=where == "here", each=keep):
-            pass
-
-
-def _tell(progress: Progress, task: TaskID, _: str, done: int, __: int) -> None:
-    progress.update(task, completed=done)
+    with ProgressShown("chains") as progress:
+        map_points(
+            function, points, None, lambda _, done, count: progress.tell("chains", done, count), args.jobs,
+            executor=where, each=keep,
+        )  # fmt: skip
 
 
 def _verdicts(args: argparse.Namespace) -> Path:

@@ -35,20 +35,25 @@ class Ringing:
     decay: float | None = None
 
 
-def turning_points(curve: ArrayLike) -> NDArray[np.int_]:
-    """Indices of the samples at which `curve` (T,) turns; swings below ROUND_OFF of its range are passed over.
+def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.int_]:
+    """Indices of the samples at which `curve` (T,) turns; less than `swing`, or ROUND_OFF of its range, is none.
+
+    Where a curve may be constant, what it is determined to has to be given: all of its range is round-off.
 
     >>> turning_points([0.0, 1.0, 0.5, 2.0, 0.0]).tolist()
     [1, 2, 3]
+    >>> turning_points([0.0, 1.0, 0.5, 2.0, 0.0], swing=0.7).tolist()
+    [3]
     """
     values = np.asarray(curve, dtype=np.float64)
-    least, found = ROUND_OFF * float(np.ptp(values)), []
+    least = ROUND_OFF * float(np.ptp(values)) if swing is None else swing
+    found = []
     extreme, direction = 0, 0
     for i in range(1, values.size):
-        swing = values[i] - values[extreme]
-        if direction * swing > 0.0 or (direction == 0 and abs(swing) > least):
-            extreme, direction = i, int(np.sign(swing))
-        elif direction * swing < -least:
+        change = values[i] - values[extreme]
+        if direction * change > 0.0 or (direction == 0 and abs(change) > least):
+            extreme, direction = i, int(np.sign(change))
+        elif direction * change < -least:
             found.append(extreme)
             extreme, direction = i, -direction
     return np.array(found, dtype=np.int_)

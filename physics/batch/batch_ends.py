@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -23,7 +22,7 @@ from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import integrate_each
 from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown, whole_number
 from softcradle.physics.compile_log import log_compilation
-from softcradle.physics.ensemble_runs import cores
+from softcradle.physics.ensemble_runs import cores, in_threads
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.records import EVALUATION, STEP
@@ -156,10 +155,9 @@ def _move_all(
     move: Callable[[Part], None], parts: list[Part], threads: int, progress: Callable[[int], None] | None
 ) -> None:
     """Move all parts of a batch in threads."""
-    with ThreadPoolExecutor(threads) as pool:
-        for part, _ in zip(parts, pool.map(move, parts), strict=True):
-            if progress is not None:
-                progress(part.chains.size)
+    for k, _ in in_threads(move, parts, threads):
+        if progress is not None:
+            progress(parts[k].chains.size)
 
 
 def _run_again(
@@ -175,8 +173,8 @@ def _run_again(
         ends.time[k], ends.status[k] = found.time[-1], found.status
         ends.steps[k], ends.evaluations[k] = found.steps, found.evaluations
 
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(one, which.tolist()))
+    for _ in in_threads(one, which.tolist(), threads):
+        pass
 
 
 def _method(name: str, batch: ChainBatch) -> Method:

@@ -15,7 +15,7 @@ from softcradle.physics.numerics.records import COUNTERS
 Array = NDArray[np.float64]
 
 PARTS_A_THREAD = 8  # at the least: chains differ in cost, so the last thread to finish should not have much left
-MOST_AT_ONCE = 4096  # chains in a part, so that progress is told often
+MOST_AT_ONCE = 1024  # chains in a part, so that progress is told often, and a run that is stopped ends soon
 LEAST_AT_ONCE = 16  # chains in a part
 
 

@@ -50,5 +50,5 @@ def run_part(kernel: Any, method: str, run: BatchRun, part: Part) -> None:
         kernel(
             which, kind, drifts, kicks, run.stop, MOST_STEPS, part.driven, True if part.dissipates else None, part.braked,
             part.bead, *records, tuple(scratch.spare), tuple(scratch.samples), log.contact, log.time,
-            tuple(scratch.checkpoints), np.zeros(2), NO_FLAGS, scratch.beads, scratch.work,
+            tuple(scratch.checkpoints), tuple(scratch.pause), np.zeros(2), NO_FLAGS, scratch.beads, scratch.work,
         )  # fmt: skip

@@ -15,7 +15,7 @@ NEVER = 2**62  # steps: a run is not interrupted
 @jit
 def march_each(
     which, kind, drifts, kicks, stop, most_steps, driven, dissipates, braked, bead, batch_fields, motion_fields,
-    spare_fields, sample_fields, contact, switch_time, checkpoint_fields, absorbed, flags, beads, work,
+    spare_fields, sample_fields, contact, switch_time, checkpoint_fields, pause_fields, absorbed, flags, beads, work,
 ):  # fmt: skip
     """`march` for each of the chains `which`; all have the anchor bead `bead`, and `dissipates` is None where none does."""
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
@@ -29,13 +29,13 @@ def march_each(
         if dissipates is None:
             moving.status[c], moving.time[c] = march(
                 kind, drifts, kicks, batch.step[c], 0.0, batch.end[c], stop, most_steps, chain, None, motion,
-                spare_fields, sample_fields, log, checkpoint_fields, beads, work,
+                spare_fields, sample_fields, log, checkpoint_fields, pause_fields, beads, work,
             )  # fmt: skip
         else:
             dissipation = Dissipation(batch.loss[c], bed if braked else bed[:0])
             moving.status[c], moving.time[c] = march(
                 kind, drifts, kicks, batch.step[c], 0.0, batch.end[c], stop, most_steps, chain, dissipation, motion,
-                spare_fields, sample_fields, log, checkpoint_fields, beads, work,
+                spare_fields, sample_fields, log, checkpoint_fields, pause_fields, beads, work,
             )  # fmt: skip
 
 

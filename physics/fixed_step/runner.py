@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.coupler import Coupler
-from softcradle.physics.fixed_step.checkpoints import SPACING, Checkpoints, empty_checkpoints
+from softcradle.physics.fixed_step.checkpoints import (
+    AT,
+    BEGUN,
+    NEXT,
+    SPACING,
+    Checkpoints,
+    Pause,
+    empty_checkpoints,
+    no_pause,
+)
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.explicit_steps import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.explicit_steps_simd import LONG
@@ -37,6 +46,7 @@ from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
+    PAUSED,
     SAMPLE,
     STEP,
     SWITCH,
@@ -56,6 +66,8 @@ Array = NDArray[np.float64]
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
 MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
+# Steps of a contact between two looks at signals, which Python hears between two calls of a kernel: some 0.1 s.
+PAUSE = 2_000_000
 PLAIN_STEPS = 20_000  # of a run without a duration, times its contacts: how far plain Python tries, in about a second
 
 
@@ -70,6 +82,7 @@ class Scratch:
     samples: Samples
     log: SwitchLog
     checkpoints: Checkpoints
+    pause: Pause
 
     @classmethod
     def of(
@@ -82,7 +95,7 @@ class Scratch:
         samples = Samples(times, *empty_samples(times.size, contacts))
         beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((rows, contacts))
         kept = empty_checkpoints(contacts, checkpoints)
-        return cls(method, spare, beads, work, samples, empty_log(contacts, log_size), kept)
+        return cls(method, spare, beads, work, samples, empty_log(contacts, log_size), kept, no_pause())
 
 
 def run(problem: Problem) -> Record:
@@ -155,8 +168,11 @@ class _KeptRun:
         if kernel is not sample_between:
             _kernels(chain).spent += work
         none = tuple(empty_checkpoints(chain.contacts, False))
-        most = problem.most_steps or MOST_STEPS
-        _call(kernel, (problem.step, most), problem, state, scratch, (tuple(scratch.checkpoints), none))
+        span = problem.step, problem.most_steps or MOST_STEPS
+        kept, pause = tuple(scratch.checkpoints), scratch.pause
+        pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
+        while not _call(kernel, span, problem, state, scratch, (kept, none, tuple(pause))):
+            pass  # signals are heard here
         rows = int(scratch.log.counter[SAMPLE])
         sampled: dict[str, Any] = {name: getattr(scratch.samples, name)[:rows] for name in SAMPLED}
         return replace(found, kept=None, **sampled)
@@ -185,9 +201,17 @@ def _march_chain(
     kernel: Any, most: int, problem: Problem, state: State, end: float, stop: bool, scratch: Scratch
 ) -> tuple[int, float]:
     """Run a tier of `march` on `state` for `most` steps. Returns its status and the time reached."""
-    span = problem.step, state.time, end, stop, most
-    found: tuple[int, float] = _call(kernel, span, problem, state, scratch, (tuple(scratch.checkpoints),))
-    return found
+    span, counts = (problem.step, state.time, end, stop, most), scratch.pause.counts
+    code, time, counts[BEGUN] = PAUSED, state.time, 0
+    while code == PAUSED:
+        counts[AT] = scratch.log.counter[STEP] + _steps_at_once(problem)
+        code, time = _call(kernel, span, problem, state, scratch, (tuple(scratch.checkpoints), tuple(scratch.pause)))
+    return code, time
+
+
+def _steps_at_once(problem: Problem) -> int:
+    """Steps after which a kernel hands back."""
+    return max(1, PAUSE // problem.chain.contacts)
 
 
 def _call(

@@ -10,7 +10,26 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.fixed_step.checkpoints import COUNT, DUE, Checkpoints, keep_checkpoint
+from softcradle.physics.fixed_step.checkpoints import (
+    AT,
+    BEGUN,
+    CLOSED,
+    COUNT,
+    DUE,
+    FLOWN_STEPS,
+    LEFT,
+    LOOK,
+    NEVER,
+    NEXT,
+    OVERLAPS,
+    RATES,
+    RESTS,
+    STILL,
+    Checkpoints,
+    Pause,
+    keep_checkpoint,
+    keep_pause,
+)
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.explicit_steps import split_steps
 from softcradle.physics.fixed_step.explicit_steps_simd import simd_split_steps
@@ -24,6 +43,7 @@ from softcradle.physics.numerics.records import (
     EVALUATION,
     NO,
     ONE,
+    PAUSED,
     SAMPLE,
     STEP,
     ZERO,
@@ -32,7 +52,14 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.switches import copy_motion, is_closed, log_switch, take_row, take_sample
+from softcradle.physics.numerics.switches import (
+    any_switched,
+    copy_motion,
+    is_closed,
+    log_switch,
+    take_row,
+    take_sample,
+)
 
 # kinds of step
 SPLITTING, SPLITTING_SIMD, DISCRETE_GRADIENT = 0, 1, 2
@@ -73,31 +100,47 @@ def largest(values):
 @jit
 def march(
     kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
-    sample_fields, log_fields, checkpoint_fields, beads, work,
+    sample_fields, log_fields, checkpoint_fields, pause_fields, beads, work,
 ):  # fmt: skip
     """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
-    Steps of free flight that are taken at once do not count among `most_steps`.
+    Steps of free flight that are taken at once do not count among `most_steps`. Where the pause wants it, the status is PAUSED,
+    and a call with the same arguments goes on.
 
     Records come as plain tuples of their fields, `dissipation` as a Dissipation or None; `spare` is a second Motion for
     samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
     """
     chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
     motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)
+    pause = Pause(*pause_fields)
     counter, wanted = log.counter, samples.time
     bed = dissipation is not None and dissipation.bed.size > 0
     brakes = chain.inverse_mass[:0] if dissipation is None else dissipation.bed
-    still = STANDSTILL * largest(motion.rate)
     between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
-    rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
-    settle_joint_forces(chain.joints, motion)
-    closed, rests, time = log_switches(start, start, chain.joints, motion, log), False, start
-    flown, look = ZERO, FIRST_LOOK
+    if pause.counts[BEGUN] != 0:
+        counts, numbers = pause.counts, pause.numbers
+        still, left, rests = numbers[STILL], counts[LEFT], counts[RESTS] != 0
+        rates = numbers[RATES], numbers[RATES + 1]
+        overlaps = numbers[OVERLAPS], numbers[OVERLAPS + 1]
+        closed, flown, look = counts[CLOSED], counts[FLOWN_STEPS], counts[LOOK]
+    else:
+        still, left, rests = STANDSTILL * largest(motion.rate), ZERO, False
+        rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
+        settle_joint_forces(chain.joints, motion)
+        closed, flown, look = log_switches(start, start, chain.joints, motion, log), ZERO, ONE * FIRST_LOOK
+    time = start + counter[STEP] * h
     while True:
-        sampling = counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
+        if left == 0 and counter[STEP] >= pause.counts[AT]:
+            keep_pause(pause, ZERO, look, flown, closed, rests, still, rates, overlaps)
+            return PAUSED, time
+        sampling = (
+            left == 0 and counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
+        )
         most, length, last = ONE, 0.0, False
         if sampling:
             copy_motion(spare, motion)
             length = wanted[counter[SAMPLE]] - time
+        elif left > 0:
+            most, length = left, h
         else:
             if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= kept.plan[DUE]:
                 keep_checkpoint(time, motion, kept, counter)
@@ -116,7 +159,9 @@ def march(
             if not last:
                 most = min(most, kept.plan[DUE] - counter[STEP])
             rests = bed and at_rest(motion)
-        taken = ZERO
+        whole, left, taken = most, ZERO, ZERO
+        if not (sampling or last):
+            most = min(most, max(pause.counts[AT] - counter[STEP], ONE))
         if not sampling or length > h * GRID_TOLERANCE:
             moved = spare if sampling else motion
             if kind == DISCRETE_GRADIENT:
@@ -130,8 +175,12 @@ def march(
         if sampling:
             take_sample(samples, log, spare)
             continue
-        rests = rests and at_rest(motion)
         counter[STEP] += taken
+        stopped = any_switched(motion, log.closed) or (dissipation is not None and at_rest(motion))
+        if taken == most and most < whole and not stopped:
+            keep_pause(pause, whole - taken, look, flown, closed, rests, still, rates, overlaps)
+            return PAUSED, start + counter[STEP] * h
+        rests = rests and at_rest(motion)
         before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
         if between_walls:
             keep_wall_distance(now - start, motion, rates, overlaps)
@@ -144,12 +193,17 @@ def march(
 @jit
 def sample_between(
     kind, drifts, kicks, h, most_steps, chain_fields, dissipation, motion_fields, spare_fields, sample_fields, log_fields,
-    checkpoint_fields, no_checkpoints, beads, work,
+    checkpoint_fields, no_checkpoints, pause_fields, beads, work,
 ):  # fmt: skip
-    """Fill the samples of a run by going on from the last of its checkpoints before each."""
+    """Fill the samples of a run by going on from the last of its checkpoints before each.
+
+    Returns whether all are filled; a call with the same arguments goes on after a pause between two checkpoints.
+    """
     kept, motion, counter = Checkpoints(*checkpoint_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
     wanted, count = Samples(*sample_fields).time, kept.plan[COUNT]
-    for k in range(count):
+    pause, made = Pause(*pause_fields), ZERO
+    budget, pause.counts[AT] = pause.counts[AT], NEVER
+    for k in range(pause.counts[NEXT], count):
         begun, until = kept.time[k], kept.time[k + 1] if k + 1 < count else math.inf
         last = counter[SAMPLE]
         while last < wanted.size and wanted[last] < until:
@@ -161,5 +215,10 @@ def sample_between(
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
         march(
             kind, drifts, kicks, h, begun, end, NO, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
-            sample_fields, log_fields, no_checkpoints, beads, work,
+            sample_fields, log_fields, no_checkpoints, pause_fields, beads, work,
         )  # fmt: skip
+        made += counter[STEP]
+        if made >= budget:
+            pause.counts[AT], pause.counts[NEXT] = budget, k + 1
+            return k + 1 == count
+    return True

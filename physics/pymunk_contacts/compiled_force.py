@@ -13,8 +13,9 @@ from typing import Any
 import pymunk
 from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, push_address
 
-# preload, stiffness, exponent, touching distance, and overlap or NaN: it follows from the distance
-LAW_TYPE = "double[5]"
+# preload, stiffness, exponent, touching distance, overlap or NaN: it follows from the distance, 1 if the contact was closed,
+# and the address of pymunk's call of the Python callback
+LAW_TYPE = "double[7]"
 
 
 def unavailable() -> str:
@@ -30,6 +31,7 @@ def attach(spring: pymunk.DampedSpring) -> Any:
     from pymunk._chipmunk_cffi import ffi, lib
 
     law = ffi.new(LAW_TYPE)
+    law[6] = _python_address()
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
     lib.cpDampedSpringSetSpringForceFunc(spring._constraint, _callback()[0])
     return law
@@ -49,6 +51,13 @@ def _callback() -> tuple[Any, str]:
     return function, ""
 
 
+def _python_address() -> float:
+    """Address of the C function by which pymunk calls a spring's Python callback; a float holds those below 2**53."""
+    from pymunk._chipmunk_cffi import ffi, lib
+
+    return float(int(ffi.cast("intptr_t", ffi.addressof(lib, "ext_cpDampedSpringForceFunc"))))
+
+
 def _probe(stiffness: float) -> pymunk.DampedSpring:
     return pymunk.DampedSpring(pymunk.Body(1, 1), pymunk.Body(1, 1), (0, 0), (0, 0), 2.0, stiffness, 0.0)
 
@@ -61,10 +70,13 @@ def _check_layout(ffi: Any) -> None:
 
 
 def _check_call(ffi: Any, function: Any) -> None:
-    spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan])
+    spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan, 1.0, _python_address()])
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
     if function(spring._constraint, 1.75) != 1.25 or function(spring._constraint, 2.5) != 0.0:
         raise RuntimeError("the compiled callback gives wrong forces")
+    spring.force_func = lambda _, distance: 8.0
+    if [function(spring._constraint, distance) for distance in (1.75, 1.75, math.nan)] != [8.0, 1.25, 8.0]:
+        raise RuntimeError("the compiled callback does not leave a contact that closes to Python")
     law[4] = 0.5
     if function(spring._constraint, 1.75) != 2.0:
         raise RuntimeError("the compiled callback does not take an overlap")

@@ -10,16 +10,39 @@ from softcradle.physics.numerics.law_kernels import force
 
 LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address of its law
 
+try:
+    from llvmlite import ir
+    from numba.extending import intrinsic
+except ImportError:  # then nothing is compiled
+    pass
+else:
+
+    @intrinsic
+    def call_at(typing_context, address, spring, distance):
+        """What the C function ``double f(void *spring, double distance)`` at `address`, an int, returns."""
+
+        def generate(context, builder, signature, values):
+            double, pointer = (context.get_value_type(kind) for kind in (distance, spring))
+            function = ir.FunctionType(double, [pointer, double]).as_pointer()
+            return builder.call(builder.inttoptr(values[0], function), values[1:])
+
+        return distance(address, spring, distance), generate
+
 
 def push(spring, distance):
     """Force at `distance`; the law is found through the spring.
 
-    It is (preload, stiffness, exponent, touching distance, overlap); an overlap that is not NaN is taken as it is.
+    It is (preload, stiffness, exponent, touching distance, overlap, was closed, address); an overlap that is not NaN is
+    taken as it is. A contact that closes, and one whose overlap is no number, is left to the function at `address`, where
+    that is not 0.
     """
     law = spring[LAW_SLOT]
     overlap = law[4]
     if math.isnan(overlap):
         overlap = law[3] - distance
+        was_closed, law[5] = law[5], 1.0 if overlap > 0.0 else 0.0
+        if law[6] != 0.0 and (law[5] > was_closed or math.isnan(overlap)):
+            return call_at(int(law[6]), spring, distance)
     return force(law[0], law[1], law[2], overlap)
 
 

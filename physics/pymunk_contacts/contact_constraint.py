@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, SupportsFloat
+from weakref import WeakKeyDictionary
 
 import pymunk
+from softcradle.physics.advice.stability_limits import TRUSTED_ERROR, stable_step
+from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, require_kind, shown
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
-from softcradle.physics.own_law import Law
+from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
-from softcradle.physics.pymunk_contacts.post_step import raise_after_step
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
 
 Pair = tuple[float, float]
+LawLike = Law | Callable[[float], SupportsFloat]
+
+FASTER = 1.1  # times the speed for which a step was found short enough: it is looked at again
 
 
 class SoftContact(pymunk.DampedSpring):
@@ -22,8 +30,9 @@ class SoftContact(pymunk.DampedSpring):
 
     Works like a ``pymunk.DampedSpring`` whose force is that of a :class:`~softcradle.physics.contact.Contact`, and only
     while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have moved, as
-    in symplectic Euler: use many substeps, for contacts are short. It acts along the line between the anchors, so the
-    overlap must stay smaller than `touching_distance`.
+    in symplectic Euler: use `substeps`, for contacts are short. Where a contact closes in a step that is too long for it, a
+    RuntimeWarning says so, once for each law in a Space. It acts along the line between the anchors, so the overlap must
+    stay smaller than `touching_distance`.
 
     It replaces the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
 
@@ -41,7 +50,7 @@ class SoftContact(pymunk.DampedSpring):
         Distance > 0 of the anchors at which the contact just touches [m]; for two balls with anchors in their
         centres the sum of their radii.
     contact : Contact or law
-        A Contact, or any object whose ``force(overlap)`` returns a force [N] for an overlap > 0 [m].
+        A Contact, or a function of an overlap > 0 [m] that returns a force [N], or an object with such a method ``force``.
     native : bool, optional
         True: the force is compiled code, several times faster; False: a Python callback, same digits; None:
         compiled where it can be had.
@@ -88,7 +97,7 @@ class SoftContact(pymunk.DampedSpring):
         anchor_a: Pair,
         anchor_b: Pair,
         touching_distance: float,
-        contact: Law,
+        contact: LawLike,
         native: bool | None = None,
     ) -> None:
         require_kind("a", a, pymunk.Body)
@@ -102,6 +111,8 @@ class SoftContact(pymunk.DampedSpring):
         self._touching_distance = distance
         self._known_overlap = math.nan
         self._compiled_law: Any = None
+        self._was_closed = False
+        self._looked_at = 0.0, 0.0, 0.0  # step [s], and the speed [m/s] and 1/mass [1/kg] at which it was looked at
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower
         self.contact = contact
 
@@ -115,27 +126,31 @@ class SoftContact(pymunk.DampedSpring):
         overlap = spring._known_overlap
         if math.isnan(overlap):
             overlap = spring._touching_distance - dist
+        was_closed, spring._was_closed = spring._was_closed, overlap > 0.0
         if overlap <= 0.0:
             return 0.0
         try:
+            _require_in_space(spring, overlap)
             force = spring._law(overlap)
             if not math.isfinite(force):
                 raise ValueError(f"a law must give a finite force, not {force!r} at an overlap of {overlap:.6g} m")
-            _require_in_space(spring)
+            if not was_closed or spring._compiled_law is not None:
+                spring._look_at_step(overlap)
             return force if spring._loss == 0.0 or spring.rate >= 0.0 else (1.0 - spring._loss) * force
         except BaseException as error:  # KeyboardInterrupt too, which pymunk would only print
             raise_after_step(spring, error)
             return 0.0
 
     @property
-    def contact(self) -> Law:
+    def contact(self) -> LawLike:
         """The law of the contact; set it, and the new one counts from the next step on."""
         return self._contact
 
     @contact.setter
-    def contact(self, contact: Law) -> None:
+    def contact(self, contact: LawLike) -> None:
         law, native = _scalar_law(contact), self._wants_native(contact)
         self._law, self._contact = law, contact
+        self._stores = contact if isinstance(contact, (Contact, OwnLaw)) else OwnLaw(contact)
         self._loss = contact.loss if isinstance(contact, Contact) else 0.0
         self._use(native)
         self.activate_bodies()
@@ -155,7 +170,7 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def overlap(self) -> float:
-        """Overlap of the bodies now [m]; negative: their distance."""
+        """Overlap of the bodies now [m]; negative where they are apart."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         return self._touching_distance - (ends[1] - ends[0]).length
 
@@ -166,6 +181,65 @@ class SoftContact(pymunk.DampedSpring):
         line = ends[1] - ends[0]
         closing = self.a.velocity_at_world_point(ends[0]) - self.b.velocity_at_world_point(ends[1])
         return line.dot(closing) / line.length if line.length > 0.0 else 0.0
+
+    @property
+    def energy(self) -> float:
+        """Energy [J] stored now; contacts with loss give only a part of it back."""
+        return self._stores.energy(max(self.overlap, 0.0))
+
+    def substeps(self, dt: float, speed: float, error: float = TRUSTED_ERROR) -> int:
+        """Number of equal steps to divide `dt` [s] into, so that a blow at `speed` [m/s] is right to `error` of the speed.
+
+        See :func:`~softcradle.stable_step`; with the masses of the two bodies and the law as they are now. At the error of a
+        hundredth a blow gains or loses 3 % of its energy at most; errors of blows add up.
+        """
+        length = magnitude("dt", dt)
+        return max(1, math.ceil(length / self._longest_step(magnitude("speed", speed), self._yielding(), error)))
+
+    def _longest_step(self, speed: float, yielding: float, error: float = TRUSTED_ERROR) -> float:
+        """Longest step [s] for a blow at `speed` [m/s] on bodies that yield by `yielding` [1/kg]."""
+        return stable_step(Chain([math.inf, 1.0 / yielding], self._stores), [0.0, -speed], error)
+
+    def _yielding(self) -> float:
+        """Change of the closing speed by an impulse [1/kg]: both inverse masses, and what the bodies turn."""
+        ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
+        line = (ends[1] - ends[0]).normalized()
+        found = 0.0
+        for body, end in zip((self.a, self.b), ends, strict=True):
+            if body.body_type == pymunk.Body.DYNAMIC:
+                arm = (end - body.local_to_world(body.center_of_gravity)).cross(line)
+                found += 1.0 / body.mass + arm * arm / body.moment
+        return found
+
+    def _look_at_step(self, overlap: float) -> None:
+        """Warn at the end of a step that is past its limit for the fastest blow of soft contacts in this Space so far."""
+        if not math.isnan(self._known_overlap):
+            return
+        space = space_of(self)
+        watch, step, rate, yielding = _watch(space), space.current_time_step, self.rate, self._yielding()
+        before = overlap - step * rate
+        released = 2.0 * yielding * self._stores.energy(before) if before > 1e-9 * overlap else 0.0
+        watch.fastest = speed = max(watch.fastest, math.sqrt(rate * rate + released))
+        pairs = zip((step, speed, yielding), self._looked_at, strict=True)
+        if all(now <= FASTER * then for now, then in pairs) or repr(self._contact) in watch.warned:
+            return
+        self._looked_at = step, speed, yielding
+        try:
+            limit = self._longest_step(speed, yielding)
+        except (
+            ValueError,
+            ArithmeticError,
+        ):  # a law of its own has no force or energy at some depths: it says so there
+            return
+        if step > limit:
+            watch.warned.add(repr(self._contact))
+            law = getattr(self._stores, "name", self._stores)
+            sentence = (
+                f"SoftContact with step {step:.3g} s is past its limit of about {limit:.2g} s at {speed:.3g} m/s: energy may "
+                f"grow; take {math.ceil(step / limit)} steps in its place, contact.substeps(dt, speed), or a SoftChain. The "
+                f"contact: {law}"
+            )
+            call_after_step(self, lambda: warnings.warn(sentence, RuntimeWarning, stacklevel=5))
 
     @property
     def native(self) -> bool:
@@ -191,12 +265,12 @@ class SoftContact(pymunk.DampedSpring):
         raise AttributeError("a SoftContact has no damping: a damper would pull bodies that are apart")
 
     def _take_overlap(self, overlap: float) -> None:
-        """Use this overlap [m] from now on: the caller knows it to more digits than the positions have."""
+        """Use this overlap [m] from now on: the caller knows it to more digits than positions have, and looks after steps."""
         self._known_overlap = overlap
         if self._compiled_law is not None:
-            self._compiled_law[4] = overlap
+            self._compiled_law[4], self._compiled_law[6] = overlap, 0.0
 
-    def _wants_native(self, contact: Law) -> bool:
+    def _wants_native(self, contact: LawLike) -> bool:
         """Whether `contact` is to be compiled code; RuntimeError where it must be and cannot."""
         if self._native is False:
             return False
@@ -221,30 +295,50 @@ class SoftContact(pymunk.DampedSpring):
             contact = self._contact
             assert isinstance(contact, Contact)
             law[0], law[1], law[2] = contact.preload, contact.stiffness, contact.exponent
-            law[3], law[4] = self._touching_distance, self._known_overlap
+            law[3], law[4], law[5] = self._touching_distance, self._known_overlap, 0.0
+        self._was_closed = False
 
 
-def _require_in_space(spring: SoftContact) -> None:
-    """RuntimeError where a body that moves has been removed from the Space and its contact has not."""
+@dataclass
+class _Watch:
+    """Of the soft contacts of a Space: the fastest blow [m/s] so far, and the laws of which a step was said to be too long."""
+
+    fastest: float = 0.0
+    warned: set[str] = field(default_factory=set)
+
+
+_watches: WeakKeyDictionary[pymunk.Space, _Watch] = WeakKeyDictionary()
+
+
+def _watch(space: pymunk.Space) -> _Watch:
+    return _watches.setdefault(space, _Watch())
+
+
+def _require_in_space(spring: SoftContact, overlap: float) -> None:
+    """An error where a body that moves has been removed from the Space and its contact has not, or moves by no number."""
     for body in (spring.a, spring.b):
         if body.space is None and body.body_type == pymunk.Body.DYNAMIC:
             raise RuntimeError("a body of a SoftContact is not in the Space: remove its contacts with it")
+        if math.isnan(overlap):
+            require_finite(body, "a body of a SoftContact")
 
 
 def _checked_distance(distance: float) -> float:
     return magnitude("touching_distance", distance)
 
 
-def _scalar_law(contact: Law) -> Callable[[float], float]:
+def _scalar_law(contact: LawLike) -> Callable[[float], float]:
     """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.law_kernels."""
-    if not callable(getattr(contact, "force", None)):
-        raise ValueError(f"contact must be a Contact or have a method force(overlap), not {shown(contact)}")
+    if not is_law(contact):
+        raise ValueError(
+            f"contact must be a Contact, a function of the overlap or have a method force(overlap), not {shown(contact)}"
+        )
     if isinstance(contact, Coupler):
         raise ValueError(
             "a SoftContact only pushes, a coupler pulls and goes solid: take simulate(..., method='conserving')"
         )
     if not isinstance(contact, Contact):
-        return lambda overlap: float(contact.force(overlap))
+        return (lambda d: float(contact.force(d))) if isinstance(contact, Law) else (lambda d: float(contact(d)))
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
     if stiffness == 0.0:
         return lambda overlap: preload

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, ref
 
 import pymunk
 
@@ -16,6 +17,18 @@ class _Pending:
 
 
 _pending: WeakKeyDictionary[pymunk.Space, _Pending] = WeakKeyDictionary()
+_spaces: WeakKeyDictionary[pymunk.Constraint, Callable[[], pymunk.Space | None]] = WeakKeyDictionary()
+
+
+def space_of(constraint: pymunk.Constraint) -> pymunk.Space:
+    """The Space that steps `constraint`: that of its bodies, or the last one where they have been removed."""
+    space = constraint.a.space or constraint.b.space
+    if space is None:
+        space = _spaces.get(constraint, lambda: None)()
+        assert space is not None, "a constraint was added to a Space, and none of its bodies"
+    else:
+        _spaces[constraint] = ref(space)
+    return space
 
 
 def call_after_step(constraint: pymunk.Constraint, task: Callable[[], None]) -> None:
@@ -28,9 +41,16 @@ def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> Non
     _of(constraint).errors.append(error)
 
 
+def require_finite(body: pymunk.Body, what: str) -> None:
+    """Raise ValueError where what moves `body` is no finite number."""
+    for name in ("velocity", "position", "angular_velocity", "angle", "force"):
+        value = getattr(body, name)
+        if not math.isfinite(value if isinstance(value, float) else sum(value)):
+            raise ValueError(f"{what} has the {name} {value}: give it, and its neighbours, finite numbers")
+
+
 def _of(constraint: pymunk.Constraint) -> _Pending:
-    space = constraint.a.space or constraint.b.space
-    assert space is not None
+    space = space_of(constraint)
     space.add_post_step_callback(_finish, _finish)
     return _pending.setdefault(space, _Pending())
 

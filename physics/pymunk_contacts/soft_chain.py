@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from softcradle.physics.checked_input import number_array, require_kind, shown
 from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step
+from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,
     begin_chain_step,
@@ -28,13 +29,34 @@ from softcradle.physics.pymunk_contacts.space_forces import SpaceForces, centres
 Array = NDArray[np.float64]
 
 CHAIN_METHODS = ("conserving",)  # values of the argument `method`
+ROWS = ("_overlap", "_rate", "_lag", "_outside", "_force", "_place", "_speed", "_absorbed")  # what moves in a chain
+
+
+@dataclass(frozen=True)
+class SoftChainState:
+    """Motion of a SoftChain between two steps.
+
+    Attributes
+    ----------
+    bodies : ndarray, shape (n+1, 6)
+        Positions [m], velocities [m/s], angles and angular velocities of the bodies.
+    rows : tuple of ndarray
+        What the chain keeps of its contacts.
+    step : float
+        The last step [s]; 0 before any.
+    """
+
+    bodies: Array
+    rows: tuple[Array, ...]
+    step: float
 
 
 class SoftChain:
     """The contacts between neighbours in a row of bodies; other joints, shapes and gravity act beside them.
 
-    Iterating gives its constraints, one between every two neighbours: ``space.add(*chain)``, ``space.remove(*chain)``;
-    neighbours' shapes no longer collide. In every step of the Space the first constraint that is evaluated solves all
+    Iterating gives its constraints, one between every two neighbours: ``space.add(*chain)``; those that are in the Space push,
+    and where one is not, the row falls into two that move on their own. `remove_from` removes them, of a body that dies, too.
+    Neighbours' shapes no longer collide. In every step of the Space the first constraint that is evaluated solves all
     contacts, by the method `conserving`: a collision keeps energy and momentum to round-off in steps of any size. Their
     distribution among the bodies is second-order in the step, right to 1e-3 where the collision lasts some tens of steps. A
     body must not pass its neighbour's centre in one step.
@@ -45,8 +67,8 @@ class SoftChain:
     Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
     and strings (pin joints, taut slide joints) to kinematic and static bodies are known before the contacts are solved. Other
     joints are expected to act as in the last step, so one that stops a body within a step takes energy. A body that is moved
-    or given another velocity between steps continues from there. Copy and pickle of the Space include the chain. A body belongs
-    to one SoftChain, and leaves the Space with it.
+    or given another velocity between steps continues from there. Copy and pickle of the Space include the chain, which `of`
+    finds; `state` and `restore` roll back a chain alone. A body belongs to one SoftChain.
 
     Joints have errors of their own: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of
     its energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
@@ -114,10 +136,49 @@ class SoftChain:
         self._beads = np.zeros((BEAD_ROWS, n + 1))
         self._absorbed = np.zeros(1)
         self._step = 0.0  # of the last step; 0 when there was none
+        self._gone: list[int] = []  # contacts that were not in the Space in the last step
         self._unread: list[float | None] = [None] * n  # forces of the step under way that pymunk has not read yet
         self.contacts = contacts
         self.touching_distances = touching_distances
         self._links = tuple(_Link.between(self, i) for i in range(n))
+
+    @classmethod
+    def of(cls, space: pymunk.Space) -> list[SoftChain]:
+        """The chains in a Space, in the order in which they were added: those of a copy, for instance."""
+        return list({link.chain: None for link in space.constraints if isinstance(link, _Link)})
+
+    def remove_from(self, space: pymunk.Space, *bodies: pymunk.Body) -> None:
+        """Remove those contacts that are in the Space: all, or the ones of `bodies`, which other chains may then take.
+
+        A contact comes back when it is added again: ``space.add(body, *(body.constraints - space.constraints))``.
+        """
+        if strangers := set(bodies) - set(self.bodies):
+            raise ValueError(f"a SoftChain has no contacts of a body that is not in it: {shown(strangers.pop())}")
+        there = [link for link in self._links if link in space.constraints]
+        space.remove(*(link for link in there if not bodies or not {link.a, link.b}.isdisjoint(bodies)))
+
+    @property
+    def state(self) -> SoftChainState:
+        """The motion now, of bodies and contacts, for `restore`; laws and touching distances are no part of it."""
+        bodies = [(*body.position, *body.velocity, body.angle, body.angular_velocity) for body in self.bodies]
+        return SoftChainState(np.array(bodies), tuple(getattr(self, row).copy() for row in ROWS), self._step)
+
+    def restore(self, state: SoftChainState) -> None:
+        """Go back to a `state` of this chain, or of its copy: steps from there give the same digits again.
+
+        What others keep is no part of it: impulses that pymunk's joints and collisions begin the next step with.
+        """
+        require_kind("state", state, SoftChainState)
+        if len(state.bodies) != len(self.bodies):
+            raise ValueError(
+                f"a state of {len(state.bodies)} bodies is none of a SoftChain of {len(self.bodies)}: take one of this chain"
+            )
+        for body, (x, y, u, v, angle, spin) in zip(self.bodies, state.bodies.tolist(), strict=True):
+            body.angle, body.angular_velocity = angle, spin
+            body.position, body.velocity = (x, y), (u, v)
+        for row, values in zip(ROWS, state.rows, strict=True):
+            getattr(self, row)[:] = values
+        self._step = state.step
 
     def __iter__(self) -> Iterator[pymunk.Constraint]:
         return iter(self._links)
@@ -159,9 +220,14 @@ class SoftChain:
 
     @property
     def overlaps(self) -> Array:
-        """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; before any step, those now."""
+        """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; before any step, those now.
+
+        Contacts that were not in the Space have -inf.
+        """
         if self._step:
-            return self._overlap.copy()
+            found = self._overlap.copy()
+            found[self._gone] = -math.inf
+            return found
         between = np.diff(centres(self.bodies)[0], axis=0)
         apart: Array = np.hypot(between[:, 0], between[:, 1])
         return self._touching - apart
@@ -200,11 +266,14 @@ class SoftChain:
     def _begin_step(self, link: _Link) -> None:
         n = len(self._links)
         self._unread = [0.0] * n  # if the solver raises, the other links push with 0 and there is one error
-        space = link.a.space or link.b.space
-        assert space is not None
+        space = space_of(link)
+        there = space.constraints
+        self._gone = [i for i, other in enumerate(self._links) if other not in there]
         self._require_own_bodies(space)
         step = space.current_time_step
         outside = SpaceForces.of(space, self.bodies, step)
+        for i in np.flatnonzero(~np.isfinite(outside.position + outside.expected).all(axis=1)).tolist():
+            require_finite(self.bodies[i], f"body {i} of a SoftChain")
         bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
         if not self._step:
@@ -212,6 +281,10 @@ class SoftChain:
         _tier(begin_chain_step)(step, self._step or step, *bodies, self._direction, *own)
         self._step = step
         call_after_step(link, self._end_step)
+        if self._gone:  # apart, whatever the bodies do in this step
+            fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
+            self._overlap[self._gone] = -self._touching[self._gone] - 4.0 * step * fastest
+            self._lag[self._gone] = self._outside[self._gone] = 0.0
         motion = outside.mobility, outside.expected, outside.velocity, self._direction, self._outside
         own_rows = self._overlap, self._rate, self._force, self._beads, self._work
         if self._loss.any():
@@ -226,14 +299,18 @@ class SoftChain:
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
         """RuntimeError where a body has been removed from the Space, or belongs to another SoftChain there too."""
-        for i, body in enumerate(self.bodies):
+        pushed = {
+            i: body for i, body in enumerate(self.bodies) if not {i - 1, i} <= {-1, len(self._links), *self._gone}
+        }
+        for i, body in pushed.items():
             if body.space is not space and body.body_type == pymunk.Body.DYNAMIC:
                 raise RuntimeError(
-                    f"body {i} of a SoftChain is not in the Space: remove the chain too, space.remove(*chain)"
+                    f"body {i} of a SoftChain is not in the Space, a contact of it is: chain.remove_from(space, body)"
                 )
         if self._step:
             return
-        others = {link for body in self.bodies for link in body.constraints if isinstance(link, _Link)} - {*self._links}
+        links = {link for body in pushed.values() for link in body.constraints if isinstance(link, _Link)}
+        others = links - {*self._links}
         if others and not others.isdisjoint(space.constraints):
             raise RuntimeError(
                 "a body belongs to two SoftChains: each would solve its contacts without the other's; make one chain of the "
@@ -241,21 +318,31 @@ class SoftChain:
             )
 
     def _end_step(self) -> None:
-        read = [force is None for force in self._unread]
         self._unread = [None] * len(self._links)
         _tier(end_chain_step)(
             self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
             self._rate, self._lag, self._outside,
         )  # fmt: skip
-        for link, was_read in zip(self._links, read, strict=True):
-            if not was_read and not (link.a.is_sleeping or link.b.is_sleeping):
-                raise RuntimeError("only a part of a SoftChain is in the Space: add or remove all, space.add(*chain)")
+
+
+def _of_the_chain(name: str) -> property:
+    """A property of a spring that a link of a chain has, but nobody sets."""
+
+    def refuse(link: _Link, value: object) -> None:
+        raise AttributeError(f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contacts")
+
+    return property(getattr(pymunk.DampedSpring, name).fget, refuse)
 
 
 class _Link(pymunk.DampedSpring):
     """One contact of a SoftChain: a spring whose force is the chain's."""
 
     _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + ["anchor_a", "anchor_b"]  # noqa: RUF005 - as its base
+    _pickle_attrs_general = ["error_bias", "max_bias", "collide_bodies"]  # noqa: RUF012 - not max_force
+
+    anchor_a, anchor_b, rest_length = _of_the_chain("anchor_a"), _of_the_chain("anchor_b"), _of_the_chain("rest_length")
+    stiffness, damping, max_force = _of_the_chain("stiffness"), _of_the_chain("damping"), _of_the_chain("max_force")
+    force_func = _of_the_chain("force_func")
 
     chain: SoftChain
     index: int
@@ -265,7 +352,7 @@ class _Link(pymunk.DampedSpring):
     ) -> None:
         super().__init__(a, b, anchor_a, anchor_b, 0.0, 0.0, 0.0)
         self.collide_bodies = False
-        self.force_func = _Link.chain_force  # type: ignore[assignment]  # its first argument is narrower
+        pymunk.DampedSpring.force_func.fset(self, _Link.chain_force)  # type: ignore[attr-defined]
 
     @classmethod
     def between(cls, chain: SoftChain, index: int) -> _Link:

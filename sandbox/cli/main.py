@@ -26,8 +26,8 @@ OTHER_WORDS = {"list": "scenes", "open": "play", "show": "play", "view": "play",
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line `arguments` (None: those of the process) and return the exit code.
 
-    It is 0; 2 for a user's mistake; 3 where a run gave up before its end; 130 when interrupted; 141 where a reader has closed
-    the pipe.
+    It is 0; 2 for a user's mistake; 3 where a run gave up before its end; 4 where a sweep lost points; 130 when interrupted;
+    141 where a reader has closed the pipe; 143 when terminated.
     """
     if arguments is None:
         # A terminated command ends like an interrupted one: half-written files are removed.
@@ -41,6 +41,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("softcradle: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except SystemExit as error:
+        if error.code == TERMINATED:
+            print("softcradle: terminated", file=sys.stderr)
+        raise
     except BrokenPipeError:  # the reader of the output has closed it, as in `softcradle scenes | head -1`
         discard_output()
         return CLOSED_PIPE

@@ -51,7 +51,7 @@ def command_parsers() -> tuple[Parser, dict[str, Parser]]:
         formatter_class=_Help,
         description="Rows of beads that only push on each other, softly: see them collide, and trust what you see.",
         epilog="softcradle COMMAND --help says more. A scene is a name from `softcradle scenes` or a file of your own. "
-        "Exit codes: 0; 2 for what cannot be done; 3 where a run gave up before its end.",
+        "Exit codes: 0; 2 for what cannot be done; 3 where a run gave up before its end; 4 for a sweep that lost points.",
     )
     parser.add_argument("-V", "--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command")

@@ -22,7 +22,7 @@ from softcradle.sandbox.draw.bead_sprites import (
 )
 from softcradle.sandbox.draw.number_format import LARGEST_PLAIN, factor, fixed, prefixed, round_down, scientific, ticks
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
-from softcradle.sandbox.draw.rigid_clusters import rigid_shares
+from softcradle.sandbox.draw.rigid_clusters import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
 from softcradle.sandbox.draw.text import width, write
@@ -56,7 +56,7 @@ class DrawnLane(Protocol):
 
     @property
     def velocity(self) -> Sequence[float]:
-        """(n+1,) velocities [m/s], which tell the striking cluster from the struck one."""
+        """(n+1,) velocities [m/s] at the start, which tell the striking cluster from the struck one."""
 
     def chain(self) -> Chain:
         """The chain."""
@@ -102,12 +102,12 @@ class LaneDrawing:
         self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
         self.heading: tuple[pygame.Rect, ...] = ()  # where the key and the ruler are, once drawn
         self.arrows = "velocity"  # what the arrows show, of ARROWS
-        self.take_approach(lane.velocity)
+        self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         self.mass_labels = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
 
-    def take_approach(self, velocity: Sequence[float]) -> None:
-        """Take the velocities (n+1,) [m/s] before a collision, from which marks of rigid clusters follow."""
-        self.interface, self.rigid = rigid_shares(self.chain.mass, velocity)
+    def take_approach(self, overlap: Sequence[float], velocity: Sequence[float]) -> None:
+        """Take overlaps (n,) [m] and velocities (n+1,) [m/s] before a collision, from which marks of rigid clusters follow."""
+        self.ends = cluster_ends(overlap, velocity, self.length)
 
     def left(self, centre: float | None = None) -> float:
         """Pixel of position 0 with the camera at `centre` [m]; None: at the middle of the scene's window."""
@@ -145,7 +145,7 @@ class LaneDrawing:
             x = write(surface, _("dark: solid"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
         words = _("if clusters were rigid")
         fits = x + 20 * unit + width(words, 12.5 * unit) < rect.right - RULER * unit
-        if fits and any(share != 0.0 for share in self.rigid):
+        if fits and has_marks(self.ends):
             fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
             x = write(surface, words, (x + 20 * unit, y), 12.5 * unit, tones.muted).right + 14 * unit
         return pygame.Rect(rect.left, rect.top, round(x - rect.left), round((KEY - 2) * unit))
@@ -180,7 +180,7 @@ class LaneDrawing:
         contacts = (faces[0] + faces[1]) / 2
         surface.set_clip(self.rect)
         self._bodies(surface, edges.tolist(), (faces[0] - np.maximum(faces[0] - faces[1], 0.0)).tolist())
-        self._bars(surface, contacts.tolist(), motion.force[row].tolist())
+        self._bars(surface, contacts.tolist(), overlap.tolist(), motion.force[row].tolist())
         self._arrows(surface, edges.tolist(), ARROWS[self.arrows](motion, row, self.scales).tolist())
         surface.set_clip(None)
         return np.asarray(contacts)
@@ -241,19 +241,19 @@ class LaneDrawing:
     def _bar_top(self, force: float) -> float:
         return self.bar_base - self.bar_room * force / (self.scales.force / FORCE_MARGIN)
 
-    def _bars(self, surface: pygame.Surface, contacts: list[float], forces: list[float]) -> None:
+    def _bars(self, surface: pygame.Surface, contacts: list[float], overlaps: list[float], forces: list[float]) -> None:
         """A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5)."""
         unit, visible = self.unit, VISIBLE_FORCE * self.scales.force
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
         decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
-        for i, (x, force) in enumerate(zip(contacts, forces, strict=True)):
+        rigid = rigid_forces(self.chain.mass, self.ends, overlaps, forces, self.length)
+        for i, (x, force, expected) in enumerate(zip(contacts, forces, rigid, strict=True)):
             self._bar(surface, i, x - wide / 2, wide, force)
-            expected = forces[self.interface] * self.rigid[i]
-            if i != self.interface and expected > visible:
+            if expected > visible:
                 reach = wide / 2 + 5 * unit
                 line = (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
                 fill_rectangle(surface, tones.foreground, line)
-        self._force_labels(surface, contacts, forces, decimals)
+        self._force_labels(surface, contacts, forces, rigid, decimals)
 
     def _bar(self, surface: pygame.Surface, contact: int, left: float, wide: float, force: float) -> None:
         """The bar of a force: filled where it pushes, hollow where it pulls, dark from where the gear is solid."""
@@ -266,7 +266,9 @@ class LaneDrawing:
         if abs(force) > solid:
             fill_rectangle(surface, tones.foreground, (left, top, wide, self._bar_top(solid) - top))
 
-    def _force_labels(self, surface: pygame.Surface, contacts: list[float], forces: list[float], decimals: int) -> None:
+    def _force_labels(
+        self, surface: pygame.Surface, contacts: list[float], forces: list[float], rigid: list[float], decimals: int
+    ) -> None:
         """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list[tuple[float, float]]()
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
@@ -274,16 +276,16 @@ class LaneDrawing:
                 return
             text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
             half = 0.5 * width(text, size, bold=True) + 2 * self.unit
-            low, high, foot = contacts[i] - half, contacts[i] + half, self._label_foot(i, forces)
+            low, high, foot = contacts[i] - half, contacts[i] + half, self._label_foot(forces[i], rigid[i])
             place = pygame.Rect(round(low), round(foot - size), round(high - low), round(size))
             if place.collidelist(self.heading) < 0 and all(high <= left or low >= right for left, right in taken):
                 taken.append((low, high))
                 write(surface, text, (contacts[i], foot), size, bold=True, align=(0.5, 1))
 
-    def _label_foot(self, contact: int, forces: list[float]) -> float:
+    def _label_foot(self, force: float, rigid: float) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""
-        foot, mark = self._bar_top(abs(forces[contact])), self._bar_top(forces[self.interface] * self.rigid[contact])
-        near = contact != self.interface and foot - FORCE_LABEL * self.unit < mark <= foot
+        foot, mark = self._bar_top(abs(force)), self._bar_top(rigid)
+        near = foot - FORCE_LABEL * self.unit < mark <= foot
         return (mark if near else foot) - 3 * self.unit
 
     def _arrows(self, surface: pygame.Surface, edges: list[float], shares: list[float]) -> None:

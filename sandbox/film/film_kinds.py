@@ -151,7 +151,7 @@ def _by_name(output: str) -> Codec | None:
     if suffix != ".png":
         known = ", ".join(codec.suffix for codec in CODECS)
         raise UserError(
-            f"cannot write {output}: the name must end in {known} or .png, or in / for a folder of pictures"
+            f"cannot write {output}: the name must end in {known}, .png or .html, or in / for a folder of pictures"
         )
     return None
 

@@ -10,8 +10,7 @@ from pathlib import Path
 from time import perf_counter
 
 import pygame
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film.film_encoder import open_film
 from softcradle.sandbox.film.film_kinds import check
@@ -89,7 +88,10 @@ def render_scene(
     if not (math.isfinite(slow) and slow > 0.0):
         raise UserError(f"slow motion must be a number > 0, not {slow:g}")
     single = codec is None and output.lower().endswith(".png")
-    with open_film(output, size, rate, pixel_format) as film, _ProgressBar(progress and not single) as bar:
+    with (
+        open_film(output, size, rate, pixel_format) as film,
+        ProgressShown("simulating", shown=progress and not single) as bar,
+    ):
         rows_a_frame = math.ceil(LEAST_ROWS / rate)
         motions = scene_motions(scene, rate * slow * rows_a_frame, method=method, step=step)
         simulated = perf_counter() - start
@@ -99,7 +101,7 @@ def render_scene(
         film.take_colours(sample)
         first_frame = perf_counter() - start
         shots = [Shot(strongest)] if single else film_shots(scene, motions, rate, rows_a_frame)
-        bar.begin(sum(shot != before for shot, before in zip(shots, [None, *shots], strict=False)))
+        bar.tell("pictures", 0, sum(shot != before for shot, before in zip(shots, [None, *shots], strict=False)))
 
         def paint(surface: pygame.Surface, shot: Shot) -> None:
             picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
@@ -134,33 +136,3 @@ def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1, hit: 
     begin = max(0, math.ceil((hit - MOST_BEFORE_HIT * whole) / (1.0 - MOST_BEFORE_HIT)))
     text = [Shot(rows - 1, min(1.0, (k + 1) / fade)) for k in range(reading)]
     return [Shot(row) for row in range(begin, rows, rows_a_frame)] + [Shot(rows - 1)] * still + text
-
-
-class _ProgressBar:
-    """The step of the work, pictures so far and time left, on standard error."""
-
-    def __init__(self, shown: bool) -> None:
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("pictures, time left"),
-            TimeRemainingColumn(),
-        )
-        self._progress = Progress(*columns, console=Console(stderr=True), transient=True, disable=not shown)
-        self._task = self._progress.add_task("simulating", total=None)
-
-    def __enter__(self) -> _ProgressBar:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._progress.stop()
-
-    def begin(self, pictures: int) -> None:
-        """The motion is computed; about so many `pictures` are to be drawn."""
-        self._progress.reset(self._task, description="rendering", total=pictures)
-
-    def advance(self) -> None:
-        """One more picture is drawn."""
-        self._progress.advance(self._task)

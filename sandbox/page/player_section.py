@@ -11,7 +11,7 @@ from softcradle.physics import Chain
 from softcradle.sandbox.draw.lane_drawing import body_height, is_gear, mass_labels, solid_force
 from softcradle.sandbox.draw.number_format import factor
 from softcradle.sandbox.draw.palette import OKABE_ITO, bead_colours
-from softcradle.sandbox.draw.rigid_clusters import rigid_shares
+from softcradle.sandbox.draw.rigid_clusters import cluster_ends, has_marks
 from softcradle.sandbox.page.packed_motion import packed_lanes
 from softcradle.sandbox.page.played_motion import Member, PlayedMotion
 
@@ -118,10 +118,11 @@ def _data(played: PlayedMotion) -> dict[str, Any]:
 
 def _members(played: PlayedMotion) -> list[dict[str, Any]]:
     packed = iter(packed_lanes([motion for lanes in played.motions for motion in lanes], played.scales))
+    length = played.scene.view.length
     return [
         {
             "name": member.name,
-            "lanes": [_lane_data(member, k) | next(packed) for k in range(len(member.trajectories))],
+            "lanes": [_lane_data(member, k, length) | next(packed) for k in range(len(member.trajectories))],
         }
         for member in played.members
     ]
@@ -136,10 +137,10 @@ def _long(played: PlayedMotion) -> bool:
     return _most_beads(played) > len(OKABE_ITO)
 
 
-def _lane_data(member: Member, number: int) -> dict[str, Any]:
+def _lane_data(member: Member, number: int, length: float) -> dict[str, Any]:
     trajectory = member.trajectories[number]
     chain: Chain = trajectory.chain
-    interface, shares = rigid_shares(chain.mass, trajectory.velocity[0].tolist())
+    ends = cluster_ends(trajectory.overlap[0].tolist(), trajectory.velocity[0].tolist(), length)
     return {
         "label": member.labels[number],
         "mass": [mass if math.isfinite(mass) else None for mass in chain.mass],
@@ -148,8 +149,8 @@ def _lane_data(member: Member, number: int) -> dict[str, Any]:
         "pulls": chain.pulls,
         "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "preloads": [contact.preload for contact in chain.contact],
-        "interface": interface,
-        "rigid": shares,
+        "ends": ends,
+        "marks": has_marks(ends),
         "dissipative": chain.dissipative,
         "closed": [
             [[begin, end if math.isfinite(end) else None] for begin, end in spans]

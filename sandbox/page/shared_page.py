@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 
 from softcradle.physics import Trajectory
+from softcradle.sandbox.motion_words import describe
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.motion_charts import chart_row, force_chart, overlap_chart, velocity_chart
 from softcradle.sandbox.page.page_document import document, footer, heading, paragraph
@@ -57,7 +58,7 @@ def page_text(played: PlayedMotion) -> str:
     parts = [
         heading(scene.title, scene.source),
         player_section(played),
-        paragraph(scene.text),
+        each_member(played, lambda member: _what_happened(played, member)),
         each_member(played, member_notes),
         "<h2>In curves</h2>",
         chart_row(charts),
@@ -67,6 +68,13 @@ def page_text(played: PlayedMotion) -> str:
         footer([]),
     ]
     return document(scene.title, parts)
+
+
+def _what_happened(played: PlayedMotion, member: Member) -> str:
+    """The text of the scene; of another member of a family, for which it was not written, what was recorded, in words."""
+    if member is played.members[played.first]:
+        return paragraph(played.scene.text)
+    return "".join(map(paragraph, map(describe, member.labels, member.trajectories)))
 
 
 def each_member(played: PlayedMotion, part: Callable[[Member], str]) -> str:

@@ -1,4 +1,4 @@
-"""The approach: the velocities with which beads went into the collision that is under way, or that comes next."""
+"""The approach: how beads went into the collision that is under way, or that comes next."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from softcradle.sandbox.session.history_slices import history_slices
 ROWS = 512  # of the history that are searched at a time
 
 
-def approach_velocity(history: History, lane: int, frame: int) -> Array | None:
-    """(n+1,) velocities at the latest frame up to `frame` at which no contact of the lane carried a force.
+def approach_of(history: History, lane: int, frame: int) -> tuple[Array, Array] | None:
+    """(n,) overlaps and (n+1,) velocities at the latest frame up to `frame` at which no contact of the lane carried a force.
 
     None where there is no such frame since the number of beads changed last: no collision began there.
     """
@@ -25,7 +25,6 @@ def approach_velocity(history: History, lane: int, frame: int) -> Array | None:
                 return None
             free = np.flatnonzero(~(part.force > 0.0).any(axis=1))
             if free.size:
-                velocity: Array = part.velocity[free[-1]]
-                return velocity
+                return part.overlap[free[-1]], part.velocity[free[-1]]
         last = first - 1
     return None

@@ -121,14 +121,14 @@ def _verdict(setup: LaneSetup, errors: tuple[float, float], chatter: float, step
     """Level and sentence of the gravest finding."""
     method = setup.method
     worst, name = max(zip(errors, ("energy", "momentum"), strict=True))
-    remedy = _("take a smaller step or more slow motion") if setup.step_given else _("take more slow motion")
-    values = {"method": method, "error": _percent(worst)}
+    remedy = setup.finer
+    values = {"method": method, "error": _percent(worst), "remedy": setup.remedy}
     off, off_badly = _off(name)
     findings = (
         (
             not math.isfinite(sum(errors)),
             BAD,
-            _("{method} has blown up: restart, and take conserving or a smaller step", method=method),
+            _("{method} has blown up: restart, and {remedy}", method=method, remedy=setup.remedy),
         ),
         (
             worst > BAD_ERROR,
@@ -168,11 +168,11 @@ def _off(name: str) -> tuple[str, str]:
     if name == "energy":
         return (
             N_("{method} is off by {error} of the energy"),
-            N_("{method} is off by {error} of the energy: take conserving or a smaller step"),
+            N_("{method} is off by {error} of the energy: {remedy}"),
         )
     return (
         N_("{method} is off by {error} of the momentum"),
-        N_("{method} is off by {error} of the momentum: take conserving or a smaller step"),
+        N_("{method} is off by {error} of the momentum: {remedy}"),
     )
 
 

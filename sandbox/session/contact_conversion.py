@@ -16,6 +16,7 @@ SOFT_EXPONENT = 0.1  # of a power law converted from another kind: alpha = 1/10,
 PRELOAD_SHARE = 0.9  # of the energy of an impact that the preload of a converted gear takes up
 HARD_DEPTH = 0.05  # of the depth of a soft contact: a locked piston yields twenty times less
 DEEPEST = 0.2  # of a bead's length: depth of a converted contact; clusters press theirs up to five times as deep
+STEEL_DEPTH = 0.12  # of a bead's length: depth of a steel ball beside soft beads
 HALVINGS = 60  # of the bracket of a depth: its last digit
 
 
@@ -26,6 +27,11 @@ def kind_of(contact: Joint) -> str:
     if contact.preload > 0.0:
         return "gear"
     return "power" if contact.exponent < 1.0 else "hard"
+
+
+def has_soft_contacts(chain: Chain) -> bool:
+    """Whether some contact is no usual cradle's: a power law below 1, or preloaded."""
+    return any(kind_of(contact) in ("power", "gear") for contact in chain.contact)
 
 
 def plain_contact(chain: Chain, index: int) -> Contact:
@@ -57,6 +63,21 @@ def converted_contact(chain: Chain, index: int, kind: str, speed: float, length:
         preload, stiffness = PRELOAD_SHARE * energy / soft_depth, 2.0 * (1.0 - PRELOAD_SHARE) * energy / soft_depth**2
         return Contact(preload, stiffness, 1.0, contact.loss)
     return _hertz(energy, soft_depth)
+
+
+def at_the_same_depth(chain: Chain, index: int, alpha: float, speed: float) -> Contact:
+    """A power law `alpha` in place of contact `index`: it stops the same impact at `speed` [m/s] within the same depth."""
+    energy, depth = impact_energy(chain, index, speed)
+    return power_law((1.0 + alpha) * energy / depth ** (1.0 + alpha), alpha, plain_contact(chain, index).loss)
+
+
+def steel_ball(chain: Chain, index: int, speed: float, length: float) -> Contact:
+    """Hertz's contact in place of contact `index`: it stops an impact at `speed` [m/s] within STEEL_DEPTH of `length` [m].
+
+    Forces are then some times those of soft contacts: both can be seen on one axis.
+    """
+    energy, _ = impact_energy(chain, index, speed)
+    return hertz(2.5 * energy / (STEEL_DEPTH * length) ** 2.5)
 
 
 def hard_contact(chain: Chain, index: int, speed: float) -> Contact:

@@ -120,10 +120,14 @@ class Block:
 
 
 class History:
-    """Frames `first` ... `last`, in blocks. `memory` bounds its bytes; the oldest frames are dropped."""
+    """Frames `first` ... `last`, in blocks. `memory` bounds its bytes; the oldest frames are dropped.
+
+    Attributes:
+        cuts: how often later frames were dropped or brought back, by a start, a new branch, an undo or a redo.
+    """
 
     def __init__(self, memory: int = MEMORY) -> None:
-        self.bound = memory
+        self.bound, self.cuts = memory, 0
         self.blocks: deque[Block] = deque()
 
     @property
@@ -153,6 +157,7 @@ class History:
 
     def start(self, snapshot: Snapshot, frame: int = 0) -> None:
         """Drop everything; `snapshot` is frame `frame`."""
+        self.cuts += 1
         self.blocks.clear()
         self.blocks.append(Block.empty(frame, _widths(snapshot)))
         self.blocks[-1].add(snapshot)
@@ -191,6 +196,7 @@ class History:
         """Drop every frame later than `frame`."""
         if frame >= self.last:
             return
+        self.cuts += 1
         while self.blocks[-1].first > frame:
             self.blocks.pop()
         self.blocks[-1] = self.blocks[-1].cut(frame - self.blocks[-1].first + 1)
@@ -202,6 +208,7 @@ class History:
 
     def restore(self, blocks: tuple[Block, ...]) -> None:
         """Take the blocks that :meth:`copy_blocks` gave, which can be taken again."""
+        self.cuts += 1
         *full, newest = blocks
         self.blocks = deque((*full, newest.cut(newest.used)))
 

@@ -30,11 +30,11 @@ class HistorySlice(Motion):
 def history_slices(history: History, lane: int, first: int, last: int, most: int = 0) -> Iterator[HistorySlice]:
     """Frames `first` to `last` of a lane, as far as the history has them: a slice for each block and setup, ascending.
 
-    With `most` > 0 about that many frames, evenly thinned: always the same ones, whatever `first` and `last` are, so that
-    a curve drawn in pieces is the curve drawn at once.
+    With `most` > 0 some `most` frames to twice as many: every second, fourth, eighth ... of all there are, counted from frame
+    0. So those of a longer part are among those of a shorter one, and a curve drawn in pieces is the curve drawn at once.
     """
     first, last = max(first, history.first), min(last, history.last)
-    stride = max(1, (last - first) // most) if most else 1
+    stride = 1 << max(0, ((last - first) // most).bit_length() - 1) if most else 1
     for block in history.blocks:
         low, high = max(first - block.first, 0), min(last - block.first + 1, block.used)
         if low < high:

@@ -12,10 +12,12 @@ from softcradle.physics.contact import Contact
 from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.scales import speed_scale
 from softcradle.physics.state import State
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.live_method import choose_method, steps_in, suitable_step
 from softcradle.scenes import Lane, Scene
 
 FRAME_RATE = 120  # model frames in a second of wall time: at 60 pictures a second each picture takes two
+KEEPING = "conserving"  # the method that keeps energy and momentum at any step
 TOLERANCE = 1e-8  # of adaptive methods where the scene has none
 
 
@@ -94,6 +96,16 @@ class LaneSetup:
         if find_method(self.method).adaptive:
             raise ValueError(f"method {self.method} chooses its own steps")
         return replace(self, step=step, step_given=True, automatic=False)
+
+    @property
+    def finer(self) -> str:
+        """How the method of the lane is made more exact, in words."""
+        return _("take a smaller step or more slow motion") if self.step_given else _("take more slow motion")
+
+    @property
+    def remedy(self) -> str:
+        """What helps where the method is off: the one that keeps energy and momentum, unless it is the one that failed."""
+        return self.finer if self.method == KEEPING else _("take {method} or a smaller step", method=KEEPING)
 
     def step_for(self, frame_time: float) -> float | None:
         """Step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""

@@ -115,7 +115,7 @@ class LiveLane:
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, self._most_steps)
         self._take_warning(" ".join(map(str, state.warnings)))
         if not _within_bounds(state):
-            raise BlownUpError(_("{method} has blown up: take conserving or a smaller step", method=setup.method))
+            raise BlownUpError(_("{method} has blown up: {remedy}", method=setup.method, remedy=setup.remedy))
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
         book_frame(

@@ -10,7 +10,7 @@ from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.session.approach_velocities import approach_velocity
+from softcradle.sandbox.session.approach_velocities import approach_of
 from softcradle.sandbox.session.badge_numbers import BAD, LEVELS, WINDOW, Health, health_of
 from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
 from softcradle.sandbox.session.frame_history import MEMORY
@@ -71,11 +71,11 @@ class Session(Player):
         """What was wrong with a lane in the whole run, in order of time."""
         return self._verdicts.of(lane)
 
-    def approach(self, lane: int) -> Array:
-        """(n+1,) velocities [m/s] with which the beads went into the collision at the frame shown, or go into the next."""
-        found = approach_velocity(self.history, lane, self.frame)
-        start = self.lanes[lane].setup.start
-        return start.velocity(self.lanes[lane].chain) if found is None else found
+    def approach(self, lane: int) -> tuple[Array, Array]:
+        """(n,) overlaps [m] and (n+1,) velocities [m/s] before the collision at the frame shown, or before the next."""
+        found = approach_of(self.history, lane, self.frame)
+        live = self.lanes[lane]
+        return (live.setup.start.overlap, live.setup.start.velocity(live.chain)) if found is None else found
 
     def label(self, lane: int) -> str:
         """What is written beside a lane: the scene's label, or what its contacts are after an edit."""
@@ -96,6 +96,14 @@ class Session(Player):
         """The scene with all edits, as it begins. ValueError (SceneError) where a scene file cannot say it."""
         labels = [self.label(lane) for lane in range(len(self.lanes))]
         return scene_of(self.scene, self.setup, labels)
+
+    @property
+    def edited(self) -> bool:
+        """Whether its lanes begin otherwise than those of the scene it was opened with: what that says of them may be wrong."""
+        try:
+            return self.to_scene().lanes != self.scene.lanes
+        except ValueError:  # no scene file can say it
+            return True
 
     def save_scene(self, path: str | Path) -> None:
         """Write :meth:`to_scene` to a TOML file, whole or not at all. UserError where that cannot be."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
 from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, seconds_in_words
@@ -10,18 +12,30 @@ from softcradle.sandbox.session.session import Session
 
 def summary_text(session: Session) -> str:
     """Some sentences about each lane, up to the frame shown."""
-    several = len(session.lanes) > 1
-    parts = [_("At {time}.", time=seconds_in_words(session.time))]
+    return " ".join([_("At {time}.", time=seconds_in_words(session.time)), _of_lanes(session, _lane)])
+
+
+def outcome_text(session: Session) -> str:
+    """Who goes where, in each lane, at the frame shown."""
+    return _of_lanes(session, _clusters)
+
+
+def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
+    """What is said of each lane, behind its label where there are several."""
+    parts = []
     for lane in range(len(session.lanes)):
-        label = label_words(session.label(lane))
-        words = _lane(session, lane)
-        parts.append(_("{label}: {words}", label=label, words=words) if several and label else words)
+        label, words = label_words(session.label(lane)), words_of(session, lane)
+        parts.append(_("{label}: {words}", label=label, words=words) if len(session.lanes) > 1 and label else words)
     return " ".join(parts)
 
 
-def _lane(session: Session, lane: int) -> str:
+def _clusters(session: Session, lane: int) -> str:
     live = session.lanes[lane]
-    sentences = [_contacts(session, lane), clusters_in_words(live.velocity.tolist(), live.setup.speed)]
+    return clusters_in_words(live.velocity.tolist(), live.setup.speed)
+
+
+def _lane(session: Session, lane: int) -> str:
+    sentences = [_contacts(session, lane), _clusters(session, lane)]
     worst = next((item for item in session.findings(lane) if item.level == "bad"), None)
     if worst is not None:
         text = _("Do not trust it: {cause} from {time} on.", cause=worst.cause, time=seconds_in_words(worst.begin))

@@ -9,6 +9,7 @@ from softcradle.sandbox.languages import gettext
 from softcradle.sandbox.session.inputs import Input, Place, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.values_table import middles
 
 Edit = Callable[[LiveLane, int, int, float], Input]
 
@@ -18,7 +19,7 @@ def _mass(live: LiveLane, lane: int, bead: int, value: float) -> Input:
 
 
 def _position(live: LiveLane, lane: int, bead: int, value: float) -> Input:
-    return Place(lane, bead, value)
+    return Place(lane, bead, value - (float(middles(live)[bead]) - float(live.position[bead])))
 
 
 def _velocity(live: LiveLane, lane: int, bead: int, value: float) -> Input:

@@ -1,4 +1,7 @@
-"""The table of values: every bead and every contact of a lane at the frame shown, and as CSV."""
+"""The table of values: every bead and every contact of a lane at the frame shown, and as CSV.
+
+The position of a bead is that of its middle, which rulers and kymographs show; the chain's own leaves the lengths of beads out.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ import math
 from dataclasses import dataclass
 
 from softcradle.sandbox.languages import NP_
+from softcradle.sandbox.motion import Array
+from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 
 BEAD_COLUMNS = (
@@ -40,11 +45,17 @@ def bead_table(session: Session, lane: int) -> ValuesTable:
     live = session.lanes[lane]
     rows: list[tuple[float, ...]] = []
     for bead, (mass, position, velocity) in enumerate(
-        zip(live.chain.mass, live.position.tolist(), live.velocity.tolist(), strict=True)
+        zip(live.chain.mass, middles(live).tolist(), live.velocity.tolist(), strict=True)
     ):
         momentum = mass * velocity if math.isfinite(mass) else math.nan
         rows.append((float(bead), mass, position, velocity, momentum, 0.5 * momentum * velocity))
     return ValuesTable(BEAD_COLUMNS, rows)
+
+
+def middles(live: LiveLane) -> Array:
+    """(n+1,) places of the middles of the beads [m]."""
+    places: Array = live.motion.middles(live.setup.length)[0]
+    return places
 
 
 def contact_table(session: Session, lane: int) -> ValuesTable:

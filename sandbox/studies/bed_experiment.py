@@ -12,8 +12,7 @@ where one number is needed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -27,8 +26,6 @@ SPEEDS = (0.25, 0.5, 0.75, 1.0)  # [m/s] launch speeds that the text allows
 MOMENTUM_DEFICIT = (0.05, 0.10)  # as stated
 ENERGY_DEFICIT = (0.10, 0.20)  # as stated
 LARGEST_FRICTION = 1.0  # upper end of the search for the coefficient
-LARGEST_LOSS = 0.95  # upper end of the search for the loss
-BISECTIONS = 40  # to round-off of what is shown
 
 
 @dataclass(frozen=True)
@@ -42,12 +39,11 @@ class Deficits:
 
 @dataclass(frozen=True)
 class Fit:
-    """Friction of the bed and loss of the gears, fitted at a launch speed [m/s], and the deficits that they give."""
+    """Friction of the bed, fitted at a launch speed [m/s], and the deficits that it gives with gears without loss."""
 
     experiment: str
     speed: float
     friction: float
-    loss: float
     deficits: Deficits
 
 
@@ -65,21 +61,11 @@ def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, me
 
 def friction_for(momentum: float, strikers: int, speed: float) -> float:
     """Coefficient of friction at which the collision loses the part `momentum`, with gears without loss."""
-    return _bisect(lambda friction: deficits(strikers, speed, friction).momentum, momentum, LARGEST_FRICTION)
+    from scipy.optimize import brentq  # not needed to list the claims
 
-
-def loss_for(energy: float, strikers: int, speed: float, friction: float) -> float:
-    """Loss of the gears at which the collision loses the part `energy` on that bed."""
-    return _bisect(lambda loss: deficits(strikers, speed, friction, loss).energy, energy, LARGEST_LOSS)
-
-
-def _bisect(deficit: Callable[[float], float], wanted: float, high: float) -> float:
-    """The argument between 0 and `high` at which `deficit`, which grows with it, has the value `wanted`."""
-    low = 0.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if deficit(middle) < wanted else (low, middle)
-    return 0.5 * (low + high)
+    return float(
+        brentq(lambda friction: deficits(strikers, speed, friction).momentum - momentum, 0.0, LARGEST_FRICTION)
+    )
 
 
 def friction_range(strikers: int, speed: float) -> tuple[float, float]:
@@ -93,13 +79,4 @@ def fit_friction(speed: float) -> list[Fit]:
     ranges = [friction_range(strikers, speed) for strikers in STRIKERS.values()]
     low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
     friction = 0.5 * (low + high)
-    return [Fit(name, speed, friction, 0.0, deficits(k, speed, friction)) for name, k in STRIKERS.items()]
-
-
-def fit_friction_and_loss(speed: float) -> list[Fit]:
-    """The same bed with one loss of all gears, at which one on three loses the middle of the stated energy deficit."""
-    fits = fit_friction(speed)
-    loss = loss_for(sum(ENERGY_DEFICIT) / 2.0, STRIKERS[fits[0].experiment], speed, fits[0].friction)
-    return [
-        replace(fit, loss=loss, deficits=deficits(STRIKERS[fit.experiment], speed, fit.friction, loss)) for fit in fits
-    ]
+    return [Fit(name, speed, friction, deficits(k, speed, friction)) for name, k in STRIKERS.items()]

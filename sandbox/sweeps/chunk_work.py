@@ -15,7 +15,7 @@ from softcradle.physics import Chain, Trajectory
 from softcradle.sandbox.sweeps.measure_table import Measure, Run, Value, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.sweeps.scene_points import ScenePoints, Start
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 
 Array = NDArray[np.float64]
 

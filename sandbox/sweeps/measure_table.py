@@ -14,7 +14,7 @@ from softcradle.physics.analysis.collision_measures import CollisionMeasures, Co
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.sandbox.sweeps.scene_points import Start
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes.toml_table import suggestion
 
 Value = float | int | None | Sequence[Any] | np.ndarray[Any, Any]

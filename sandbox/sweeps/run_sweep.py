@@ -7,18 +7,35 @@ import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from softcradle.physics.compile_log import log_compilation
+from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.extras import needed_for
-from softcradle.sandbox.sweeps.dataset_files import KINDS, MemorySink, file_sink, fill, open_dataset
-from softcradle.sandbox.sweeps.dataset_layout import layout_of
-from softcradle.sandbox.sweeps.journal import Journal
+from softcradle.physics.source_digest import digest_of
+from softcradle.sandbox.sweeps.chunk_work import Chunk, Outcome, PointStatus, Work
+from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, lost_points, open_dataset, write_dataset
+from softcradle.sandbox.sweeps.executors import (
+    PATIENCE,
+    Callers,
+    Dask,
+    Here,
+    Place,
+    Processes,
+    Where,
+    check_places,
+    processes_or_threads,
+    threads,
+)
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.sweeps.schedule import ChunkSchedule
+from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, merged, partial_folder, study_in
 from softcradle.sandbox.sweeps.study_text import lanes_of, study_text, sweep_work
-from softcradle.sandbox.sweeps.sweep_places import Places, Progress, Where, compute_missing, telling
+from softcradle.sandbox.user_error import StudyError, reason
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,6 +43,12 @@ if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
 LOGGER = logging.getLogger("softcradle")
+TRIED_HERE = 0.3  # s that "auto" computes points in this process first: the cost is then known
+WORTH_PROCESSES = 3.0  # s of work below which other processes begin too late to be of use
+# all studies are in this folder: where a file of it changes, kept points are of another study
+SANDBOX = Path(__file__).parent.parent
+
+Progress = Callable[[str, int, int], None]
 
 
 def sweep(
@@ -42,6 +65,7 @@ def sweep(
     fresh: bool = False,
     progress: Progress | None = None,
     chunk_seconds: float = 1.0,
+    patience: float = PATIENCE,
 ) -> xr.Dataset:
     """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Extra [sweep].
 
@@ -61,11 +85,11 @@ def sweep(
     measures : sequence of str or Measure, optional
         Names of the table of measures, or a Measure of one's own; of a function that returns numbers, none.
     output : path, optional
-        A .zarr folder or a .nc file; beside it a journal keeps what is computed until all is. A sweep that was
+        A .zarr folder or a .nc file; beside it a folder keeps what is computed until all is. A sweep that was
         stopped goes on from there, and one that is complete is only opened. None: in memory.
     executor : str or Executor, optional
-        "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" takes
-        processes where the work is worth them.
+        "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" computes
+        the first points here and takes processes where the rest is worth them.
     scheduler : str or Client, optional
         A Dask scheduler instead: its address, such as `tcp://127.0.0.1:8786`, or a Client. Extra [dask].
     workers : int, optional
@@ -80,6 +104,8 @@ def sweep(
         Called with ("points" or "writing", done, all).
     chunk_seconds : float, optional
         Wanted work of one chunk [s].
+    patience : float, optional
+        For how long a Dask scheduler that went away is waited for [s].
 
     Returns
     -------
@@ -98,27 +124,223 @@ def sweep(
     path, study = _checked_output(output), study_text(work, title)
     if path is not None and path.exists() and not fresh:
         return _complete(path, study)
-    with open_journal(path, study, fresh) as journal:
-        pools = Places(work, executor, scheduler, workers)
-        compute_missing(work, journal, pools, progress, chunk_seconds)
-        attributes = {"title": title or lanes_of(work)[1], **work.versions, "study": study, "digest": _digest(study)}
+    with opened(path, study, fresh) as store:
+        _compute_missing(
+            work, store, _place(work, executor, scheduler, workers, patience), workers, progress, chunk_seconds
+        )
         own = [measure for measure in work.measures if isinstance(measure, Measure)]
-        layout = layout_of(journal, points, lanes_of(work)[0], own, units or {}, attributes)
-        told = telling(progress, "writing", points.count, 0)
-        if path is None:
-            found: xr.Dataset = fill(MemorySink(), layout, journal, told)
-            return found
-        if fresh:
-            _remove(path)
-        try:
-            with file_sink(path) as sink:
-                fill(sink, layout, journal, told)
-        except OSError as error:
-            raise StudyError(
-                f"cannot write {path}: {error.strerror or error}; the points are kept in {journal.path}"
-            ) from None
-        journal.remove()
-    return open_dataset(path)
+        attributes = {"title": title or lanes_of(work)[1], **work.versions, "study": study, "digest": _digest(study)}
+        told = _telling(progress, "writing", points.count, 0)
+        whole = merged(store.chunks(), points.count)
+        found = dataset_of(whole, points, lanes_of(work)[0], own, units or {}, attributes)
+        if path is not None:
+            _write(found, path, fresh, store)
+        told(points.count)
+        store.remove()
+    return found if path is None else open_dataset(path)
+
+
+@dataclass(frozen=True)
+class SweepStatus:
+    """How far a sweep is.
+
+    Attributes:
+        done, count: points that are computed, and all.
+        lost: how many of a complete one no process survived.
+        sentence: all that, and where it is.
+    """
+
+    done: int
+    count: int
+    lost: int
+    sentence: str
+
+
+def sweep_status(
+    what: Scene | str | Callable[..., Any],
+    over: Points | Mapping[str, Any] | Sequence[Axis],
+    measures: Sequence[str | Measure],
+    output: str | Path,
+    title: str = "",
+) -> SweepStatus:
+    """How far the sweep of these arguments is, see `sweep`; nothing is computed. Raises StudyError."""
+    points, path = over if isinstance(over, Points) else grid(over), Path(output)
+    study, folder, count = study_text(sweep_work(what, points, measures), title), partial_folder(path), points.count
+    if path.exists():
+        with _complete(path, study) as found:
+            lost = lost_points(found)
+        told = f", {lost} of them lost: every process that computed them died" if lost else ""
+        return SweepStatus(count, count, lost, f"complete, {count} points are in {path}{told}")
+    known = study_in(folder)
+    if known is None:
+        return SweepStatus(0, count, 0, f"not begun, none of {count} points is computed")
+    if known != study:
+        raise StudyError(f"{folder} was begun for another study, or by another version")
+    done, lock = sum(end - begin for begin, end in kept_ranges(folder)), locked(folder)
+    if lock is not None:
+        lock.close()
+    busy = "no sweep is at it, the same command goes on" if lock is not None else "a sweep is at it"
+    return SweepStatus(done, count, 0, f"{done} of {count} points are in {folder}, and {busy}")
+
+
+def map_points(
+    function: Callable[..., Mapping[str, Any] | Outcome],
+    points: Points,
+    kept: Path | None = None,
+    progress: Progress | None = None,
+    workers: int | None = None,
+    *,
+    executor: Where = "auto",
+    alike: bool = True,
+    each: Callable[[int, dict[str, Any]], None] | None = None,
+    chunk_seconds: float = 1.0,
+) -> list[dict[str, Any]]:
+    """What `function` gives at all points, in their order, computed in processes where that pays; without xarray.
+
+    A row has numbers and lists as arrays, which may be longer than they were given, by nan, and the "reason" of an Outcome.
+
+    Arguments:
+        function: gives numbers by name, or an Outcome of them with a reason.
+        kept: the points are kept in the folder of this name and ``.partial`` as they are done, and a call that was stopped goes
+            on from there; it stays until `drop_kept`. Points of another study in it are dropped.
+        alike: whether points cost alike, so that the first ones tell what all will take; else the longest come first.
+        each: is called with the number and the row of a point as it comes back.
+
+    Raises:
+        StudyError: the function raised an error at a point, or the processes that computed it died.
+    """
+    work = sweep_work(function, points, ())
+    study = study_text(work, digest_of(SANDBOX.rglob("*.py")))
+    fresh = kept is not None and study_in(partial_folder(kept)) not in (None, study)
+    with opened(kept, study, fresh) as store:
+
+        def keep(chunk: Chunk) -> None:
+            _refuse_broken(chunk, points)
+            store.keep(chunk)
+            for k, row in enumerate(_rows(chunk) if each is not None else (), chunk.begin):
+                each(k, row)  # type: ignore[misc]
+
+        place = _place(work, executor, None, workers, PATIENCE)
+        _compute_missing(work, store, place, workers, progress, chunk_seconds, alike, keep)
+        return [row for chunk in store.chunks() for row in _rows(chunk)]
+
+
+def drop_kept(kept: Path) -> None:
+    """Drop the points that `map_points` kept."""
+    Store(partial_folder(kept), "", fresh=True).remove()
+
+
+def _rows(chunk: Chunk) -> list[dict[str, Any]]:
+    columns = {name: column for name, column in chunk.columns.items() if name not in ("status", "warned")}
+    rows = [{name: column[k] for name, column in columns.items()} for k in range(chunk.end - chunk.begin)]
+    for k, text in chunk.reasons.items():
+        rows[k - chunk.begin]["reason"] = text
+    return rows
+
+
+def _refuse_broken(chunk: Chunk, points: Points) -> None:
+    broken = np.flatnonzero(chunk.columns["status"] >= PointStatus.REFUSED)
+    if broken.size:
+        number = chunk.begin + int(broken[0])
+        values = {name: column[0] for name, column in points.columns(number, number + 1).items()}
+        raise StudyError(f"{', '.join(f'{name} {value}' for name, value in values.items())}: {chunk.reasons[number]}")
+
+
+# ---- where points are computed
+
+
+def _place(
+    work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None, patience: float
+) -> Place | None:
+    """The place that is asked for, before any work, so that a wrong address is told at once; None for "auto"."""
+    check_places(executor, scheduler, workers)
+    if scheduler is not None:
+        return Dask(work, scheduler, patience)
+    if not isinstance(executor, str):
+        return Callers(work, executor, workers)
+    if executor == "processes":
+        return Processes(work, workers)
+    if executor == "threads":
+        return threads(work, workers)
+    return Here(work) if executor == "here" or (workers or cores()) == 1 else None
+
+
+def _compute_missing(
+    work: Work,
+    store: Store,
+    place: Place | None,
+    workers: int | None,
+    progress: Progress | None,
+    chunk_seconds: float,
+    alike: bool = True,
+    keep: Callable[[Chunk], None] | None = None,
+) -> None:
+    """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
+    log_compilation()  # says at once where nothing can be compiled
+    missing, kept = list(store.missing(work.points.count)), store.done
+    if kept and store.folder is not None:
+        LOGGER.warning("%d of %d points are in %s and not computed again", kept, work.points.count, store.folder)
+    told = _telling(progress, "points", work.points.count, kept)
+    schedule = ChunkSchedule(missing, keep or store.keep, told, chunk_seconds)
+    stopped = True
+    try:
+        if place is None and alike and not store.died:
+            with store.trying():
+                schedule.run(Here(work), TRIED_HERE)
+            if schedule.seconds_left < WORTH_PROCESSES:
+                place = Here(work)
+        if schedule.left:
+            place = place or processes_or_threads(work, workers)
+            schedule.run(place)
+        stopped = False
+    finally:
+        if place is not None:
+            place.close(stopped)
+
+
+def _telling(progress: Progress | None, what: str, count: int, begin: int) -> Callable[[int], None]:
+    """A function that counts points on, for the caller's."""
+    done = [begin]
+
+    def tell(more: int) -> None:
+        done[0] += more
+        if progress is not None:
+            progress(what, done[0], count)
+
+    tell(0)
+    return tell
+
+
+# ---- files
+
+
+@contextmanager
+def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
+    """The store of an output; where the sweep ends early, how much is kept is said."""
+    store = Store(None if path is None else partial_folder(path), study, fresh)
+    try:
+        yield store
+    except BaseException as error:
+        done = store.done
+        if not done and not store.died:
+            store.remove()
+        if store.folder is not None and done:
+            kept = f"{done} points are kept in {store.folder}; the same sweep goes on from there"
+            if isinstance(error, StudyError):
+                raise StudyError(f"{error}; {kept}") from None
+            LOGGER.warning("%s", kept)
+        raise
+    finally:
+        store.close()
+
+
+def _write(found: xr.Dataset, path: Path, fresh: bool, store: Store) -> None:
+    if fresh:
+        _remove(path)
+    try:
+        write_dataset(found, path)
+    except OSError as error:
+        raise StudyError(f"cannot write {path}: {reason(error)}; the points are kept in {store.folder}") from None
 
 
 def _digest(study: str) -> str:
@@ -165,27 +387,3 @@ def _remove(path: Path) -> None:
         shutil.rmtree(path)
     else:
         path.unlink(missing_ok=True)
-
-
-def journal_path(path: Path) -> Path:
-    """Where the points of a sweep are kept until all are computed."""
-    return path.with_name(f"{path.name}.partial")
-
-
-@contextmanager
-def open_journal(path: Path | None, study: str, fresh: bool) -> Iterator[Journal]:
-    """The journal; where the sweep ends early, how much is kept is said."""
-    journal = Journal(None if path is None else journal_path(path), study, fresh)
-    try:
-        yield journal
-    except BaseException as error:
-        if not journal.done:
-            journal.remove()
-        if journal.path is not None and journal.done:
-            kept = f"{journal.done} points are kept in {journal.path}; the same sweep goes on from there"
-            if isinstance(error, StudyError):
-                raise StudyError(f"{error}; {kept}") from None
-            LOGGER.warning("%s", kept)
-        raise
-    finally:
-        journal.close()

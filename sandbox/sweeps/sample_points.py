@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.checked_input import shown, whole_number
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 
 if TYPE_CHECKING:
     from scipy.stats import qmc
@@ -102,6 +102,10 @@ class Points:
     def dimensions(self) -> tuple[str, ...]:
         """The dimensions of the Dataset: the axes of a grid, else "point"."""
         return tuple(axis.coordinate for axis in self.axes) if self.design == "grid" else ("point",)
+
+    def axis_values(self, axis: Axis) -> NDArray[Any]:
+        """The values of an axis of a grid."""
+        return _array(axis.values)
 
     def columns(self, begin: int, end: int) -> dict[str, NDArray[Any]]:
         """The values of every axis, by path, at the points from `begin` to `end`."""

@@ -1,4 +1,4 @@
-"""A sweep as text: all that its numbers follow from, by which a journal and a Dataset know the study that they belong to."""
+"""A sweep as text: all that its numbers follow from, by which kept points and a Dataset know the study that they belong to."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from softcradle.sandbox.sweeps.chunk_work import Work, current_versions
 from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.sweeps.scene_points import ScenePoints
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import Scene, load
 from softcradle.scenes.scene_errors import SceneError
 

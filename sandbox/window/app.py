@@ -10,12 +10,12 @@ from time import perf_counter
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
-from softcradle.sandbox.languages import ENGLISH, LANGUAGES, _, language, scene_words, use_language
+from softcradle.sandbox.languages import ENGLISH, LANGUAGES, N_, _, language, scene_words, use_language
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import main_loop, theme
 from softcradle.sandbox.window.dialog import Choices, Dialog, PathDialog
 from softcradle.sandbox.window.display import not_too_small, open_display, toggle_fullscreen
-from softcradle.sandbox.window.event_router import EventRouter
+from softcradle.sandbox.window.event_router import NOWHERE, EventRouter
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 from softcradle.sandbox.window.help_overlay import paint_help
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
@@ -25,6 +25,7 @@ from softcradle.sandbox.window.opening import page_of
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
 from softcradle.sandbox.window.settings import Settings
 from softcradle.sandbox.window.system_language import system_language
+from softcradle.sandbox.window.unsaved_scene import forget_unsaved, unsaved_path
 from softcradle.sandbox.window.widget_cleanup import collect_garbage
 from softcradle.sandbox.window.window_page import Modal, Page
 from softcradle.scenes import SceneError
@@ -40,18 +41,24 @@ class App:
     Arguments:
         size: of the window [pixels].
         start: name of a scene, or path of a scene or session file, to open; None shows the gallery.
+        lab: with all controls, whatever the level was at the end of the last start.
         clock: wall time [s], by which physics and plots of a frame end when the frame's time is used up.
     """
 
     def __init__(
-        self, size: tuple[int, int] = DESIGN, start: str | None = None, clock: Callable[[], float] = perf_counter
+        self,
+        size: tuple[int, int] = DESIGN,
+        start: str | None = None,
+        clock: Callable[[], float] = perf_counter,
+        lab: bool = False,
     ) -> None:
         self.clock = clock
         self.surface = open_display(size)
         self.reader = ScreenReader("softcradle")
         self.size = self._window_size = self.surface.get_size()
-        self.scale, self.running, self.help = 1.0, True, False
+        self.running, self.help = True, False
         self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
+        self.scale, self.explore = self.settings.scale, self.settings.explore and not lab
         use_theme(self.settings.theme)
         use_language(self.settings.language or system_language())
         self.dialog: Modal | None = None
@@ -73,12 +80,24 @@ class App:
             "open": self.ask_path,
             "paste": self.paste,
             "theme": self.toggle_theme,
+            "level": self.toggle_level,
             "language": self.next_language,
             "next_control": partial(self.focus.move, 1),
             "previous_control": partial(self.focus.move, -1),
         }
         self.page: Page = self._first_page(start)
         self._build()
+        self._keep_unsaved = False
+        if unsaved_path().exists():
+            choices: Choices = {_("Open it"): self._open_unsaved, _("Discard it"): forget_unsaved}
+            self.choose(_("An unsaved scene"), _("The window was ended with edits that are not saved."), choices)
+
+    def _open_unsaved(self) -> None:
+        """Open the scene that was not saved when the window was killed."""
+        page = self._opened(str(unsaved_path()))
+        if page is not None:
+            page.call_unsaved()
+            self.show(page)
 
     def _first_page(self, start: str | None) -> Page:
         page = None if start is None else self._opened(start)
@@ -90,15 +109,19 @@ class App:
             self.gallery = GalleryPage(self, self.open)
         return self.gallery
 
+    @property
+    def _usual_unit(self) -> float:
+        """The unit at a scale of 1."""
+        return min(max(min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1]), 0.75), 2.5)
+
     def _unit(self) -> float:
-        fitting = min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1])
-        largest = min(self.size[0] / LEAST[0], self.size[1] / LEAST[1])
-        return min(self.scale * min(max(fitting, 0.75), 2.5), largest)
+        return min(self.scale * self._usual_unit, self.size[0] / LEAST[0], self.size[1] / LEAST[1])
 
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
         if page is not self.page:
             self.page.close()
+            self.messages.leave_page()
         self.dialog = self.focus.place = None
         self.page = page
         clear_cached_surfaces()
@@ -130,6 +153,12 @@ class App:
         self.settings.save()
         use_theme(self.settings.theme)
         self._draw_anew()
+
+    def toggle_level(self) -> None:
+        """Go from few controls to all of them, or back, now and after the next start."""
+        self.explore = self.settings.explore = not self.explore
+        self.settings.save()
+        self.rebuild()
 
     def next_language(self) -> None:
         """Take the next language, now and after the next start."""
@@ -193,14 +222,18 @@ class App:
             return
         choices = {
             _("Save ..."): self.page.actions["save_scene"],
-            _("Discard them"): go_on,
+            _("Discard them"): partial(self._discard, go_on),
             _("Stay"): lambda: None,
         }
         self.choose(_("Keep the edits?"), _("This scene has edits that are not saved."), choices)
 
-    def quit(self) -> None:
-        """End at the end of this frame."""
-        self.running = False
+    def _discard(self, go_on: Callable[[], object]) -> None:
+        forget_unsaved()
+        go_on()
+
+    def quit(self, killed: bool = False) -> None:
+        """End at the end of this frame; what is unsaved is kept for the next start where the window is `killed`."""
+        self.running, self._keep_unsaved = False, killed
 
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
@@ -215,9 +248,13 @@ class App:
     def rescale(self, by: int) -> None:
         """Take the next larger or smaller scale; 0 is the normal one."""
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
-        self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
+        self.scale = self.settings.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
+        self.settings.save()
         self.rebuild()
-        self.messages.show(_("scale {percent:.0f} %", percent=100 * self.scale), subject="scale")
+        text, shown = N_("scale {percent:.0f} %"), self.unit / self._usual_unit
+        if shown < self.scale - 0.005:
+            text = N_("scale {percent:.0f} %: there is no room for more in this window")
+        self.messages.show(_(text, percent=100 * shown), subject="scale")
 
     def run(self) -> None:
         """Frames until the user quits."""
@@ -226,6 +263,8 @@ class App:
     def close(self) -> None:
         """Close the page, the thread and the display."""
         self.page.close()
+        if not self._keep_unsaved:
+            forget_unsaved()
         self.warmup.stop()
         use_language(ENGLISH)  # the window alone has another one
         gc.unfreeze()
@@ -281,6 +320,12 @@ class App:
         self.messages.paint(self.surface, self.size[1] - 84 * self.unit, self.unit)
         if self.help:
             paint_help(self.surface, self.unit)
+
+    @property
+    def pointer(self) -> tuple[int, int]:
+        """Place of the mouse; on nothing where a dialog lies over the page."""
+        covered = self.dialog is not None and self.dialog.open
+        return NOWHERE if covered else pygame.mouse.get_pos()
 
     def act(self, action: str | None) -> None:
         """Do an action of the table of keys, if the page or the window has it."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
+import warnings
 
 import pygame
 from softcradle.sandbox.resources import resource
@@ -39,6 +41,9 @@ def open_display(size: tuple[int, int]) -> pygame.Surface:
     pygame.display.set_caption("softcradle")
     surface = pygame.display.set_mode(size, pygame.RESIZABLE)
     pygame.key.set_repeat(350, 45)
+    with warnings.catch_warnings(), contextlib.suppress(AttributeError, pygame.error):
+        warnings.simplefilter("ignore", DeprecationWarning)  # pygame has no other way yet
+        pygame.Window.from_display_module().minimum_size = SMALLEST
     return surface
 
 

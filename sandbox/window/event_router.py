@@ -19,6 +19,7 @@ class EventRouter:
         self._held: set[int] = set()  # keys that are down, as far as events tell
         self._repeated = False  # whether the key of the present event was down already
         self._pressed = False  # whether the left button is down, as far as events tell
+        self._keyboard: tuple[object, ...] | None = None  # what had the keyboard when the key that is down went down
 
     def take(self, event: pygame.Event) -> None:
         """Pass one event on: to the window, the help, the messages, or the page."""
@@ -47,16 +48,27 @@ class EventRouter:
         if event.type == pygame.KEYDOWN:
             self._repeated = event.key in self._held
             self._held.add(event.key)
+            self._keyboard = self._typed_into
         elif event.type == pygame.KEYUP:
             self._held.discard(event.key)
+            self._keyboard = None
+        elif event.type == pygame.TEXTINPUT and self._keyboard not in (None, self._typed_into):
+            return  # its key has opened what would take it
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.focus.handle(event)
+            self.app.focus.hide_tooltips()
         if event.type in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP) and event.button == 1:
             self._pressed = event.type == pygame.MOUSEBUTTONDOWN
         if self.app.help:
             self._take_in_help(event)
         elif not self.app.messages.handle(event):
             self._take_in_page(event)
+
+    @property
+    def _typed_into(self) -> tuple[object, ...]:
+        """What keys go to: a dialog or menu, a line of the page, or the page."""
+        dialog = self.app.dialog
+        return (dialog if dialog is not None and dialog.open else None), self.app.focus.typed
 
     def _let_go(self) -> None:
         """Let go of what is dragged: the button may be let go where no event tells."""
@@ -67,7 +79,7 @@ class EventRouter:
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.help = False
         elif event.type == pygame.KEYDOWN:
-            action = action_of(event.key, event.mod)
+            action = action_of(event.key, event.mod, event.unicode)
             if action in ("help", "leave"):
                 self.app.help = False
             elif action == "quit":
@@ -78,7 +90,9 @@ class EventRouter:
             return
         if self.app.page.typing and event.type == pygame.KEYDOWN and event.key == pygame.K_TAB:
             if not self.app.page.handle(event):
-                self.app.act(action_of(event.key, event.mod))
+                self.app.act(action_of(event.key, event.mod, event.unicode))
+            return
+        if event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE and self.app.focus.close_list():
             return
         if self.app.page.typing and event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE:
             self.app.page.cancel_typing()
@@ -86,6 +100,6 @@ class EventRouter:
         if self.app.manager.process_events(event) or self.app.page.handle(event) or self.app.page.typing:
             return
         if event.type == pygame.KEYDOWN and not self.app.focus.handle(event):
-            action = action_of(event.key, event.mod)
+            action = action_of(event.key, event.mod, event.unicode)
             if not self._repeated or action in REPEATED:
                 self.app.act(action)

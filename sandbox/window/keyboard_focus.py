@@ -82,6 +82,25 @@ class KeyboardFocus:
             return False
         return True
 
+    def hide_tooltips(self) -> None:
+        """Take away what a control says of itself, until the pointer comes to it again: it has been pressed."""
+        for one in self.controls():
+            tooltip = getattr(one, "tool_tip", None)
+            if tooltip is not None:
+                tooltip.kill()
+                one.tool_tip = None
+            if one.hovered:
+                one.hover_time = -math.inf
+
+    def close_list(self) -> bool:
+        """Close the list of a menu; whether one was open."""
+        menus = [one for one in self.controls() if isinstance(one, UIDropDownMenu)]
+        for menu in menus:
+            if menu.current_state is menu.menu_states["expanded"]:
+                menu.current_state.should_transition = True
+                return True
+        return False
+
     def _choose(self, menu: UIDropDownMenu, by: int) -> None:
         """Choose the next entry of a menu."""
         names = [option[0] if isinstance(option, tuple) else option for option in menu.options_list]

@@ -25,10 +25,11 @@ _NAMES = {
     pygame.K_PERIOD: ".",
     pygame.K_COMMA: ",",
     pygame.K_MINUS: MINUS,
-    pygame.K_EQUALS: "+",
+    pygame.K_PLUS: "+",
     pygame.K_TAB: N_("Tab"),
     pygame.K_F1: "F1",
     pygame.K_F2: "F2",
+    pygame.K_F3: "F3",
     pygame.K_F8: "F8",
     pygame.K_F9: "F9",
     pygame.K_F10: "F10",
@@ -66,7 +67,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("forward", _keys(pygame.K_PERIOD), N_("Time"), N_("one frame forward")),
     Binding("back", _keys(pygame.K_COMMA), N_("Time"), N_("one frame back")),
     Binding("slower", _keys(pygame.K_MINUS, pygame.K_LEFTBRACKET), N_("Time"), N_("slower motion")),
-    Binding("faster", _keys(pygame.K_EQUALS, pygame.K_RIGHTBRACKET), N_("Time"), N_("faster motion")),
+    Binding("faster", _keys(pygame.K_PLUS, pygame.K_RIGHTBRACKET), N_("Time"), N_("faster motion")),
     Binding("restart", _keys(pygame.K_r), N_("Time"), N_("restart")),
     Binding("first", _keys(pygame.K_HOME), N_("Time"), N_("to the oldest frame")),
     Binding("last", _keys(pygame.K_END), N_("Time"), N_("to the latest frame")),
@@ -77,6 +78,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("add_bead", _keys(pygame.K_a), N_("Beads"), N_("add a bead right of the selected")),
     Binding("remove_bead", _keys(pygame.K_DELETE, pygame.K_BACKSPACE), N_("Beads"), N_("remove the selected bead")),
     Binding("lock", _keys(pygame.K_l), N_("Beads"), N_("lock or unlock the selected contact")),
+    Binding("lock_all", _keys((pygame.K_l, SHIFT)), N_("Beads"), N_("all contacts: lock or unlock")),
     Binding("law", _keys(pygame.K_g), N_("Beads"), N_("contact: power law or draft gear")),
     Binding("law_all", _keys((pygame.K_g, SHIFT)), N_("Beads"), N_("all contacts: power law or draft gear")),
     Binding("undo", _keys((pygame.K_z, CTRL)), N_("Beads"), N_("undo the last edit")),
@@ -96,14 +98,18 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("copy_scene", _keys((pygame.K_c, CTRL)), N_("Tools"), N_("copy the scene as text, to share it")),
     Binding("paste", _keys((pygame.K_v, CTRL)), N_("Tools"), N_("open a scene that was copied as text")),
     Binding("compare", _keys((pygame.K_d, CTRL)), N_("Tools"), N_("the scene beside a copy, to compare")),
+    Binding(
+        "compare_balls", _keys((pygame.K_d, SHIFT)), N_("Tools"), N_("the scene beside steel balls, or soft beads")
+    ),
     Binding("stopwatch", _keys(pygame.K_k), N_("Tools"), N_("stopwatch: start, stop, put away")),
     Binding("ruler", _keys(pygame.K_u), N_("Tools"), N_("ruler, on or off")),
     Binding("data", _keys(pygame.K_x), N_("Tools"), N_("measured data over a plot, or off")),
     Binding("signals", _keys((pygame.K_8, SHIFT)), N_("Tools"), N_("choose two signals to plot")),
     Binding("sweep", _keys(pygame.K_y), N_("Tools"), N_("nine values of a slider side by side")),
     Binding("tools", _keys(pygame.K_F10), N_("Tools"), N_("the menu of tools")),
-    Binding("method", _keys(pygame.K_m), N_("View"), N_("next method")),
+    Binding("method", _keys((pygame.K_m, SHIFT)), N_("View"), N_("next method")),
     Binding("inspector", _keys(pygame.K_i), N_("View"), N_("hide or show the panel on the right")),
+    Binding("level", _keys(pygame.K_F3), N_("View"), N_("Explore (few controls) or Lab (all)")),
     Binding("sound", _keys(pygame.K_n), N_("View"), N_("sound: clicks, tones of forces, off")),
     Binding("save_scene", _keys((pygame.K_s, CTRL)), N_("Save"), N_("save the scene as a file")),
     Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), N_("Save"), N_("save the session, to be replayed")),
@@ -119,7 +125,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("theme", _keys(pygame.K_F9), N_("Window"), N_("dark or light theme")),
     Binding("language", _keys(pygame.K_F8), N_("Window"), N_("language (Sprache, langue)")),
     Binding("fullscreen", _keys(pygame.K_F11), N_("Window"), N_("fullscreen")),
-    Binding("larger", _keys((pygame.K_EQUALS, CTRL)), N_("Window"), N_("everything larger")),
+    Binding("larger", _keys((pygame.K_PLUS, CTRL)), N_("Window"), N_("everything larger")),
     Binding("smaller", _keys((pygame.K_MINUS, CTRL)), N_("Window"), N_("everything smaller")),
     Binding("normal", _keys((pygame.K_0, CTRL)), N_("Window"), N_("normal size")),
     Binding("leave", _keys(pygame.K_ESCAPE), N_("Window"), N_("close, deselect, back to the gallery")),
@@ -127,6 +133,14 @@ _BINDINGS: tuple[Binding, ...] = (
 )
 
 
+# Keys that count as another one.
+SAME = {
+    pygame.K_EQUALS: pygame.K_PLUS,
+    pygame.K_KP_PLUS: pygame.K_PLUS,
+    pygame.K_KP_MINUS: pygame.K_MINUS,
+    pygame.K_KP_0: pygame.K_0,
+    pygame.K_KP_ENTER: pygame.K_RETURN,
+}
 # What a key that is held down does again and again; the rest is done once a press.
 REPEATED = frozenset(
     [
@@ -156,14 +170,22 @@ def bindings() -> tuple[Binding, ...]:
     return (*plots, *_BINDINGS)
 
 
-def action_of(code: int, modifiers: int) -> str | None:
-    """The action of a pressed key, or None. Signs count with Shift too: on some keyboards they need it."""
+def action_of(code: int, modifiers: int, text: str = "") -> str | None:
+    """The action of a pressed key that types `text`, or None.
+
+    Keyboards have signs on other keys: + on = or on a key of its own, . on ; with Shift. So where the key has no action, the
+    sign that it types may have one, and signs count with Shift too. Those of the number pad are the same.
+    """
     held = CTRL if modifiers & (pygame.KMOD_CTRL | pygame.KMOD_META) else PLAIN
     held |= SHIFT if modifiers & pygame.KMOD_SHIFT else PLAIN
     if modifiers & pygame.KMOD_ALT:
         return None
+    code = SAME.get(code, code)
     actions = {key: binding.action for binding in bindings() for key in binding.keys}
-    return actions.get(Key(code, held)) or (actions.get(Key(code)) if held == SHIFT and code < pygame.K_a else None)
+    found = actions.get(Key(code, held))
+    if found is None and len(text) == 1 and not text.isalpha():
+        found = actions.get(Key(ord(text), held & CTRL))
+    return found or (actions.get(Key(code, held & CTRL)) if code < pygame.K_a else None)
 
 
 def hint(action: str) -> str:

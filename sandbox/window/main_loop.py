@@ -45,7 +45,7 @@ def _ending_at_signals(app: Window) -> Iterator[None]:
     """At a signal that asks the process to end, end the loop: an open film is then written."""
 
     def end(number: int, frame: FrameType | None) -> None:
-        app.quit()
+        app.quit(killed=True)
 
     before = {}
     for name in SIGNALS:

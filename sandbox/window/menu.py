@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import pygame
@@ -17,30 +17,30 @@ ROW = 27.0  # design pixels
 
 
 class Menu(Overlay):
-    """The actions `names` of a page. A click elsewhere and Esc close it.
+    """The actions `names` of the page or the window, in as many columns as they need. A click elsewhere and Esc close it.
 
     Attributes:
         focus: number of the row that Enter takes.
         buttons: the rows.
     """
 
-    def __init__(
-        self, host: Host, corner: tuple[int, int], names: Sequence[str], actions: Mapping[str, Callable[[], None]]
-    ) -> None:
-        self.corner, self.names, self.actions, self.focus = corner, names, actions, 0
+    def __init__(self, host: Host, corner: tuple[int, int], names: Sequence[str]) -> None:
+        self.corner, self.names, self.focus = corner, names, 0
         self.buttons: list[UIButton] = []
         super().__init__(host)
 
     def make_widgets(self) -> None:
         """Take a place below the button and make the rows."""
-        unit, row = self.host.unit, round(ROW * self.host.unit)
-        self.box = pygame.Rect(0, 0, round(WIDTH * unit), row * len(self.names) + round(12 * unit))
+        unit, row, margin = self.host.unit, round(ROW * self.host.unit), round(6 * self.host.unit)
+        columns = -(-row * len(self.names) // (self.host.size[1] - self.corner[1] - 2 * margin))
+        rows, wide = -(-len(self.names) // columns), round(WIDTH * unit)
+        self.box = pygame.Rect(0, 0, columns * wide, row * rows + 2 * margin)
         self.box.topright = self.corner
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
-        left, top, wide = self.box.left + round(6 * unit), self.box.top + round(6 * unit), self.box.width
+        left, top = self.box.left + margin, self.box.top + margin
         self.buttons = [
             UIButton(
-                pygame.Rect(left, top + k * row, wide - round(12 * unit), row),
+                pygame.Rect(left + k // rows * wide, top + k % rows * row, wide - 2 * margin, row),
                 hint(name),
                 self.manager,
                 object_id="#menu_row",
@@ -56,7 +56,7 @@ class Menu(Overlay):
     def choose(self, name: str) -> None:
         """Close the menu and do the action."""
         self.close()
-        self.actions[name]()
+        self.host.act(name)
 
     def handle(self, event: pygame.Event) -> bool:
         """A press elsewhere closes the menu."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import width, wrapped, write
+from softcradle.sandbox.draw.text import shortened, width, wrapped, write
 from softcradle.sandbox.languages import refusal_words
 
-MOST = 4  # on screen at once
+MOST = 2  # on screen at once
 LEAST_SECONDS = 2.5  # that a message stays
 SECONDS_A_WORD = 0.35  # that a message stays
 WARNING_FACTOR = 2.0  # by which a warning stays longer
@@ -40,6 +40,10 @@ class Messages:
         seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if warning else 1.0)
         self.visible.append(Message(text, warning, seconds, subject))
 
+    def leave_page(self) -> None:
+        """Remove what was said about the page that is left, but no warning."""
+        self.visible = [message for message in self.visible if message.warning]
+
     def handle(self, event: pygame.Event) -> bool:
         """Remove the message that is clicked."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
@@ -60,7 +64,8 @@ class Messages:
         self._places = []
         y = bottom
         for message in reversed(self.visible):
-            lines = wrapped(message.text, 14 * unit, min(720 * unit, 0.7 * surface.get_width()))
+            room = min(720 * unit, 0.7 * surface.get_width())
+            lines = [shortened(line, 14 * unit, room) for line in wrapped(message.text, 14 * unit, room)]
             y -= self._box(surface, message, lines, y, unit) + 6 * unit
 
     def _box(self, surface: pygame.Surface, message: Message, lines: list[str], bottom: float, unit: float) -> float:

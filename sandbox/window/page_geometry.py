@@ -18,7 +18,9 @@ GUTTER = 12.0  # design pixels between two plots
 MARGIN = 14.0  # design pixels around beads and plots
 LEAST_LANE = 120.0  # design pixels of the beads, below which insets and energy bars go
 LOW_LANE = 150.0  # design pixels of each of two lanes, below which bars of forces have no room and plots give way
+LOWEST_LANE = 130.0  # design pixels of each of two lanes, for which there are fewer rows of plots
 PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
+EXPLORED = 0.85  # of that share, where beads are more than plots
 LEAST_PLOT_ROW = 66.0  # design pixels, the height of a row of plots
 PLOT_ROW = 80.0  # design pixels of a row of plots, to which it gives way
 MOST_PLOTS_SHARE = 0.7  # of the height, for more rows
@@ -45,9 +47,17 @@ class Geometry:
     energy_bars: Rect
     plots: tuple[tuple[Rect, ...], ...]
 
+    @property
+    def below_beads(self) -> Rect:
+        """The rectangle from the foot of the lanes to the footer."""
+        left, bottom = self.lanes[0].left, self.lanes[-1].bottom
+        return Rect(left, bottom, self.lanes[0].width, self.footer.top - bottom)
 
-def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int], panel: bool) -> Geometry:
-    """The page for a window of `size`; `plots` is the number of plots in each row."""
+
+def geometry(
+    size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int], panel: bool, explore: bool = False
+) -> Geometry:
+    """The page for a window of `size`; `plots` is the number of plots in each row; to `explore` there is no more."""
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
     foot = round((FOOTER + (SECOND_ROW if narrow(width, unit) else 0.0)) * unit)
@@ -57,15 +67,16 @@ def geometry(size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int
     main = Rect(0, toolbar.bottom, width - panel_width, footer.top - toolbar.bottom)
     main = main.inflate(-2 * round(MARGIN * unit), -round(MARGIN * unit))
     rows = [count for count in plots if count]
-    share = PLOTS_SHARE.get(len(rows), MOST_PLOTS_SHARE)
+    share = PLOTS_SHARE.get(len(rows), MOST_PLOTS_SHARE) * (EXPLORED if explore else 1.0)
     if lanes > 1 and rows:
         needed = len(rows) * PLOT_ROW * unit  # what is beyond, low lanes need more for their bars
         spare = main.height - lanes * LOW_LANE * unit
-        share = min(share, max(needed, spare) / main.height)
+        most = main.height - lanes * LOWEST_LANE * unit
+        share = min(share, max(needed, spare) / main.height, max(most, LEAST_PLOT_ROW * unit) / main.height)
     above = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
     gap = round(8 * unit)
     below = Rect(main.left, above.bottom + gap, main.width, main.bottom - above.bottom - gap)
-    beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2)
+    beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2, explore)
     return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
 
 
@@ -79,16 +90,17 @@ def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
     return size[0] / unit - (PANEL if panel else 0.0) - 2.0 * MARGIN
 
 
-def most_plot_rows(size: tuple[int, int], unit: float) -> int:
-    """Rows of plots for which there is room; others are scrolled to."""
+def most_plot_rows(size: tuple[int, int], unit: float, lanes: int) -> int:
+    """Rows of plots for which there is room beside so many lanes; others are scrolled to."""
     foot = FOOTER + (SECOND_ROW if narrow(size[0], unit) else 0.0)
-    room = MOST_PLOTS_SHARE * (size[1] / unit - TOOLBAR - foot - MARGIN)
+    main = size[1] / unit - TOOLBAR - foot - MARGIN
+    room = min(MOST_PLOTS_SHARE * main, main - lanes * LOWEST_LANE) if lanes > 1 else MOST_PLOTS_SHARE * main
     return max(1, int(room / LEAST_PLOT_ROW))
 
 
-def _beads(rect: Rect, unit: float, lanes: int, roomy: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
+def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
     """Rectangles of the lanes, the insets and the energy bars."""
-    if lanes > 1:
+    if lanes > 1 or explore:
         none = Rect(rect.left, rect.bottom, rect.width, 0)
         pitch, gap = rect.height / lanes, round(4 * unit)
         rects = [Rect(rect.left, round(rect.top + k * pitch), rect.width, round(pitch) - gap) for k in range(lanes)]

@@ -67,7 +67,7 @@ def save(app: App, folder: Path, name: str) -> None:
 
 def save_all(folder: Path) -> None:
     """Write a picture of each page."""
-    app = App(clock=FrameClock())
+    app = App(clock=FrameClock(), lab=True)
     app.warmup.complete.wait(LONGEST_WAIT)
     page = app.page
     assert isinstance(page, GalleryPage)
@@ -76,6 +76,7 @@ def save_all(folder: Path) -> None:
         pygame.time.wait(5)
     run_frames(app, 2)
     save(app, folder, "gallery")
+    _save_explore(app, folder)
     _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
     save(app, folder, "scene")
     for action in ("values", "tools"):
@@ -107,16 +108,29 @@ def save_all(folder: Path) -> None:
     run_frames(app, 30)
     save(app, folder, "dark")
     app.toggle_theme()
-    app.toggle_help()
-    run_frames(app, 1)
-    save(app, folder, "help")
-    app.toggle_help()
+    _save_help(app, folder)
     _save_languages(app, folder)
     app.open("hanging-cradle")
     app.act("play_pause")
     run_frames(app, 72)
     save(app, folder, "hanging-cradle")
     app.close()
+
+
+def _save_help(app: App, folder: Path) -> None:
+    """The keys."""
+    app.toggle_help()
+    run_frames(app, 1)
+    save(app, folder, "help")
+    app.toggle_help()
+
+
+def _save_explore(app: App, folder: Path) -> None:
+    """A scene at the first level."""
+    app.toggle_level()
+    _play(app, "one-on-four", STRONGEST, None)
+    save(app, folder, "explore")
+    app.toggle_level()
 
 
 def _save_languages(app: App, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Settings that the window keeps from one start to the next: theme, language, and the files that were open last."""
+"""Settings that the window keeps from one start to the next: theme, language, scale, level, and the files that were open last."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from softcradle.sandbox.languages import LANGUAGES
 
 FILE = "window.json"
 MOST_RECENT = 6  # files that are remembered
+LEAST_SCALE, MOST_SCALE = 0.7, 2.0
 
 
 def settings_path() -> Path:
@@ -31,11 +32,15 @@ class Settings:
     Attributes:
         theme: a name of THEMES.
         language: a code of LANGUAGES; empty until one is chosen: that of the locale.
+        explore: whether the window is at its first level, with few controls.
+        scale: of everything in the window, relative to the usual size.
         recent: paths of files, the one opened or saved last first.
     """
 
     theme: str = "light"
     language: str = ""
+    scale: float = 1.0
+    explore: bool = True
     recent: list[str] = field(default_factory=list)
 
     @classmethod
@@ -46,6 +51,8 @@ class Settings:
             known = {one.name: table[one.name] for one in fields(cls) if one.name in table}
             loaded = cls(**known)
             loaded.recent = [str(path) for path in loaded.recent][:MOST_RECENT]
+            loaded.scale = min(max(float(loaded.scale), LEAST_SCALE), MOST_SCALE)
+            loaded.explore = bool(loaded.explore)
         except (OSError, ValueError, TypeError):
             return cls()
         loaded.theme = loaded.theme if loaded.theme in THEMES else cls.theme

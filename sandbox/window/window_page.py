@@ -25,8 +25,10 @@ class Host(Protocol):
         settings: what is kept from one start to the next.
         surface: what is drawn on.
         clock: wall time [s], by which physics and plots of a frame end when the frame's time is used up.
+        explore: whether it is at its first level, with few controls.
     """
 
+    explore: bool
     surface: pygame.Surface
     size: tuple[int, int]
     unit: float
@@ -36,8 +38,12 @@ class Host(Protocol):
     settings: Settings
     clock: Callable[[], float]
 
-    def quit(self) -> None:
-        """End at the end of this frame."""
+    @property
+    def pointer(self) -> tuple[int, int]:
+        """Place of the mouse; on nothing where a dialog lies over the page."""
+
+    def quit(self, killed: bool = False) -> None:
+        """End at the end of this frame; what is unsaved is kept for the next start where the window is `killed`."""
 
     def rebuild(self) -> None:
         """Make all widgets anew."""
@@ -45,11 +51,14 @@ class Host(Protocol):
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
 
+    def act(self, action: str | None) -> None:
+        """Do an action of the table of keys, if the page or the window has it."""
+
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
 
-    def next_language(self) -> None:
-        """Take the next language."""
+    def toggle_level(self) -> None:
+        """Go from few controls to all of them, or back."""
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask the user for a line of text, beginning with `text`."""
@@ -81,6 +90,9 @@ class Page(Protocol):
     @property
     def typing(self) -> bool:
         """Whether keys go into a text field."""
+
+    def call_unsaved(self) -> None:
+        """Call what it shows unsaved, where that can be."""
 
     def cancel_typing(self) -> None:
         """Drop what is being typed: keys are keys of the window again."""
@@ -141,6 +153,16 @@ class Focus(Protocol):
     def control(self) -> UIElement | None:
         """The control that has the focus."""
 
+    @property
+    def typed(self) -> UIElement | None:
+        """The line in which is being typed."""
+
+    def hide_tooltips(self) -> None:
+        """Take away what controls say of themselves, until the pointer comes to them again."""
+
+    def close_list(self) -> bool:
+        """Close the list of a menu; whether one was open."""
+
     def handle(self, event: pygame.Event) -> bool:
         """Give a key to the control; whether it took it."""
 
@@ -193,9 +215,6 @@ class Window(Host, Protocol):
 
     def open(self, name_or_path: str) -> None:
         """Open a scene or a file."""
-
-    def act(self, action: str | None) -> None:
-        """Do an action of the table of keys."""
 
     def fit(self, surface: pygame.Surface | None) -> None:
         """Follow a new size of the display."""

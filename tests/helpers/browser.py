@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-PATIENCE = 300.0  # seconds to wait for any answer of the browser: other processes may have the processors
+PATIENCE = 1800.0  # seconds to wait for any answer of the browser: other processes may have the processors
 
 # The program that starts the browser, which reads commands from file descriptor 3 and answers on 4.
 LAUNCH = (

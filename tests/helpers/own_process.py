@@ -34,15 +34,20 @@ def descriptors() -> set[str]:
 
 def children() -> dict[int, str]:
     """Commands of processes that this one has started and that run, by number; empty where the system does not tell."""
-    found = {}
-    for entry in Path("/proc/self/task").glob("*/children"):
-        for number in map(int, entry.read_text().split()):
-            command = ""
-            with suppress(OSError):  # it has just ended
-                command = Path(f"/proc/{number}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
-            if command and not any(name in command for name in SHARED):
-                found[number] = command
-    return found
+    numbers = [number for entry in Path("/proc/self/task").glob("*/children") for number in _read(entry).split()]
+    commands = {int(number): _read(Path(f"/proc/{number}/cmdline")).replace("\0", " ") for number in numbers}
+    return {
+        number: command
+        for number, command in commands.items()
+        if command and not any(name in command for name in SHARED)
+    }
+
+
+def _read(path: Path) -> str:
+    """The text of a file, or none where the thread or process that it tells of has just ended."""
+    with suppress(OSError):
+        return path.read_text(encoding="utf-8", errors="replace")
+    return ""
 
 
 def run_alone(item: pytest.Item) -> bool | None:

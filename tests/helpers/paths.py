@@ -5,12 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+ONLY_PLAIN = "pytestmark = only_plain"  # in files of tests that call kernels one by one
 LAYERS = ("physics", "scenes", "sandbox")  # imports point to the left only
 
 
 def source_files() -> list[Path]:
     """Every source file of the package, sorted."""
     return sorted(path for folder in ("softcradle", *LAYERS) for path in (ROOT / folder).rglob("*.py"))
+
+
+def plain_files() -> list[Path]:
+    """Every file of tests that runs where kernels are plain Python alone: compiled, each kernel would be for its test."""
+    files = (ROOT / "tests" / "physics").rglob("test_*.py")
+    return sorted(path for path in files if f"\n{ONLY_PLAIN}\n" in path.read_text(encoding="utf-8"))
 
 
 def module_name(path: Path) -> str:

@@ -11,7 +11,7 @@ from softcradle.physics.numerics.records import ChainData, Motion
 
 COMPILED = hasattr(bead_velocities, "py_func")
 
-only_plain = pytest.mark.skipif(COMPILED, reason="run as plain Python by tests/physics/test_plain_kernels.py")
+only_plain = pytest.mark.skipif(COMPILED, reason="kernels are called as plain Python: NUMBA_DISABLE_JIT=1")
 
 
 def records_of(chain: Chain, state: State) -> tuple:

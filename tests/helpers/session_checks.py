@@ -6,9 +6,34 @@ import copy
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.snapshots import NOTHING_HELD, snapshot_table
+
+
+def check_invariants(session: Session) -> None:
+    """What holds whatever was done: finite numbers, bounded memory, a frame of the history. AssertionError where not."""
+    for number, lane in enumerate(session.lanes):
+        for name in ("overlap", "rate", "anchor", "force"):
+            values = getattr(lane.state, name)
+            assert np.isfinite(values).all(), f"lane {number}: {name} is {values}"
+        assert np.isfinite(lane.ledger).all(), f"lane {number}: ledger is {lane.ledger}"
+        assert len(lane.chain.mass) == len(lane.state.overlap) + 1
+    assert session.history.memory <= session.history.bound + 2 * session.history.blocks[-1].memory
+    assert session.history.first <= session.frame <= session.history.last
+
+
+def read_all(session: Session) -> None:
+    """Read everything that a window shows. AssertionError where it is not finite or not in order."""
+    for lane in range(len(session.lanes)):
+        for part in session.history_slices(lane, 240):
+            assert np.isfinite(part.velocity).all()
+            assert np.isfinite(part.kinetic).all()
+        session.health(lane)
+    assert session.verdict()[1]
+    assert all(impact.speed > 0.0 for impact in session.impacts)
+    assert (np.diff(session.contact_events().time) >= 0.0).all()
 
 
 def frame_table(session: Session) -> dict[str, Any]:

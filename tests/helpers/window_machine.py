@@ -27,7 +27,6 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 from softcradle.sandbox.session.inputs import Input
-from softcradle.sandbox.session.random_play import check_invariants, read_all
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window import app
 from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
@@ -35,7 +34,7 @@ from softcradle.sandbox.window.scene.scene_page import ScenePage
 from softcradle.sandbox.window.widget_cleanup import collect_garbage
 
 from softcradle import scenes
-from tests.helpers.session_checks import check_order, check_replay, check_round_trip
+from tests.helpers.session_checks import check_invariants, check_order, check_replay, check_round_trip, read_all
 from tests.helpers.session_inputs import INPUTS, fitted
 from tests.helpers.window_layout import faults
 from tests.helpers.window_places import PLACES, Place, point_of
@@ -48,6 +47,7 @@ STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle
 SIZES = ((1280, 720), (800, 600), (1000, 600), (1600, 900))
 TEXTS = ("1", "0.1", "1e-3", "250", "-2", "0", "nan", "1e99", "x", "")
 LEAVING = (pygame.WINDOWFOCUSLOST, pygame.WINDOWMINIMIZED, pygame.WINDOWRESTORED, pygame.WINDOWFOCUSGAINED)
+ENDS = (pygame.K_RETURN, pygame.K_TAB, pygame.K_UP, pygame.K_DOWN, pygame.K_ESCAPE)  # of what is typed into a cell
 REBUILDS = 20  # of which one collects garbage, which takes half of their time
 
 
@@ -177,6 +177,35 @@ class WindowMachine(RuleBasedStateMachine):
         self.driver.type(text)
         if enter:
             self.driver.key(pygame.K_RETURN)
+
+    @rule(
+        number=st.integers(0, 60),
+        texts=st.lists(st.sampled_from(TEXTS), min_size=1, max_size=4),
+        key=st.sampled_from(ENDS),
+    )
+    def type_into_cells(self, number: int, texts: list[str], key: int) -> None:
+        """Type into a cell of the tables of values, and on into others."""
+        page = self.driver.app.page
+        if self.down or not isinstance(page, ScenePage):
+            return
+        if not page.tools.covers_plots:
+            self.driver.key(pygame.K_t)
+        cells = page.tools.values.shown()
+        if cells:
+            self.driver.click(cells[number % len(cells)][1].center)
+        for text in texts:
+            self.driver.type(text)
+            self.driver.key(key)
+
+    @rule(file=st.sampled_from(("bad.toml", "track.csv", "camera.png")))
+    def drop_file(self, file: str) -> None:
+        """Drop a file that is none of ours, or data to lay over the plots."""
+        path = Path(self.folder.name) / file
+        if file == "camera.png":
+            pygame.image.save(pygame.Surface((8, 5)), str(path))
+        else:
+            path.write_text("title = 3" if file == "bad.toml" else "t,v0,v1\n0,1,0\n1,0.5,\n2,0,0.25\n")
+        self.driver.drop_file(path)
 
     @rule(size=st.sampled_from(SIZES))
     def resize(self, size: tuple[int, int]) -> None:

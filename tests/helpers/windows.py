@@ -13,6 +13,7 @@ import pygame
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.scene.scene_page import ScenePage
 
+LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0
 
 
@@ -27,11 +28,13 @@ class Driver:
         time: of that clock [s].
     """
 
-    def __init__(self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True) -> None:
-        """`wait`: until all kernels are in memory."""
+    def __init__(
+        self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True, lab: bool = True
+    ) -> None:
+        """`wait`: until all kernels are in memory; `lab`: with all controls."""
         self.time = 0.0
-        self.app = App(size, start, lambda: self.time)
-        assert not wait or self.app.warmup.complete.wait(300.0)
+        self.app = App(size, start, lambda: self.time, lab)
+        assert not wait or self.app.warmup.complete.wait(LONGEST)
         self.frames(2)
 
     @property

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.contact import is_closed
 from softcradle.physics.numerics import law_kernels as kernel
 
@@ -185,3 +186,30 @@ def test_a_contact_is_closed_if_it_overlaps_or_pushes_or_pulls():
 def test_a_contact_cannot_be_changed():
     with pytest.raises(AttributeError):
         hooke(1.0).stiffness = 2.0
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.75])
+@pytest.mark.parametrize("exponent", [1e-6, 0.1, 1.0, 1.5, 10.0])
+def test_a_contact_of_a_contact_time(exponent, loss):
+    """The way out of one with loss is as much slower as the body comes back slower."""
+    contact = Contact.by_contact_time(0.05, mass=0.7, speed=3.0, exponent=exponent, loss=loss)
+    elastic = one_on_one(Contact(0.0, contact.stiffness, exponent), 0.7, 3.0).contact_time
+    assert 0.5 * elastic * (1.0 + 1.0 / math.sqrt(1.0 - loss)) == pytest.approx(0.05, rel=1e-13)
+    assert (contact.preload, contact.exponent, contact.loss) == (0.0, exponent, loss)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"duration": 0.0}, "duration must be a finite number > 0, not 0.0"),
+        ({"mass": "light"}, "mass must be a number, not 'light'"),
+        ({"speed": math.inf}, "speed must be"),
+        ({"loss": 1.0}, "loss must be >= 0 and below 1"),
+        ({"exponent": 0.0}, "exponent must be from"),
+        ({"exponent": 10.0, "duration": 1e-30}, "stiffness must be from"),
+        ({"exponent": 10.0, "duration": 1e30, "speed": 1e30}, "both 0|stiffness must be from"),
+    ],
+)
+def test_contact_times_that_no_contact_has(changed, message):
+    with pytest.raises(ValueError, match=message):
+        Contact.by_contact_time(**{"duration": 0.05, "mass": 0.5, "speed": 1.0, **changed})

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pytest
 
-from tests.helpers.digests import FILE, arithmetic, digest, motions, states, velocities
+from tests.helpers.digests import FILE, arithmetic, differences, digest, motions, runs, solved, states, velocities
 
 RECORDED = json.loads(FILE.read_text())
 ELSEWHERE = 1e-12  # closing speeds: how far velocities may be off in another arithmetic
@@ -26,8 +26,19 @@ print(digest(states(*chosen)))
 """
 
 
-def test_every_motion_has_a_digest():
+def test_every_motion_and_every_run_has_a_digest():
     assert set(RECORDED["motions"]) == {name for name, *_ in motions()}
+    assert set(RECORDED["runs"]) == {name for name, *_ in runs()}
+
+
+@pytest.mark.skipif(arithmetic() != RECORDED["arithmetic"], reason="the record is of another arithmetic")
+def test_digits_of_random_runs_are_those_recorded():
+    assert [name for name, *rest in runs() if solved(*rest) != RECORDED["runs"][name]] == []
+
+
+def test_what_differs_is_named():
+    other = {"motions": {"a": {"digest": "1"}}, "runs": {"b": "2", "c": "3"}}
+    assert differences(other, {"motions": {"a": {"digest": "0"}}, "runs": {"b": "2"}}) == ["a", "c"]
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ CRADLE = (
 def run(folder, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
     cache = {"NUMBA_CACHE_DIR": str(folder / "kernels"), "SOFTCRADLE_CACHE": str(folder), **more}
     return subprocess.run(
-        [sys.executable, *arguments], env=os.environ | cache, capture_output=True, text=True, check=True, timeout=300
+        [sys.executable, *arguments], env=os.environ | cache, capture_output=True, text=True, check=True
     )
 
 

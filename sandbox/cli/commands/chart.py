@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.console import console, print_table, progress_bar, table
+from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
@@ -86,11 +87,10 @@ def _definitions(wanted: Sequence[str]) -> list[CaseDefinition]:
 def _measure(definitions: Sequence[CaseDefinition], quantity: str, peers: bool) -> list[MeasuredCase]:
 
     found = []
-    with progress_bar() as progress:
-        task = progress.add_task("cases", total=len(definitions))
-        for definition in definitions:
-            found.append(_measured(definition, quantity, peers, lambda text: progress.update(task, description=text)))
-            progress.advance(task)
+    with ProgressShown("cases", len(definitions)) as progress:
+        for k, definition in enumerate(definitions):
+            tell = partial(progress.tell, done=k, count=len(definitions))
+            found.append(_measured(definition, quantity, peers, tell))
     return found
 
 

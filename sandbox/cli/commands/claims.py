@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="where to write the pictures and their numbers (default: out/claims for claims that are named, else none)",
     )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument("--markdown", metavar="FILE", help="write the verdicts as a table into this file, too")
     parser.add_argument("--list", action="store_true", help="list the claims instead of measuring them")
     add_open(parser)
 
@@ -36,7 +38,7 @@ def main(args: argparse.Namespace) -> int:
     known = [claim.name for claim in CLAIMS]
     for name in args.names:
         if name not in known:
-            raise UserError(f"there is no claim {name!r}; there are {', '.join(known)}")
+            raise unknown("claim", name, known)
     if args.list:
         listed = table("claim", "place in the paper", "statement")
         for claim in CLAIMS:
@@ -50,17 +52,20 @@ def main(args: argparse.Namespace) -> int:
 
 def _measure_and_show(args: argparse.Namespace) -> None:
     from softcradle.sandbox.console import console
-    from softcradle.sandbox.output_files import make_folder
-    from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study, write_studies
+    from softcradle.sandbox.output_files import make_folder, output_file
+    from softcradle.sandbox.studies.claims.claim_outputs import markdown, print_studies, print_study, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     output = args.output or ("out/claims" if args.names and not args.json else None)
     if output:
         require_matplotlib()
     folder = make_folder(output) if output else None  # before the runs, so that an unwritable place is refused at once
     written = WrittenFiles(folder.iterdir() if folder else ())
-    found = _measured(args.names, folder / KEPT if folder else None)
+    with output_file(args.markdown) if args.markdown else nullcontext() as table:
+        found = _measured(args.names, folder / KEPT if folder else None)
+        if table:
+            table.write_text("\n".join(markdown(found)) + "\n", encoding="utf-8")
     if args.json:
         _print_json(found)
     elif args.names:
@@ -70,20 +75,17 @@ def _measure_and_show(args: argparse.Namespace) -> None:
         print_studies(console(), found)
     if folder is not None:
         paths = write_studies(found, folder)
-        journal_path(folder / KEPT).unlink(missing_ok=True)
+        drop_kept(folder / KEPT)
         if not args.json:
             written.report(paths, show=args.open)
 
 
 def _measured(names: list[str], kept: Path | None) -> list[Study]:
-    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
-    with progress_bar() as progress:
-        task = progress.add_task("cases", total=None)
-        return measure_claims(
-            names, lambda _, done, count: progress.update(task, completed=done, total=count), kept=kept
-        )
+    with ProgressShown("cases") as progress:
+        return measure_claims(names, lambda _, done, count: progress.tell("cases", done, count), kept=kept)
 
 
 def _print_json(found: list[Study]) -> None:

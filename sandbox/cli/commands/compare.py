@@ -14,7 +14,7 @@ from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.output_files import make_folder
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.compare.comparison_outputs import ComparisonReport
+    from softcradle.sandbox.studies.compare.report import ComparisonReport
 
 DEFAULT_OUTPUT = "out/compare.html"
 
@@ -50,15 +50,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compare the chains, write the outputs and print the tables or the JSON."""
-    from softcradle.sandbox.studies.compare.comparison_outputs import (
+    from softcradle.sandbox.studies.compare.report import (
         ComparisonReport,
         FilmSettings,
         check_outputs,
         open_outputs,
     )
-    from softcradle.sandbox.studies.compare.comparison_results import solve_sides
-    from softcradle.sandbox.studies.compare.matched_side import add_match, side_to_match
-    from softcradle.sandbox.studies.compare.sides import comparison_of
+    from softcradle.sandbox.studies.compare.results import solve_sides
+    from softcradle.sandbox.studies.compare.sides import add_match, comparison_of, side_to_match
 
     comparison = comparison_of(args.scenes, args.contact, fewest=1 if args.match else 2)
     if args.match:
@@ -90,7 +89,7 @@ def _paths(args: argparse.Namespace) -> list[Path]:
 
 def _print(report: ComparisonReport, as_json: bool) -> None:
     from softcradle.sandbox.console import console
-    from softcradle.sandbox.studies.compare.comparison_tables import print_tables
+    from softcradle.sandbox.studies.compare.results import print_tables
 
     if as_json:
         print(json.dumps(report.as_json(), indent=2, allow_nan=False))

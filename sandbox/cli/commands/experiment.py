@@ -21,25 +21,35 @@ OPEN_QUESTIONS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the same as JSON into a file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
 
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.bed_experiment import STRIKERS
     from softcradle.sandbox.studies.experiment_sweep import compute_experiment
     from softcradle.sandbox.studies.piston_experiment import critical_speed_with_error
 
-    fits, pistons = compute_experiment()
+    with ProgressShown("launch speeds") as progress:
+        fits, pistons = compute_experiment(progress=lambda _, done, count: progress.tell("launch speeds", done, count))
     critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
     if args.json:
-        _print_json(fits, pistons, critical)
+        print(_as_json(fits, pistons, critical))
     else:
         _print_tables(fits, pistons, critical)
+    if args.output is not None:
+        from softcradle.sandbox.console import note
+        from softcradle.sandbox.output_files import output_file
+
+        with output_file(args.output) as temporary:
+            temporary.write_text(_as_json(fits, pistons, critical) + "\n", encoding="utf-8")
+        note(f"written: {args.output}")
     return 0
 
 
-def _print_json(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> None:
+def _as_json(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> str:
     import json
     from dataclasses import asdict
 
@@ -55,7 +65,7 @@ def _print_json(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[s
         "open": OPEN_QUESTIONS,
         "versions": versions(),
     }
-    print(json.dumps(content, indent=2, allow_nan=False))
+    return json.dumps(content, indent=2, allow_nan=False)
 
 
 def _print_tables(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> None:

@@ -6,9 +6,9 @@ import argparse
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
-from softcradle.sandbox.console import console, print_table, progress_bar, table
+from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.output_files import make_folder
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,8 +39,7 @@ def main(args: argparse.Namespace) -> int:
     try:
         figures = figures_named(args.names)
     except KeyError as error:
-        known = ", ".join(figure.name for figure in FIGURES)
-        raise UserError(f"there is no figure {error.args[0]!r}; there are {known}") from None
+        raise unknown("figure", error.args[0], (figure.name for figure in FIGURES)) from None
     if args.list:
         listed = table("name", "place in the paper", "what it shows")
         for figure in figures:
@@ -48,7 +47,7 @@ def main(args: argparse.Namespace) -> int:
         print_table(console(), listed)
         return 0
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
     folder = make_folder(args.output)
@@ -56,7 +55,7 @@ def main(args: argparse.Namespace) -> int:
     kept = folder / KEPT
     for figure, found in zip(figures, _tables(figures, kept), strict=True):
         written.report(list(write_figure(figure, folder, args.column, found)))
-    journal_path(kept).unlink()
+    drop_kept(kept)
     if args.open:
         open_with_desktop(folder)
     return 0
@@ -66,6 +65,5 @@ def _tables(figures: list[FigureEntry], kept: Path) -> list[Table]:
     """The tables of the figures; they are kept in a file on the way, from which a command that was stopped goes on."""
     from softcradle.sandbox.studies.figures.figure_list import compute_tables
 
-    with progress_bar() as progress:
-        task = progress.add_task("figures", total=len(figures))
-        return list(compute_tables(figures, kept, lambda _, done, __: progress.update(task, completed=done)))
+    with ProgressShown("figures") as progress:
+        return list(compute_tables(figures, kept, lambda _, done, count: progress.tell("figures", done, count)))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, unknown
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.data_table import Table
@@ -38,12 +38,12 @@ def main(args: argparse.Namespace) -> int:
     """Compute the maps, draw them and write their numbers."""
     for name in args.names:
         if name not in NAMES:
-            raise UserError(f"there is no map {name!r}; there are {', '.join(NAMES)}")
+            raise unknown("map", name, NAMES)
     columns, rows = _points(args.points)
     from softcradle.sandbox.output_files import make_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
     from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import journal_path
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
     folder = make_folder(args.output)
@@ -52,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
         if not args.names or wanted.name in args.names:
             kept = folder / f"map-{wanted.name}"
             written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
-            journal_path(kept).unlink()
+            drop_kept(kept)
     return 0
 
 
@@ -66,12 +66,12 @@ def _points(text: str) -> tuple[int, int]:
 
 def _computed(wanted: RigidityMap, kept: Path) -> Table:
     """The table of a map; its points are kept in a file on the way, from which a command that was stopped goes on."""
-    from softcradle.sandbox.console import progress_bar
+    from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
 
-    with progress_bar() as progress:
-        task = progress.add_task(f"{wanted.title}: points", total=len(wanted.values) * len(wanted.sizes))
-        return compute_map(wanted, kept, lambda _, done, __: progress.update(task, completed=done))
+    what = f"{wanted.title}: points"
+    with ProgressShown(what) as progress:
+        return compute_map(wanted, kept, lambda _, done, count: progress.tell(what, done, count))
 
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:

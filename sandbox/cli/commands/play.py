@@ -22,6 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"
     )
+    parser.add_argument("--lab", action="store_true", help="with all controls (F3 changes it; the window remembers it)")
     parser.add_argument("--fullscreen", action="store_true", help="fill the screen (F11 changes it)")
 
 
@@ -36,7 +37,7 @@ def main(args: argparse.Namespace) -> int:
     if args.scene is not None:
         _require_scene(args.scene)
     try:
-        app = App(args.size, args.scene)
+        app = App(args.size, args.scene, lab=args.lab)
     except pygame.error as error:
         raise UserError(f"cannot open a window: {error}") from None
     if args.fullscreen:

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
-from softcradle.sandbox.console import console, print_table, progress_bar, table
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.console import ProgressShown, console, print_table, table
+from softcradle.sandbox.user_error import UserError, unknown
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.stability.failure_scans import Scan, ScanRun
@@ -77,20 +77,15 @@ def _scans(wanted: Sequence[str]) -> list[Scan]:
     known = {scan.name: scan for scan in SCANS}
     for name in wanted:
         if name not in known:
-            raise UserError(f"there is no scan {name!r}; there are {', '.join(known)}")
+            raise unknown("scan", name, known)
     return [known[name] for name in wanted] if wanted else list(SCANS)
 
 
 def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
     from softcradle.sandbox.studies.stability.failure_scans import swept_runs
 
-    with progress_bar() as progress:
-        task = progress.add_task("runs", total=None)
-
-        def tell(_: str, done: int, count: int) -> None:
-            progress.update(task, completed=done, total=count)
-
-        return swept_runs(scans, tell)
+    with ProgressShown("runs") as progress:
+        return swept_runs(scans, lambda _, done, count: progress.tell("runs", done, count))
 
 
 def _print(runs: Sequence[ScanRun]) -> None:

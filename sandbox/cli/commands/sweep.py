@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import positive_number, whole_number
+from softcradle.sandbox.cli.exit_codes import POINTS_LOST
 from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
     import xarray as xr
-    from softcradle.sandbox.sweeps.sweep_places import Progress
+    from softcradle.sandbox.sweeps.study_file import Study
 
 MOST_WORKERS = 1024
 REASONS_SHOWN = 3  # of points that have no numbers
@@ -37,6 +36,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--threads", action="store_true", help="threads in place of processes")
     parser.add_argument("--fresh", action="store_true", help="begin anew, and replace what is there")
+    parser.add_argument(
+        "--patience", type=positive_number, metavar="SECONDS", default=60.0,
+        help="for how long a scheduler that went away is waited for (default 60)",
+    )  # fmt: skip
+    parser.add_argument("--status", action="store_true", help="say how far the study is, and compute nothing")
     parser.add_argument("--measures", action="store_true", help="list the measures that a study can name")
 
 
@@ -48,14 +52,23 @@ def main(args: argparse.Namespace) -> int:
         raise UserError("a study file is missing (softcradle sweep STUDY.toml; --measures lists what it can measure)")
     if args.threads and args.scheduler:
         raise UserError("--threads is for this machine, --scheduler for another: give one of them")
-    from softcradle.sandbox.console import note
-    from softcradle.sandbox.output_files import make_folder
-    from softcradle.sandbox.sweeps.run_sweep import sweep
     from softcradle.sandbox.sweeps.study_file import load_study
 
     study = load_study(args.study)
-    output = args.output or str(make_folder("out") / f"{Path(args.study).stem}.zarr")
-    with _shown() as progress:
+    output = Path(args.output or Path("out") / f"{Path(args.study).stem}.zarr")
+    return _tell_status(study, output) if args.status else _compute(args, study, output)
+
+
+def _compute(args: argparse.Namespace, study: Study, output: Path) -> int:
+    """Compute the study and say what was found; the exit code says whether points are lost."""
+    from softcradle.sandbox.console import ProgressShown, note
+    from softcradle.sandbox.output_files import make_folder
+    from softcradle.sandbox.sweeps.dataset import lost_points
+    from softcradle.sandbox.sweeps.run_sweep import sweep
+
+    if args.output is None:
+        make_folder("out")
+    with ProgressShown("points") as progress:
         found = sweep(
             study.scene,
             study.points,
@@ -66,13 +79,24 @@ def main(args: argparse.Namespace) -> int:
             workers=args.workers,
             title=study.title,
             fresh=args.fresh,
-            progress=progress,
+            progress=progress.tell,
             chunk_seconds=args.chunk,
+            patience=args.patience,
         )
     _print_summary(found)
+    lost = lost_points(found)
     found.close()
     note(f"written: {output}")
-    return 0
+    return POINTS_LOST if lost else 0
+
+
+def _tell_status(study: Study, output: Path) -> int:
+    """Say how far a study is."""
+    from softcradle.sandbox.sweeps.run_sweep import sweep_status
+
+    status = sweep_status(study.scene, study.points, study.measures, output, study.title)
+    print(f"{study.title or study.scene.title}: {status.sentence}")
+    return POINTS_LOST if status.lost else 0
 
 
 def _list_measures() -> int:
@@ -86,36 +110,17 @@ def _list_measures() -> int:
     return 0
 
 
-@contextmanager
-def _shown() -> Iterator[Progress]:
-    """A bar with the time that is left."""
-    from softcradle.sandbox.console import progress_bar
-
-    tasks: dict[str, Any] = {}
-    with ExitStack() as shown:
-
-        def show(what: str, done: int, count: int) -> None:
-            if not tasks:  # nothing is printed before there is something to wait for
-                bars.append(shown.enter_context(progress_bar()))
-            if what not in tasks:
-                tasks[what] = bars[0].add_task(what, total=count, completed=done)
-            bars[0].update(tasks[what], completed=done)
-
-        bars: list[Any] = []
-        yield show
-
-
 def _print_summary(found: xr.Dataset) -> None:
     """What is in the Dataset: its size, the range of every measure, and why points have no numbers."""
     import numpy as np
     from softcradle.sandbox.console import console, print_table, table
-    from softcradle.sandbox.sweeps.summary import reasons_of, summary_rows
+    from softcradle.sandbox.sweeps.dataset import reasons_of, summary_rows
 
     output = console()
     output.print(
         found.attrs["title"] + ": " + " x ".join(f"{size} {name}" for name, size in found["status"].sizes.items())
     )
-    grid = table("measure", "least", "mean", "greatest", "no number", numbers=True)
+    grid = table("measure", "least", "mean", "greatest", "points without", numbers=True)
     for row in summary_rows(found):
         grid.add_row(*row)
     print_table(output, grid)

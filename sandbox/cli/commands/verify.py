@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.verify.known_number import Checked
+    from softcradle.sandbox.studies.verify import Checked
 
 DISAGREES = 1  # exit code where a number is not met
 
@@ -18,12 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compute all numbers and print them; the exit code is 1 where one is not met."""
-    from softcradle.sandbox.console import progress_bar
-    from softcradle.sandbox.studies.verify.number_list import known_numbers, verified
+    from softcradle.sandbox.console import ProgressShown
+    from softcradle.sandbox.studies.verify import known_numbers, verified
 
-    with progress_bar() as progress:
-        task = progress.add_task("numbers", total=len(known_numbers()))
-        found = verified(lambda _: progress.update(task, advance=1))
+    with ProgressShown("numbers", len(known_numbers())) as progress:
+        found = verified(lambda _: progress.advance())
     if args.json:
         _print_json(found)
     else:
@@ -34,11 +33,11 @@ def main(args: argparse.Namespace) -> int:
 def _print(found: list[Checked]) -> None:
     from softcradle.sandbox.console import console, print_table, table
 
-    grid = table("number", "known", "source", "found", "error", "")
+    grid = table("number", "known", "source", "found", "error", "at most", "")
     for row in found:
-        known = row.known
-        verdict = "met" if row.agrees else f"missed: more than {known.allowed:.0e}"
-        grid.add_row(known.name, f"{known.value:.10g}", known.source, f"{row.found:.10g}", f"{row.error:.1e}", verdict)
+        known, verdict = row.known, "met" if row.agrees else "missed"
+        shown = (f"{known.value:.10g}", known.source, f"{row.found:.10g}", f"{row.error:.1e}", f"{known.allowed:.0e}")
+        grid.add_row(known.name, *shown, verdict)
     print_table(console(), grid)
 
 

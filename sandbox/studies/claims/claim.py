@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from softcradle.sandbox.studies.claims.solver import MEASURING, REFERENCE, SECOND, NotSolvedError, Solver
 from softcradle.sandbox.studies.claims.study import Case, Study
+from softcradle.sandbox.studies.paper import MEASURING, REFERENCE, SECOND, NotSolvedError, Parameters, Solver
 
-Parameters = Mapping[str, float]
 Measure = Callable[[Parameters, Solver], float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Claim:
     """What the paper says, and how to find out.
 
@@ -25,6 +24,7 @@ class Claim:
         cases: parameters of all cases.
         order: the variable of a case, from its parameters.
         allowed: the claim holds where the quantity is at most this.
+        chosen: as in Study.
         first: the method that measures.
         second: the method that error bars come from.
         refer: whether the independent reference measures the paper's own case, too.
@@ -45,6 +45,7 @@ class Claim:
     second: Solver = field(default=SECOND)
     first: Solver = field(default=MEASURING)
     refer: bool = True
+    chosen: bool = True
 
     def study(self) -> Study:
         """Measure all cases, and the paper's own by the reference."""
@@ -54,7 +55,7 @@ class Claim:
         """The study of cases that are measured; the reference's value widens the error bar of the paper's own."""
         study = Study(
             self.name, self.statement, self.place, self.quantity, self.variable, self.how, self.remark, self.own, cases,
-            reference, seconds,
+            self.chosen, reference, seconds,
         )  # fmt: skip
         return _with_reference(study) if self.refer else study
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 from softcradle.sandbox.studies.claims import (
     collision_claims,
@@ -19,9 +20,8 @@ from softcradle.sandbox.studies.claims import (
 from softcradle.sandbox.studies.claims.claim import Claim
 from softcradle.sandbox.studies.claims.study import Case, Study
 from softcradle.sandbox.sweeps import listed
-from softcradle.sandbox.sweeps.chunk_work import Chunk, Outcome
-from softcradle.sandbox.sweeps.sweep_places import Progress
-from softcradle.sandbox.sweeps.swept_columns import swept
+from softcradle.sandbox.sweeps.chunk_work import Outcome
+from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 CLAIMS: tuple[Claim, ...] = (
     *collision_claims.CLAIMS,
@@ -52,7 +52,7 @@ def measure_claims(
 ) -> list[Study]:
     """The studies of the claims of those names, all for none, in the order of the list; a point of the sweep is a case.
 
-    With `kept`, cases that a run before has measured are not measured again, see `swept`.
+    With `kept`, cases that a run before has measured are not measured again, see `map_points`.
     """
     wanted = [claim for claim in CLAIMS if not names or claim.name in names]
     rows = [
@@ -61,8 +61,8 @@ def measure_claims(
         for case in range(-claim.refer, len(claim.cases))
     ]
     points = listed(dict(zip(("claim", "case"), zip(*rows, strict=True), strict=True)))
-    with swept(measured_case, points, kept, progress, workers, alike=False) as journal:
-        return [_study(claim, journal.rows(*_span(rows, claim.name))) for claim in wanted]
+    found = map_points(measured_case, points, kept, progress, workers, alike=False)
+    return [_study(claim, [found[k] for k, row in enumerate(rows) if row[0] == claim.name]) for claim in wanted]
 
 
 def measured_case(claim: str, case: int) -> Outcome:
@@ -74,17 +74,18 @@ def measured_case(claim: str, case: int) -> Outcome:
     return Outcome({"value": found.value, "error": found.error, "seconds": process_time() - began}, reason=found.reason)
 
 
-def _span(rows: Sequence[tuple[str, int]], name: str) -> tuple[int, int]:
-    """The first point of a claim, and the one after its last."""
-    own = [number for number, row in enumerate(rows) if row[0] == name]
-    return own[0], own[-1] + 1
-
-
-def _study(claim: Claim, found: Chunk) -> Study:
+def _study(claim: Claim, found: Sequence[Mapping[str, Any]]) -> Study:
     """The study of a claim from the points of all its cases."""
-    value, error = found.columns["value"].tolist(), found.columns["error"].tolist()
+    reference, rows = (float(found[0]["value"]), found[1:]) if claim.refer else (math.nan, found)
     cases = [
-        Case(dict(each), claim.order(each), value[k], error[k], claim.allowed, found.reasons.get(found.begin + k, ""))
-        for k, each in enumerate(claim.cases, int(claim.refer))
+        Case(
+            dict(each),
+            claim.order(each),
+            float(row["value"]),
+            float(row["error"]),
+            claim.allowed,
+            row.get("reason", ""),
+        )
+        for each, row in zip(claim.cases, rows, strict=True)
     ]
-    return claim.study_of(cases, value[0] if claim.refer else math.nan, float(found.columns["seconds"].sum()))
+    return claim.study_of(cases, reference, sum(float(row["seconds"]) for row in found))

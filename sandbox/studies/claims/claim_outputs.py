@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,13 +47,31 @@ def print_study(output: Console, study: Study) -> None:
     print_table(output, grid)
 
 
+def markdown(studies: Sequence[Study]) -> Iterator[str]:
+    """Lines of a table in Markdown: a row a claim, in the order of the paper."""
+    yield "| claim | what the paper states | verdict | what was found |"
+    yield "|---|---|---|---|"
+    for study in studies:
+        cells = (f"`{study.name}`", f"{study.statement} ({study.place})", study.verdict_text, study.measured_text)
+        yield f"| {' | '.join(_cell(cell) for cell in cells)} |"
+
+
+def _cell(text: str) -> str:
+    """Text that is no mark-up: powers, products, bars and comparisons stay as they are."""
+    if text.startswith("`"):
+        return text
+    for sign in "\\|*_<>$[]":
+        text = text.replace(sign, "\\" + sign)
+    return text
+
+
 def as_json(study: Study) -> dict[str, Any]:
     """A study as JSON: numbers that do not exist are null."""
     counter = study.counter_example
     return {
         "name": study.name, "statement": study.statement, "place": study.place, "quantity": study.quantity,
         "variable": study.variable, "how": study.how, "range": study.range_text, "remark": study.remark,
-        "verdict": str(study.verdict), "verdict text": study.verdict_text, "limit": study.limit,
+        "verdict": str(study.verdict), "verdict text": study.verdict_text, "limit": study.limit, "by the bar": study.bar_text,
         "measured": study.measured_text, "own case": _case_json(study.own_case), "reference": _finite(study.reference),
         "counter-example": None if counter is None else _case_json(counter),
         "cases": [_case_json(case) for case in study.cases], "seconds": study.seconds,

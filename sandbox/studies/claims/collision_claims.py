@@ -6,16 +6,20 @@ import math
 
 import numpy as np
 from softcradle.physics.analysis.ringing import turning_points
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import (
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
+    FINEST_SECOND,
     OWN,
+    SWING,
+    Parameters,
+    Solver,
+    chain_of,
     first_opening,
     outcome,
-    soft_chain,
     spread,
     start,
 )
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, Solver
 
 STEP_OF_INVERSE = 0.25  # between neighbouring 1/alpha where a curve of the spread is followed
 WINDOW_STEP = 0.5  # between those of a window
@@ -46,71 +50,74 @@ def others_over_first(case: Parameters, solver: Solver) -> float:
 
 def turns_after_detachment(case: Parameters, solver: Solver) -> float:
     """Most turning points of the velocity of any target between the detachment of the striker and the end."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     whole = solver.motion(chain, start(chain))
     detached, end = first_opening(whole), float(whole.time[-1])
     times = tuple(np.linspace(detached, end, 4001).tolist())
     velocity = solver.motion(chain, start(chain), end, times).velocity[:, 1:]
-    return float(max(turning_points(column).size for column in velocity.T))
+    return float(max(turning_points(column, SWING).size for column in velocity.T))
 
 
 CLAIMS = (
     Claim(
-        "rigid-like",
-        "the velocities of the targets differ after the collision, and the differences decrease as alpha -> 0",
-        "Sec. I, Figs. 1c, 1d",
-        "rise of the logarithm of the spread from 1/alpha - 0.25 to 1/alpha",
-        rise_of_spread,
-        grid(n=(2, 3, 4), **{"1/alpha": np.arange(6.0, 19.0, STEP_OF_INVERSE)}),
-        OWN,
-        "1/alpha",
-        lambda case: case["1/alpha"],
-        0.0,
-        "spread of the targets' velocities over their mean when every contact is open",
-        "the spread falls, but not steadily: it rises where the inner contact comes back in or out of step with the striker",
-        FINER_SECOND,
+        name="rigid-like",
+        statement="the velocities of the targets differ after the collision, and the differences decrease as alpha -> 0",
+        place="Sec. I, Figs. 1c, 1d",
+        quantity="rise of the logarithm of the spread from 1/alpha - 0.25 to 1/alpha",
+        measure=rise_of_spread,
+        cases=grid(n=(2, 3, 4), **{"1/alpha": np.arange(6.0, 19.0, STEP_OF_INVERSE)}),
+        own=OWN,
+        variable="1/alpha",
+        order=lambda case: case["1/alpha"],
+        allowed=0.0,
+        chosen=False,
+        how="spread of the targets' velocities over their mean when every contact is open",
+        remark="the spread falls, but not steadily: it rises where the inner contact comes back in or out of step with "
+        "the striker",
+        second=FINER_SECOND,
     ),
     Claim(
-        "spread-vanishes",
-        "the deviation of the targets' velocities vanishes as alpha -> +0",
-        "caption of Fig. 1, Fig. 3 of ref. [1]",
-        "largest spread in a window of 4 in 1/alpha over that of the window before",
-        envelope_ratio,
-        grid(n=(2, 3, 4), **{"1/alpha": np.arange(7.0, 18.0, 1.0)}),
-        {"n": 2.0, "1/alpha": 10.0},
-        "1/alpha",
-        lambda case: case["1/alpha"],
-        0.8,
-        "the largest of 8 spreads in each window: the envelope, since the spread itself does not fall steadily",
+        name="spread-vanishes",
+        statement="the deviation of the targets' velocities vanishes as alpha -> +0",
+        place="caption of Fig. 1, Fig. 3 of ref. [1]",
+        quantity="largest spread in a window of 4 in 1/alpha over that of the window before",
+        measure=envelope_ratio,
+        cases=grid(n=(2, 3, 4), **{"1/alpha": np.arange(7.0, 18.0, 1.0)}),
+        own={"n": 2.0, "1/alpha": 10.0},
+        variable="1/alpha",
+        order=lambda case: case["1/alpha"],
+        allowed=0.8,
+        how="the largest of 8 spreads in each window: the envelope, since the spread itself does not fall steadily",
         second=FINER_SECOND,
         refer=False,
     ),
     Claim(
-        "first-target",
-        "v1 shows well-visible deviations from the remaining targets",
-        "caption of Fig. 1",
-        "spread of the remaining targets over the distance of v1 from their mean",
-        others_over_first,
-        grid(n=(3, 4, 5, 6, 8, 12), **{"1/alpha": (6, 8, 10, 12, 14, 16)}),
-        OWN,
-        "n alpha",
-        lambda case: case["n"] / case["1/alpha"],
-        0.5,
-        "velocities when every contact is open; v1 stands out where the others differ by at most half as much",
+        name="first-target",
+        statement="v1 shows well-visible deviations from the remaining targets",
+        place="caption of Fig. 1",
+        quantity="spread of the remaining targets over the distance of v1 from their mean",
+        measure=others_over_first,
+        cases=grid(n=(3, 4, 5, 6, 8, 12), **{"1/alpha": (6, 8, 10, 12, 14, 16)}),
+        own=OWN,
+        variable="n alpha",
+        order=lambda case: case["n"] / case["1/alpha"],
+        allowed=0.5,
+        how="velocities when every contact is open; v1 stands out where the others differ by at most half as much",
         second=FINER_SECOND,
     ),
     Claim(
-        "after-detachment",
-        "once the striker has left, the overlaps left behind drive the targets apart in a non-oscillatory manner",
-        "Sec. IV",
-        "most turning points of a target's velocity after the detachment",
-        turns_after_detachment,
-        grid(n=(2, 3, 4, 5, 6), **{"1/alpha": (6, 8, 9, 10, 11, 12, 14, 16, 18)}),
-        OWN,
-        "1/alpha",
-        lambda case: case["1/alpha"],
-        1.0,
-        "4001 samples from the detachment to the end",
-        second=FINER_SECOND,
+        name="after-detachment",
+        statement="once the striker has left, the overlaps left behind drive the targets apart in a non-oscillatory manner",
+        place="Sec. IV",
+        quantity="most turning points of a target's velocity after the detachment",
+        measure=turns_after_detachment,
+        cases=grid(n=(2, 3, 4, 5, 6), **{"1/alpha": (6, 8, 9, 10, 11, 12, 14, 16, 18)}),
+        own=OWN,
+        variable="1/alpha",
+        order=lambda case: case["1/alpha"],
+        allowed=1.0,
+        chosen=False,
+        how="4001 samples from the detachment to the end; a swing below 1e-5 of the striker's speed is none",
+        second=FINEST_SECOND,
     ),
 )

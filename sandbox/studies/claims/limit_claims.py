@@ -7,18 +7,20 @@ import math
 import numpy as np
 from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.physics.analysis.measures import depth_law, time_scale_separation
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import (
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
     OWN,
+    Parameters,
+    Solver,
+    chain_of,
     detachment,
     later,
     local_rate,
     n_alpha,
-    soft_chain,
     spread,
     start,
 )
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, Solver
 
 RIGID_LIKE = 0.5  # largest spread, over the mean, that counts as rigid-like
 BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)  # of the contact time
@@ -26,7 +28,7 @@ BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
 
 def largest_psi(case: Parameters, solver: Solver) -> float:
     """Largest psi of the full equations while the striker pushes."""
-    chain, n = soft_chain(case), case["n"]
+    chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.3 * n / (n + 1.0), 1001)
     return float(found.overlap[:, 1].max())
 
@@ -51,7 +53,7 @@ def rate_of_duration(case: Parameters, solver: Solver) -> float:
 
 def bend_over_bound(case: Parameters, solver: Solver) -> float:
     """Left side of Eq. (9) at i = 2 over its stated bound, at a part of the time until Phi returns."""
-    chain, n, alpha = soft_chain(case), round(case["n"]), 1.0 / case["1/alpha"]
+    chain, n, alpha = chain_of(case), round(case["n"]), 1.0 / case["1/alpha"]
     end = solver.model(chain, start(chain)).returns(0)
     times = tuple((end * np.array(BOUND_PARTS)).tolist())
     bend = solver.model(chain, start(chain), times[-1], times).acceleration[BOUND_PARTS.index(case["part"]), 1]
@@ -70,14 +72,14 @@ def withn_alpha(n: tuple[int, ...], products: tuple[float, ...]) -> list[Paramet
 
 def separation(case: Parameters, solver: Solver) -> float:
     """Largest (tau_i / tau_dur)**2 of Eq. (10), over all contacts behind the first inner one."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     found = solver.motion(chain, start(chain), detachment(case, solver) * (1.0 + 1e-6), 801)
     return float(time_scale_separation(found)[2:].max())
 
 
 def energy_inside(case: Parameters, solver: Solver) -> float:
     """Largest energy that the inner contacts store, of the striker's."""
-    chain, n = soft_chain(case), case["n"]
+    chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
     return float(chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
 
@@ -89,141 +91,144 @@ def rise_of_energy(case: Parameters, solver: Solver) -> float:
 
 def inner_force(case: Parameters, solver: Solver) -> float:
     """Distance of the largest f12 from (n-1)/n, its limit, as a part of it."""
-    chain, n = soft_chain(case), case["n"]
+    chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
     return abs(float(found.force[:, 1].max()) * n / (n - 1.0) - 1.0)
 
 
 CLAIMS = (
     Claim(
-        "time-scales",
-        "the consistency condition is the separation of time scales, (tau_i / tau_dur)**2 << 1, fulfilled as alpha -> 0",
-        "Sec. IV, Eq. (10)",
-        "largest (tau_i / tau_dur)**2 of the contacts i >= 2",
-        separation,
-        grid(n=(3, 4, 5, 6, 8, 10), **{"1/alpha": (6, 8, 10, 12, 14, 17, 20, 24)}),
-        OWN,
-        "n alpha",
-        n_alpha,
-        0.1,
-        "full equations, response times at the largest overlap while the striker pushes; << 1 is read as at most 0.1",
+        name="time-scales",
+        statement="the consistency condition is the separation of time scales, (tau_i / tau_dur)**2 << 1, fulfilled as "
+        "alpha -> 0",
+        place="Sec. IV, Eq. (10)",
+        quantity="largest (tau_i / tau_dur)**2 of the contacts i >= 2",
+        measure=separation,
+        cases=grid(n=(3, 4, 5, 6, 8, 10), **{"1/alpha": (6, 8, 10, 12, 14, 17, 20, 24)}),
+        own=OWN,
+        variable="n alpha",
+        order=n_alpha,
+        allowed=0.1,
+        how="full equations, response times at the largest overlap while the striker pushes; << 1 is read as at most 0.1",
         refer=False,
     ),
     Claim(
-        "amplitude",
-        "for alpha -> 0 the maximum of psi decreases as exp(-1/(n alpha))",
-        "Sec. IV (i)",
-        "distance of the slope of log(max psi) against 1/(n alpha) from -1",
-        rate_of_psi,
-        withn_alpha((2, 3, 4, 5, 6, 8, 10, 12, 16), (0.1, 0.07)),
-        {"n": 4.0, "1/alpha": 57.0},
-        "1/n",
-        lambda case: 1.0 / case["n"],
-        0.06,
-        "full equations, n alpha from 0.056 to 0.1",
-        "the rate is n log((n-1)/n), -1 for many beads only: max psi ~ n/(2(n+1)) ((n-1)/n)**(1/alpha) (amplitude-law)",
+        name="amplitude",
+        statement="for alpha -> 0 the maximum of psi decreases as exp(-1/(n alpha))",
+        place="Sec. IV (i)",
+        quantity="distance of the slope of log(max psi) against 1/(n alpha) from -1",
+        measure=rate_of_psi,
+        cases=withn_alpha((2, 3, 4, 5, 6, 8, 10, 12, 16), (0.1, 0.07)),
+        own={"n": 4.0, "1/alpha": 57.0},
+        variable="1/n",
+        order=lambda case: 1.0 / case["n"],
+        allowed=0.06,
+        how="full equations, n alpha from 0.056 to 0.1",
+        remark="the rate is n log((n-1)/n), -1 for many beads only: max psi ~ n/(2(n+1)) ((n-1)/n)**(1/alpha) (amplitude-law)",
         first=Solver("accurate", tolerance=1e-6),
         refer=False,
     ),
     Claim(
-        "amplitude-law",
-        "our law for Sec. IV (i): max psi tends to n/(2(n+1)) ((n-1)/n)**(1/alpha)",
-        "ours, for Sec. IV (i)",
-        "relative distance of max psi from the law",
-        psi_off_law,
-        grid(n=(2, 3, 4, 5, 6, 8, 10), **{"1/alpha": (20, 30, 50, 70, 100, 140, 200)}),
-        {"n": 4.0, "1/alpha": 200.0},
-        "n alpha",
-        n_alpha,
-        0.1,
-        "full equations",
-        "Phi reaches n/(2(n+1)) at a force of 1, of which f12 is (n-1)/n",
+        name="amplitude-law",
+        statement="our law for Sec. IV (i): max psi tends to n/(2(n+1)) ((n-1)/n)**(1/alpha)",
+        place="ours, for Sec. IV (i)",
+        quantity="relative distance of max psi from the law",
+        measure=psi_off_law,
+        cases=grid(n=(2, 3, 4, 5, 6, 8, 10), **{"1/alpha": (20, 30, 50, 70, 100, 140, 200)}),
+        own={"n": 4.0, "1/alpha": 200.0},
+        variable="n alpha",
+        order=n_alpha,
+        allowed=0.1,
+        how="full equations",
+        remark="Phi reaches n/(2(n+1)) at a force of 1, of which f12 is (n-1)/n",
         refer=False,
     ),
     Claim(
-        "contact-duration",
-        "the duration of contact of the striker decreases as exp(-1/(2 n alpha)) / sqrt(alpha)",
-        "Sec. IV (ii)",
-        "distance of the slope of log(sqrt(alpha) tau_dur) against 1/(n alpha) from -1/2",
-        rate_of_duration,
-        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (8, 10, 12, 14, 16)}),
-        OWN,
-        "n alpha",
-        n_alpha,
-        0.05,
-        "full equations, 1/alpha from 8 to 20",
-        "the contact time tends to 2n/(n+1); what decreases so is the period of the inner contact (inner-period)",
+        name="contact-duration",
+        statement="the duration of contact of the striker decreases as exp(-1/(2 n alpha)) / sqrt(alpha)",
+        place="Sec. IV (ii)",
+        quantity="distance of the slope of log(sqrt(alpha) tau_dur) against 1/(n alpha) from -1/2",
+        measure=rate_of_duration,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (8, 10, 12, 14, 16)}),
+        own=OWN,
+        variable="n alpha",
+        order=n_alpha,
+        allowed=0.05,
+        how="full equations, 1/alpha from 8 to 20",
+        remark="the contact time tends to 2n/(n+1); what decreases so is the period of the inner contact (inner-period)",
     ),
     Claim(
-        "bound-on-consistency",
-        "the left side of Eq. (9) is bounded by alpha exp(-(i-1)/(n alpha)) for i >= 2",
-        "Sec. IV, after (ii)",
-        "left side of Eq. (9) at i = 2 over the bound",
-        bend_over_bound,
-        grid(n=(3, 4, 6, 8, 12, 16), **{"1/alpha": (10, 20, 40)}, part=BOUND_PARTS),
-        {**OWN, "part": 0.5},
-        "n",
-        lambda case: case["n"],
-        1.0,
-        "mode-coupling model, at parts of the time until Phi returns",
-        "at the very start psi'' passes (n-1)/(4n) whatever alpha: for many beads it exceeds the bound",
-        FINER_SECOND,
+        name="bound-on-consistency",
+        statement="the left side of Eq. (9) is bounded by alpha exp(-(i-1)/(n alpha)) for i >= 2",
+        place="Sec. IV, after (ii)",
+        quantity="left side of Eq. (9) at i = 2 over the bound",
+        measure=bend_over_bound,
+        cases=grid(n=(3, 4, 6, 8, 12, 16), **{"1/alpha": (10, 20, 40)}, part=BOUND_PARTS),
+        own={**OWN, "part": 0.5},
+        variable="n",
+        order=lambda case: case["n"],
+        allowed=1.0,
+        chosen=False,
+        how="mode-coupling model, at parts of the time until Phi returns",
+        remark="at the very start psi'' passes (n-1)/(4n) whatever alpha: for many beads it exceeds the bound",
+        second=FINER_SECOND,
         refer=False,
     ),
     Claim(
-        "below-1/n",
-        "Eq. (9) holds as a good approximation, and the cluster is rigid-like, for alpha << 1/n",
-        "Sec. IV",
-        "spread of the targets' velocities over their mean",
-        spread,
-        withn_alpha((3, 4, 5, 6, 8, 11, 16, 23, 32), (0.15, 0.2, 0.25, 0.3, 0.4)),
-        OWN,
-        "(n+1) exp(-1/(2 n alpha))",
-        lambda case: spread_variable(round(case["n"]), 1.0 / case["1/alpha"]),
-        RIGID_LIKE,
-        "velocities when every contact is open, n alpha from 0.15 to 0.4; rigid-like: a spread of at most 50 %",
-        "at fixed n alpha the spread grows with n: the threshold of n alpha falls like 1/(2 ln(0.9 (n+1))) (figure collapse)",
+        name="below-1/n",
+        statement="Eq. (9) holds as a good approximation, and the cluster is rigid-like, for alpha << 1/n",
+        place="Sec. IV",
+        quantity="spread of the targets' velocities over their mean",
+        measure=spread,
+        cases=withn_alpha((3, 4, 5, 6, 8, 11, 16, 23, 32), (0.15, 0.2, 0.25, 0.3, 0.4)),
+        own=OWN,
+        variable="(n+1) exp(-1/(2 n alpha))",
+        order=lambda case: spread_variable(round(case["n"]), 1.0 / case["1/alpha"]),
+        allowed=RIGID_LIKE,
+        how="velocities when every contact is open, n alpha from 0.15 to 0.4; rigid-like: a spread of at most 50 %",
+        remark="at fixed n alpha the spread grows with n: the threshold of n alpha falls like 1/(2 ln(0.9 (n+1))) "
+        "(figure collapse)",
         first=Solver("accurate", tolerance=1e-6),
     ),
     Claim(
-        "above-1/n",
-        "for alpha > 1/n there is no rigid-like behaviour, even with alpha << 1",
-        "Sec. IV",
-        "0.5 over the spread of the targets' velocities",
-        loss_of_rigidity,
-        withn_alpha((2, 3, 4, 6, 8, 12, 16, 24, 32), (1.01, 1.3, 1.7, 2.2, 3.0)),
-        {"n": 16.0, "1/alpha": 10.0},
-        "1/(n alpha)",
-        lambda case: case["1/alpha"] / case["n"],
-        1.0,
-        "velocities when every contact is open, n alpha from 1.01 to 3; rigid-like: a spread of at most 50 %",
+        name="above-1/n",
+        statement="for alpha > 1/n there is no rigid-like behaviour, even with alpha << 1",
+        place="Sec. IV",
+        quantity="0.5 over the spread of the targets' velocities",
+        measure=loss_of_rigidity,
+        cases=withn_alpha((2, 3, 4, 6, 8, 12, 16, 24, 32), (1.01, 1.3, 1.7, 2.2, 3.0)),
+        own={"n": 16.0, "1/alpha": 10.0},
+        variable="1/(n alpha)",
+        order=lambda case: case["1/alpha"] / case["n"],
+        allowed=1.0,
+        how="velocities when every contact is open, n alpha from 1.01 to 3; rigid-like: a spread of at most 50 %",
         refer=False,
     ),
     Claim(
-        "no-energy-inside",
-        "the energy that the cluster stores during the collision vanishes as alpha -> +0",
-        "Sec. IV",
-        "rise of its logarithm from 1/alpha to 1.25 / alpha",
-        rise_of_energy,
-        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 14, 20, 30, 50, 80)}),
-        OWN,
-        "n alpha",
-        n_alpha,
-        -0.1,
-        "full equations, largest energy of the inner contacts while the striker pushes",
+        name="no-energy-inside",
+        statement="the energy that the cluster stores during the collision vanishes as alpha -> +0",
+        place="Sec. IV",
+        quantity="rise of its logarithm from 1/alpha to 1.25 / alpha",
+        measure=rise_of_energy,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 14, 20, 30, 50, 80)}),
+        own=OWN,
+        variable="n alpha",
+        order=n_alpha,
+        allowed=-0.1,
+        how="full equations, largest energy of the inner contacts while the striker pushes",
     ),
     Claim(
-        "forces-remain-finite",
-        "the forces inside remain finite as alpha -> +0",
-        "Sec. IV",
-        "distance of the largest f12 from (n-1)/n, as a part of it",
-        inner_force,
-        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (10, 14, 20, 30, 50, 80)}),
-        {"n": 4.0, "1/alpha": 20.0},
-        "n alpha",
-        n_alpha,
-        0.15,
-        "full equations, while the striker pushes",
+        name="forces-remain-finite",
+        statement="the forces inside remain finite as alpha -> +0",
+        place="Sec. IV",
+        quantity="distance of the largest f12 from (n-1)/n, as a part of it",
+        measure=inner_force,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (10, 14, 20, 30, 50, 80)}),
+        own={"n": 4.0, "1/alpha": 20.0},
+        variable="n alpha",
+        order=n_alpha,
+        allowed=0.15,
+        how="full equations, while the striker pushes",
         refer=False,
     ),
 )

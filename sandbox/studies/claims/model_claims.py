@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from softcradle.physics import Chain, Contact, cluster_on_cluster, one_on, power_law
 from softcradle.physics.analysis.measures import depth_law, loads
 from softcradle.physics.analysis.ringing import turning_points
-from softcradle.sandbox.studies.claims.claim import Claim, Parameters, grid
-from softcradle.sandbox.studies.claims.soft_chains import OWN, first_opening, soft_chain, start, while_struck
-from softcradle.sandbox.studies.claims.solver import FINER_SECOND, NotSolvedError, Solver
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.paper import (
+    FINER_SECOND,
+    FINEST_SECOND,
+    OWN,
+    SWING,
+    NotSolvedError,
+    Parameters,
+    Solver,
+    chain_of,
+    first_opening,
+    start,
+    while_struck,
+)
 
 # of the time until a force ends
 EDGES = 1e-6, 1e-4, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 1.0
@@ -18,11 +27,14 @@ SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105
 RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times that Fig. 2d shows
+AT_THE_TOUCH = Solver("accurate", tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
+RISE_END = 1.0  # unit of time: the end of Fig. 2d, and of the run of which the slopes are
+SLOPES = 8  # in a decade of time: a step of a force by a part of a percent is one of ten percent of its slope
 
 
 def discrepancy(case: Parameters, solver: Solver) -> float:
     """Largest relative discrepancy of a force, full less model over full, in a part of the time for which it acts."""
-    chain, contact = soft_chain(case), round(case["contact"])
+    chain, contact = chain_of(case), round(case["contact"])
     end = first_opening(solver.motion(chain, start(chain)), contact)
     upper = case["until"]
     times = tuple((end * np.linspace(EDGES[EDGES.index(upper) - 1], upper, SAMPLES_A_BIN, endpoint=False)).tolist())
@@ -33,7 +45,7 @@ def discrepancy(case: Parameters, solver: Solver) -> float:
 
 def delay_of_phi(case: Parameters, solver: Solver) -> float:
     """Time at which Phi returns to zero less that at which psi does: below 0 where Phi is first."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     found = solver.model(chain, start(chain))
     return found.returns(0) - found.returns(1)
 
@@ -41,25 +53,37 @@ def delay_of_phi(case: Parameters, solver: Solver) -> float:
 def turns_of_inner_force(case: Parameters, solver: Solver) -> float:
     """Turning points of f12 while both of the first two contacts are closed."""
     force = while_struck(case, solver, 20001).force[:, 1]
-    return float(turning_points(force).size)
+    return float(turning_points(force, SWING).size)
+
+
+def rising_power(contact: int, alpha: float) -> float:
+    """Power of t of the force of `contact` at first: alpha for f01, and alpha (2 + p) where that of the contact before is p.
+
+    A contact is pressed by the force before it, twice integrated over time: f12 ~ t**(alpha (2 + alpha)).
+    """
+    return alpha if contact == 0 else alpha * (2.0 + rising_power(contact - 1, alpha))
 
 
 def slope_error(case: Parameters, solver: Solver) -> float:
-    """Distance of the logarithmic slope of a force from t to 10 t from the stated power of t, as a part of that.
+    """Largest distance of the logarithmic slope of a force, between t and 10 t, from the stated power of t, as a part of that.
 
-    In units of t the same motion runs from 1 to 10, with strengths of t**(1 + alpha).
+    By the full equations from the touch on, as Fig. 2d shows them. A fixed step is small in units of t, in which the same
+    motion runs from 1 to 10 with strengths of t**(1 + alpha).
     """
     alpha, contact = 1.0 / case["1/alpha"], round(case["contact"])
-    chain = one_on(round(case["n"]), power_law(case["t"] ** (1.0 + alpha), alpha))
-    force = solver.model(chain, start(chain), 10.0, (1.0, 10.0)).reduced.force[:, contact]
+    unit = case["t"] if solver.step else 1.0
+    chain = one_on(round(case["n"]), power_law(unit ** (1.0 + alpha), alpha))
+    times = tuple((case["t"] / unit * np.logspace(0.0, 1.0, SLOPES + 1)).tolist())
+    force = solver.motion(chain, start(chain), times[-1] if solver.step else RISE_END, times).force[:, contact]
     if not force[0] > 0.0:
         raise NotSolvedError("no force at the first sample")
-    return abs(math.log10(force[1] / force[0]) / (alpha if contact == 0 else alpha * (2.0 + alpha)) - 1.0)
+    slopes = np.diff(np.log10(force)) * SLOPES
+    return float(np.abs(slopes / rising_power(contact, alpha) - 1.0).max())
 
 
 def consistency(case: Parameters, solver: Solver) -> float:
     """Largest left side of Eq. (9) at i = 2 in a part of the time until psi is back at zero."""
-    chain = soft_chain(case)
+    chain = chain_of(case)
     end = solver.model(chain, start(chain)).returns(1)
     upper = case["until"]
     times = tuple((end * np.linspace(upper - 0.05, upper, SAMPLES_A_BIN, endpoint=False)).tolist())
@@ -101,124 +125,146 @@ def clusters(case: Parameters) -> Chain:
 
 CLAIMS = (
     Claim(
-        "within-1e-3",
-        "the mode-coupling model reproduces f01 and f12 within 1e-3 over the entire time domain of the collision",
-        "Sec. IV, Fig. 2c",
-        "largest relative discrepancy of the force up to that part of its time, from the part before",
-        discrepancy,
-        grid(**OWN, contact=(0, 1), until=EDGES[1:]),
-        {"until": 0.5, "contact": 1.0},
-        "part of the time for which the force acts",
-        lambda case: case["until"],
-        1e-3,
-        "full equations and model, each force from 1e-6 of its own time to its own end",
-        "at their ends the relative discrepancies grow without bound: model and full force end at different times",
-        FINER_SECOND,
-        refer=False,
-    ),
-    Claim(
-        "inner-forces",
-        "the reproduction of the inter-particle forces by the mode-coupling model is quite satisfactory",
-        "Sec. IV, Fig. 2b",
-        "largest relative discrepancy of f23 and f34 up to that part of their time, from the part before",
-        discrepancy,
-        grid(**OWN, contact=(2, 3), until=EDGES[1:]),
-        {"until": 0.5, "contact": 2.0},
-        "part of the time for which the force acts",
-        lambda case: case["until"],
-        0.05,
-        "full equations and model; 5 % is what the eye sees in Fig. 2b",
+        name="within-1e-3",
+        statement="the mode-coupling model reproduces f01 and f12 within 1e-3 over the entire time domain of the collision",
+        place="Sec. IV, Fig. 2c",
+        quantity="largest relative discrepancy of the force up to that part of its time, from the part before",
+        measure=discrepancy,
+        cases=grid(**OWN, contact=(0, 1), until=EDGES[1:]),
+        own={"until": 0.5, "contact": 1.0},
+        variable="part of the time for which the force acts",
+        order=lambda case: case["until"],
+        allowed=1e-3,
+        chosen=False,
+        how="full equations and model, each force from 1e-6 of its own time to its own end",
+        remark="at their ends the relative discrepancies grow without bound: model and full force end at different times",
         second=FINER_SECOND,
         refer=False,
     ),
     Claim(
-        "phi-first",
-        "Phi returns to zero before psi does",
-        "Sec. IV, Fig. 2a",
-        "time of Phi's return less that of psi's",
-        delay_of_phi,
-        grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 24, 30)}),
-        OWN,
-        "1/(n alpha)",
-        lambda case: case["1/alpha"] / case["n"],
-        0.0,
-        "mode-coupling model; above 0 psi is first",
+        name="inner-forces",
+        statement="the reproduction of the inter-particle forces by the mode-coupling model is quite satisfactory",
+        place="Sec. IV, Fig. 2b",
+        quantity="largest relative discrepancy of f23 and f34 up to that part of their time, from the part before",
+        measure=discrepancy,
+        cases=grid(**OWN, contact=(2, 3), until=EDGES[1:]),
+        own={"until": 0.5, "contact": 2.0},
+        variable="part of the time for which the force acts",
+        order=lambda case: case["until"],
+        allowed=0.05,
+        how="full equations and model; 5 % is what the eye sees in Fig. 2b",
+        second=FINER_SECOND,
+        refer=False,
+    ),
+    Claim(
+        name="phi-first",
+        statement="Phi returns to zero before psi does",
+        place="Sec. IV, Fig. 2a",
+        quantity="time of Phi's return less that of psi's",
+        measure=delay_of_phi,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 24, 30)}),
+        own=OWN,
+        variable="1/(n alpha)",
+        order=lambda case: case["1/alpha"] / case["n"],
+        allowed=0.0,
+        chosen=False,
+        how="mode-coupling model; above 0 psi is first",
         second=FINER_SECOND,
     ),
     Claim(
-        "no-oscillation",
-        "there is no sign of fine oscillations: the inner force rises once and falls once",
-        "Sec. IV, Fig. 2c",
-        "turning points of f12 while the striker pushes",
-        turns_of_inner_force,
-        grid(n=(2, 3, 4, 5), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 27, 30)}),
-        OWN,
-        "1/alpha",
-        lambda case: case["1/alpha"],
-        1.0,
-        "20001 samples while the first two contacts are closed",
-        "smaller exponents ring: more often, faster and less; the period is that of the inner contact about its branch "
+        name="no-oscillation",
+        statement="there is no sign of fine oscillations: the inner force rises once and falls once",
+        place="Sec. IV, Fig. 2c",
+        quantity="turning points of f12 while the striker pushes",
+        measure=turns_of_inner_force,
+        cases=grid(n=(2, 3, 4, 5), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 27, 30)}),
+        own=OWN,
+        variable="1/alpha",
+        order=lambda case: case["1/alpha"],
+        allowed=1.0,
+        chosen=False,
+        how="20001 samples while the first two contacts are closed; a swing below 1e-5, a hundredth of what Fig. 2c shows, is "
+        "none",
+        remark="smaller exponents ring: more often, faster and less; the period is that of the inner contact about its branch "
         "(figure ringing)",
-        FINER_SECOND,
+        second=FINEST_SECOND,
     ),
     Claim(
-        "slopes",
-        "initially f01 ~ t**alpha and f12 ~ t**(alpha (2 + alpha))",
-        "caption of Fig. 2d",
-        "relative distance of the logarithmic slope over a decade from the stated power",
-        slope_error,
-        grid(n=(4,), **{"1/alpha": (7, 10, 14)}, contact=(0, 1), t=[10.0**power for power in RISE_DECADES]),
-        {"1/alpha": 10.0, "contact": 1.0, "t": 1e-16},
-        "t",
-        lambda case: case["t"],
-        0.01,
-        "mode-coupling model at the times that Fig. 2d shows",
-        "the correction to f12 is of relative order t**(alpha (1 + alpha)) and decays slowly",
+        name="slopes",
+        statement="initially f01 ~ t**alpha and f12 ~ t**(alpha (2 + alpha))",
+        place="caption of Fig. 2d",
+        quantity="largest relative distance of the logarithmic slope from the stated power, in a decade",
+        measure=slope_error,
+        cases=grid(n=(4,), **{"1/alpha": (7, 10, 14)}, contact=(0, 1), t=[10.0**power for power in RISE_DECADES]),
+        own={"1/alpha": 10.0, "contact": 1.0, "t": 1e-16},
+        variable="t",
+        order=lambda case: case["t"],
+        allowed=0.01,
+        how="full equations, one run from the touch on; 8 slopes in each decade that Fig. 2d shows",
+        remark="the correction to f12 is of relative order t**(alpha (1 + alpha)) and decays slowly",
+        first=AT_THE_TOUCH,
         refer=False,
     ),
     Claim(
-        "consistency-example",
-        "for n = 4, alpha = 1/10 the left side of Eq. (9) is at most about 1e-3, since psi'' is about 0.1",
-        "Sec. IV, after Eq. (9)",
-        "largest left side of Eq. (9) at i = 2",
-        consistency,
-        grid(**OWN, until=np.arange(0.05, 1.001, 0.05).round(2)),
-        {"until": 0.5},
-        "part of the time until psi returns",
-        lambda case: case["until"],
-        2e-3,
-        "mode-coupling model, in 20 parts of the collision; about 1e-3 is read as at most 2e-3",
-        "psi'' is largest at the very start",
-        FINER_SECOND,
+        name="deeper-slopes",
+        statement="our continuation of Fig. 2d: a force deeper inside rises as t**(alpha (2 + p)), p the power of the one before",
+        place="ours, for Fig. 2d",
+        quantity="largest relative distance of the logarithmic slope from that power, in a decade",
+        measure=slope_error,
+        cases=grid(n=(4,), **{"1/alpha": (7, 10, 14)}, contact=(2, 3), t=[10.0**power for power in RISE_DECADES]),
+        own={"1/alpha": 10.0, "contact": 2.0, "t": 1e-16},
+        variable="t",
+        order=lambda case: case["t"],
+        allowed=0.05,
+        how="as slopes",
+        remark="corrections decay the more slowly the deeper a contact is",
+        first=AT_THE_TOUCH,
+        refer=False,
     ),
     Claim(
-        "inhomogeneous-model",
-        "equations (A3) are the core of the motion for heterogeneous masses, strengths and exponents that are small",
-        "App. A",
-        "largest |full - model| over the peak of the force, all contacts",
-        lambda case, solver: force_error(random_chain(case), solver),
-        random_cases(),
-        {"load": 0.75},
-        "greatest load of an inner contact",
-        lambda case: case["load"],
-        0.05,
-        f"{RANDOM_CHAINS} random chains, seed {SEED}: masses and strengths of 1/2 to 2, exponents of 1/40 to 1/20; middle 80 % "
+        name="consistency-example",
+        statement="for n = 4, alpha = 1/10 the left side of Eq. (9) is at most about 1e-3, since psi'' is about 0.1",
+        place="Sec. IV, after Eq. (9)",
+        quantity="largest left side of Eq. (9) at i = 2",
+        measure=consistency,
+        cases=grid(**OWN, until=np.arange(0.05, 1.001, 0.05).round(2)),
+        own={"until": 0.5},
+        variable="part of the time until psi returns",
+        order=lambda case: case["until"],
+        allowed=2e-3,
+        how="mode-coupling model, in 20 parts of the collision; about 1e-3 is read as at most 2e-3",
+        remark="psi'' is largest at the very start",
+        second=FINER_SECOND,
+    ),
+    Claim(
+        name="inhomogeneous-model",
+        statement="equations (A3) are the core of the motion for heterogeneous masses, strengths and exponents that are small",
+        place="App. A",
+        quantity="largest |full - model| over the peak of the force, all contacts",
+        measure=lambda case, solver: force_error(random_chain(case), solver),
+        cases=random_cases(),
+        own={"load": 0.75},
+        variable="greatest load of an inner contact",
+        order=lambda case: case["load"],
+        allowed=0.05,
+        how=f"{RANDOM_CHAINS} random chains, seed {SEED}: masses and strengths of 1/2 to 2, exponents of 1/40 to 1/20; "
+        f"middle 80 % "
         "of the striker's contact",
-        "where an inner contact has to pass on more than its f0 no exponent is small enough",
-        Solver("conserving", 5e-5),
+        remark="where an inner contact has to pass on more than its f0 no exponent is small enough",
+        second=Solver("conserving", 5e-5),
         refer=False,
     ),
     Claim(
-        "second-mode",
-        "cluster on cluster needs but one more evanescent mode, for the hitting cluster",
-        "App. A (ii)",
-        "largest |full - model| over the peak of the force, all contacts",
-        lambda case, solver: force_error(clusters(case), solver, round(case["m"])),
-        grid(m=(2, 3, 4), n=(3, 5, 7), **{"1/alpha": (8, 14, 24)}),
-        {"m": 3.0, "n": 5.0, "1/alpha": 14.0},
-        "n alpha",
-        lambda case: max(case["n"], case["m"]) / case["1/alpha"],
-        0.05,
-        "m on n homogeneous beads; middle 80 % of the contact of the two clusters; n alpha of the larger one",
+        name="second-mode",
+        statement="cluster on cluster needs but one more evanescent mode, for the hitting cluster",
+        place="App. A (ii)",
+        quantity="largest |full - model| over the peak of the force, all contacts",
+        measure=lambda case, solver: force_error(clusters(case), solver, round(case["m"])),
+        cases=grid(m=(2, 3, 4), n=(3, 5, 7), **{"1/alpha": (8, 14, 24)}),
+        own={"m": 3.0, "n": 5.0, "1/alpha": 14.0},
+        variable="n alpha",
+        order=lambda case: max(case["n"], case["m"]) / case["1/alpha"],
+        allowed=0.05,
+        how="m on n homogeneous beads; middle 80 % of the contact of the two clusters; n alpha of the larger one",
     ),
 )

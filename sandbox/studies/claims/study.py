@@ -69,6 +69,7 @@ class Study:
         variable: name of the number by which cases are ordered; the claim is expected to hold where it is small.
         how: how it was measured, with ranges and seeds.
         remark: what explains the result.
+        chosen: whether what is allowed is our reading of the statement, and no number or sign that it names.
         own: parameters of the paper's own case.
         cases: in ascending order of the variable.
         reference: value of the paper's own case by the independent reference; nan where it was not asked.
@@ -84,6 +85,7 @@ class Study:
     remark: str
     own: Mapping[str, float]
     cases: Sequence[Case]
+    chosen: bool = True
     reference: float = math.nan
     seconds: float = 0.0
 
@@ -107,12 +109,34 @@ class Study:
     def limit(self) -> float | None:
         """Largest value of the variable up to which no case fails and one holds; None where the first ones do not."""
         last = None
-        for variable, group in groupby(self.cases, key=lambda case: case.variable):
-            sides = {case.side for case in group}
+        for variable, sides in self._sides:
             if Side.FAILS in sides:
                 break
             last = variable if Side.HOLDS in sides else last
         return last
+
+    @cached_property
+    def _sides(self) -> list[tuple[float, set[Side]]]:
+        """The values of the variable, and the sides of the cases at each."""
+        groups = groupby(self.cases, key=lambda case: case.variable)
+        return [(variable, {case.side for case in group}) for variable, group in groups]
+
+    @cached_property
+    def range_of_own(self) -> tuple[float, float]:
+        """Values of the variable about the paper's own between which some cases hold and none fails; inf where none fails beyond.
+
+        Empty, (nan, nan), where a case fails at the paper's own.
+        """
+        own = self.own_case.variable
+        failing = [variable for variable, sides in self._sides if Side.FAILS in sides]
+        below, above = (
+            max((x for x in failing if x <= own), default=-math.inf),
+            min((x for x in failing if x >= own), default=math.inf),
+        )
+        inside = [variable for variable, sides in self._sides if below < variable < above and Side.HOLDS in sides]
+        if not inside or own in failing:
+            return math.nan, math.nan
+        return (inside[0] if below > -math.inf else below), (inside[-1] if above < math.inf else above)
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -138,19 +162,21 @@ class Study:
     def _verdict_with_limit(self) -> str:
         if self.verdict in (Verdict.HOLDS, Verdict.UNDETERMINED):
             return str(self.verdict)
-        holding, count = len(self.on(Side.HOLDS)), len(self.cases)
         if self.verdict is Verdict.WITHIN:
-            inside = self.limit is not None and self.own_case.variable <= self.limit
-            return (
-                f"holds within {self.variable} <= {self.limit:.3g}"
-                if inside
-                else f"holds within {holding} of {count} cases"
-            )
+            return f"holds within {self._within()}"
         return (
             f"fails beyond {self.variable} = {self.limit:.3g}"
             if self.limit is not None
-            else self._fails_throughout(holding)
+            else self._fails_throughout(len(self.on(Side.HOLDS)))
         )
+
+    def _within(self) -> str:
+        """The range about the paper's own case in which no case fails, or how many cases hold."""
+        low, high = self.range_of_own
+        bounds = [f">= {low:.3g}"] * math.isfinite(low) + [f"<= {high:.3g}"] * math.isfinite(high)
+        if low == high or not bounds:
+            return f"{len(self.on(Side.HOLDS))} of {len(self.cases)} cases"
+        return f"{self.variable} {' and '.join(bounds)}"
 
     def _fails_throughout(self, holding: int) -> str:
         """The verdict where the claim fails in the paper's own case and has no range in which it holds."""
@@ -163,6 +189,17 @@ class Study:
     def counter_example(self) -> Case | None:
         """The failing case nearest to the paper's own; None where none fails."""
         return min(self.on(Side.FAILS), key=self.distance, default=None)
+
+    @property
+    def bar_text(self) -> str:
+        """How the verdict moves with what is allowed, where that is our choice: from which bar on it is which."""
+        own = self.own_case
+        if not self.chosen or own.side is Side.UNDETERMINED:
+            return ""
+        most = max(case.value - case.error for case in self.cases if case.side is not Side.UNDETERMINED)
+        low, high = own.value - own.error, own.value + own.error
+        within = f", holds within from {high:.3g}" if high < most else ""
+        return f"by the bar: fails beyond below {low:.3g}{within}, holds from {most:.3g}"
 
     @property
     def range_text(self) -> str:
@@ -180,8 +217,7 @@ class Study:
         parts.append(f"{len(self.cases)} cases: {', '.join(counts)}")
         if self.counter_example is not None and self.counter_example is not own:
             parts.append(f"nearest counter-example: {case_text(self.counter_example)}")
-        if self.remark:
-            parts.append(self.remark)
+        parts += [text for text in (self.bar_text, self.remark) if text]
         return ". ".join(parts)
 
 

@@ -14,7 +14,7 @@ from softcradle.physics import ensemble
 from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import soft_chain
+from softcradle.sandbox.studies.paper import soft_chain
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     COLOUR_CYCLE,

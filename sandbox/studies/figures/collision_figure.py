@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, N, full_one_on
+from softcradle.sandbox.studies.paper import ALPHA, N, full_one_on
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,

@@ -6,14 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.figures.solved_cases import (
-    ALPHA,
-    N,
-    full_one_on,
-    merged_times,
-    model_one_on,
-    opening_time,
-)
+from softcradle.sandbox.studies.paper import ALPHA, N, full_one_on, merged_times, model_one_on, opening_time
 from softcradle.sandbox.studies.plot_style import (
     BLUE,
     GREEN,
@@ -37,6 +30,7 @@ if TYPE_CHECKING:
 
 UNTIL = 2.5  # units of time, the end of Figs. 2a and 2b: psi is back at zero at 2.1
 FIRST_TIME = 1e-16  # units of time, the left end of Fig. 2d
+RISE_TOLERANCE = 1e-12  # logarithmic axes show all overlaps: at 1e-8 the deepest forces have a step of 0.8 %
 FORCE_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 FORCE_SYMBOLS = tuple(f"$f_{{{i},{i + 1}}}$" for i in range(N))
 LABEL_FACTORS = (1.35, 1.0, 0.87, 1.0)  # a label of Fig. 2d stands at its force times this, so that none overlap
@@ -74,7 +68,8 @@ def discrepancies() -> Table:
 def rise() -> Table:
     """Fig. 2d: t from 1e-16 to 1, all four forces of the model and of the full equations."""
     times = tuple(np.logspace(np.log10(FIRST_TIME), 0.0, 321).tolist())
-    full, model = full_one_on(N, ALPHA, 1.0, times), model_one_on(N, ALPHA, 1.0, times)
+    full = full_one_on(N, ALPHA, 1.0, times, RISE_TOLERANCE)
+    model = model_one_on(N, ALPHA, 1.0, times, RISE_TOLERANCE)
     return {"t": full.time, **_force_columns("full", full.force), **_force_columns("model", model.trajectory.force)}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from softcradle.physics import Chain, Contact
 from softcradle.physics.analysis.measures import loads
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import full_motion, start_velocity
+from softcradle.sandbox.studies.paper import full_motion, start
 from softcradle.sandbox.studies.plot_style import BLUE, GREY, ORANGE, PAGE_WIDTH, RED, new_figure, panel_title
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def outcomes() -> Table:
     rows = []
     for kind in (SOFT, CRADLE):
         for k, chain in enumerate(chains(kind)):
-            velocity = full_motion(chain, start_velocity(chain), samples=2, step=STEP).final_velocity
+            velocity = full_motion(chain, start(chain), samples=2, step=STEP).final_velocity
             rigid_velocity = 2.0 * chain.mass[0] / sum(chain.mass)
             load = loads(chain)[1:].max()
             rows.append(

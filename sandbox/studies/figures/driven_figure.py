@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics.analysis.ringing import returns
 from softcradle.sandbox.studies.data_table import Table, long_table, rows_where
-from softcradle.sandbox.studies.driven_cluster import amplitude, driven_chain, period
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, full_motion, model_motion
+from softcradle.sandbox.studies.paper import (
+    ALPHA,
+    driven_amplitude,
+    driven_chain,
+    driven_period,
+    full_motion,
+    model_motion,
+)
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,
@@ -41,7 +47,7 @@ STEPS_PER_SAMPLE = 20
 
 def history() -> Table:
     """t, psi of the full equations and of the model, and the velocities against that of the centre of mass."""
-    chain, end = driven_chain(SHOWN_BEADS, ALPHA), PERIODS * period(SHOWN_BEADS, ALPHA)
+    chain, end = driven_chain(SHOWN_BEADS, ALPHA), PERIODS * driven_period(SHOWN_BEADS, ALPHA)
     arguments = chain, (0.0,) * SHOWN_BEADS, end, PERIODS * SAMPLES_PER_PERIOD + 1
     step = end / (PERIODS * SAMPLES_PER_PERIOD * STEPS_PER_SAMPLE)
     full, model = full_motion(*arguments, step=step), model_motion(*arguments, step=step)
@@ -57,7 +63,7 @@ def measured(n: int, alpha: float) -> tuple[float, float, float]:
     The period is a fifth of the time of that return, an event of the full motion; the last number is a part of the amplitude.
     """
     chain = driven_chain(n, alpha)
-    end, count = (PERIODS + 0.5) * period(n, alpha), (PERIODS + 1) * SAMPLES_PER_PERIOD
+    end, count = (PERIODS + 0.5) * driven_period(n, alpha), (PERIODS + 1) * SAMPLES_PER_PERIOD
     full = full_motion(chain, (0.0,) * n, end, count + 1, step=end / (count * STEPS_PER_SAMPLE))
     times, least = returns(full, 0)
     largest = float(full.overlap[:, 0].max())
@@ -66,7 +72,11 @@ def measured(n: int, alpha: float) -> tuple[float, float, float]:
 
 def scan() -> Table:
     """Period and amplitude against n and alpha, full and model."""
-    rows = [(n, alpha, *measured(n, alpha), period(n, alpha), amplitude(n, alpha)) for n in SIZES for alpha in ALPHAS]
+    rows = [
+        (n, alpha, *measured(n, alpha), driven_period(n, alpha), driven_amplitude(n, alpha))
+        for n in SIZES
+        for alpha in ALPHAS
+    ]
     measures = ("period full", "amplitude full", "psi at the fifth return", "period model", "amplitude model")
     return long_table(("n", "alpha", *measures), rows)
 
@@ -93,7 +103,7 @@ def draw_scan(table: Table) -> Figure:
     alphas = np.geomspace(1.0 / 22.0, 1.0 / 4.5, 60)
     for n, colour in zip(SIZES, (BLUE, ORANGE, GREEN), strict=True):
         points = rows_where(table, n=n)
-        for axes, name, law in ((left, "period", period), (right, "amplitude", amplitude)):
+        for axes, name, law in ((left, "period", driven_period), (right, "amplitude", driven_amplitude)):
             axes.semilogy(1.0 / alphas, [law(n, alpha) for alpha in alphas], color=colour, linewidth=0.8)
             axes.semilogy(
                 1.0 / points["alpha"], points[f"{name} full"], "o", color=colour, markersize=3.5, label=f"$n={n}$"

@@ -11,7 +11,7 @@ import numpy as np
 from softcradle.physics import draft_gear, ensemble, one_on
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import soft_chain
+from softcradle.sandbox.studies.paper import soft_chain
 from softcradle.sandbox.studies.plot_style import COLOUR_CYCLE, GREY, PAGE_WIDTH, label_above, new_figure, panel_title
 
 if TYPE_CHECKING:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.figures import (
@@ -25,17 +25,15 @@ from softcradle.sandbox.studies.figures import (
     variant_figure,
     wave_figure,
 )
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.panel_column import label_panels
+from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.picture_files import write_picture
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.sweeps import listed
-from softcradle.sandbox.sweeps.swept_columns import swept
+from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from softcradle.sandbox.sweeps.journal import Journal
-    from softcradle.sandbox.sweeps.sweep_places import Progress
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "2b", "Fig. 2b", "forces, mode coupling against full", coupling_figure.forces, coupling_figure.draw_forces
     ),
     FigureEntry(
-        "2c", "Fig. 2c", "their relative discrepancies",
+        "2c", "Fig. 2c", "their relative discrepancies; (a) ends at 1.4e-3, which f01 leaves as it ends: (b) shows how",
         coupling_figure.discrepancies, coupling_figure.draw_discrepancies,
     ),
     FigureEntry("2d", "Fig. 2d", "the initial rise of the forces", coupling_figure.rise, coupling_figure.draw_rise),
@@ -90,7 +88,9 @@ FIGURES: tuple[FigureEntry, ...] = (
         rigidity_figure.spreads, rigidity_figure.draw_spreads,
     ),
     FigureEntry(
-        "softness", "Sec. IV", "where rigid-like behaviour ends", rigidity_figure.losses, rigidity_figure.draw_losses
+        "softness", "Sec. IV",
+        "where rigid-like behaviour ends; (a) has kinks where f12 begins or ceases to act a second time",
+        rigidity_figure.losses, rigidity_figure.draw_losses,
     ),
     FigureEntry(
         "scalings", "Sec. IV", "what vanishes as alpha does, and what stays",
@@ -172,14 +172,14 @@ def compute_tables(
 ) -> Iterator[Table]:
     """The tables of those figures in their order; a point of the sweep is a figure.
 
-    With `kept`, tables that a run before has computed are not computed again, see `swept`.
+    With `kept`, tables that a run before has computed are not computed again, see `map_points`.
     """
     names = [figure.name for figure in figures]
     order = sorted(dict.fromkeys(names), key=lambda name: name not in LONGEST)
     alike = not set(LONGEST) & set(order)
-    with swept(table_columns, listed({"figure": order}), kept, progress, workers, alike=alike) as journal:
-        for name in names:
-            yield _table_in(journal, order.index(name), name)
+    rows = map_points(table_columns, listed({"figure": order}), kept, progress, workers, alike=alike)
+    for name in names:
+        yield _table_in(rows[order.index(name)], name)
 
 
 def table_columns(figure: str) -> Table:
@@ -188,10 +188,10 @@ def table_columns(figure: str) -> Table:
     return {f"{figure}: {column}": values for column, values in found.table().items()}
 
 
-def _table_in(journal: Journal, number: int, figure: str) -> Table:
+def _table_in(row: Mapping[str, Any], figure: str) -> Table:
     """The table of a figure from its point."""
-    columns, own = journal.rows(number, number + 1).columns, f"{figure}: "
-    return {name.removeprefix(own): values[0] for name, values in columns.items() if name.startswith(own)}
+    own = f"{figure}: "
+    return {name.removeprefix(own): values for name, values in row.items() if name.startswith(own)}
 
 
 def write_figure(figure: FigureEntry, folder: Path, one_column: bool = False, table: Table | None = None) -> list[Path]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import TOLERANCE, full_one_on, opening_time
+from softcradle.sandbox.studies.paper import TOLERANCE, full_one_on, opening_time
 from softcradle.sandbox.studies.plot_style import BLUE, GREEN, ORANGE, PAGE_WIDTH, inner_label, new_figure, zero_line
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import WarningCode
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import soft_chain, start_velocity
+from softcradle.sandbox.studies.paper import soft_chain, start
 from softcradle.sandbox.studies.plot_style import (
     BLUE,
     COLOUR_CYCLE,
@@ -46,7 +46,7 @@ def outcome(n: int, alpha: float) -> Array:
 def _solved(n: int, alpha: float) -> tuple[Array, float]:
     """Velocities after the collision, and by how much finer runs disagree where the motion is sensitive, else 0."""
     chain = soft_chain(n, alpha)
-    found = solve(chain, start_velocity(chain), samples=2, tolerance=FINE_TOLERANCE)
+    found = solve(chain, start(chain), samples=2, tolerance=FINE_TOLERANCE)
     apart = [warning.numbers.get("apart", 0.0) for warning in found.warnings if warning.code is WarningCode.SENSITIVE]
     velocity = np.full(n + 1, np.nan) if found.status.gave_up else found.final_velocity
     return velocity, max(apart, default=0.0)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from softcradle.physics.analysis.measures import response_times
 from softcradle.physics.analysis.ringing import ringing
 from softcradle.sandbox.studies.data_table import Table, long_table
-from softcradle.sandbox.studies.figures.solved_cases import full_one_on, opening_time
+from softcradle.sandbox.studies.paper import full_one_on, opening_time
 from softcradle.sandbox.studies.plot_style import BLUE, GREY, ORANGE, PAGE_WIDTH, new_figure, panel_title
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from softcradle.physics.analysis.measures import response_times
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.data_table import Table, long_table, rows_where
-from softcradle.sandbox.studies.figures.solved_cases import SAMPLES, soft_chain, start_velocity
+from softcradle.sandbox.studies.paper import SAMPLES, soft_chain, start
 from softcradle.sandbox.studies.plot_style import BLUE, GREEN, GREY, ORANGE, PAGE_WIDTH, PURPLE, new_figure, panel_title
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ def scalings() -> Table:
         for alpha in ALPHAS:
             chain = soft_chain(n, alpha)
             # what may be sensitive is the end, where beads chatter: it is not read
-            found = solve(chain, start_velocity(chain), 1.25 * contact_time_limit(n), samples=SAMPLES)
-            contact_time = found.contact_intervals[0][0][1]
+            contact_time = solve(chain, start(chain), samples=2).contact_intervals[0][0][1]
+            found = solve(chain, start(chain), contact_time, samples=SAMPLES)
             rows.append((n, alpha, found.overlap[:, 1].max(), contact_time, response_times(found)[1]))
     return long_table(("n", "alpha", "max psi", "contact time", "response time"), rows)
 
@@ -42,9 +42,9 @@ def psi_limit(n: int, alpha: float) -> float:
     return float(n / (2.0 * (n + 1.0)) * ((n - 1) / n) ** (1.0 / alpha))
 
 
-def response_time_limit(n: int, alpha: float) -> float:
-    """``sqrt(psi**(1-alpha) / (2 alpha))`` for psi in the limit: 1/2 is the reduced mass of two unit beads."""
-    return math.sqrt(psi_limit(n, alpha) ** (1.0 - alpha) / (2.0 * alpha))
+def stated_duration(n: int, alpha: float) -> float:
+    """``exp(-1/(2 n alpha)) / sqrt(alpha)``, as Sec. IV (ii) has it: our contact time stays, the inner response vanishes so."""
+    return math.exp(-0.5 / (n * alpha)) / math.sqrt(alpha)
 
 
 def contact_time_limit(n: int) -> float:
@@ -53,7 +53,7 @@ def contact_time_limit(n: int) -> float:
 
 
 def draw_scalings(table: Table) -> Figure:
-    """(a) max psi, (b) the two times; solid lines are the limits for alpha -> 0."""
+    """(a) max psi, (b) the two times; solid and dashed lines are limits for alpha -> 0, dotted ones what Sec. IV states."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.9, 1, 2)
     _draw_psi(left, table)
     _draw_times(right, table)
@@ -83,10 +83,10 @@ def _draw_times(axes: Axes, table: Table) -> None:
         axes.loglog(points["alpha"], points["contact time"], "o", color=colour, markersize=3)
         axes.axhline(contact_time_limit(n), color=colour, linewidth=0.6, linestyle="--")
         axes.loglog(points["alpha"], points["response time"], color=colour, **hollow)
-        axes.loglog(alphas, [response_time_limit(n, alpha) for alpha in alphas], color=colour, linewidth=0.8)
+        axes.loglog(alphas, [stated_duration(n, alpha) for alpha in alphas], color=colour, linewidth=0.7, linestyle=":")
     axes.plot([], [], "o", color=GREY, markersize=3, label="contact of the striker")
     axes.plot([], [], color=GREY, linewidth=0.6, linestyle="--", label=r"$2n/(n+1)$")
-    axes.plot([], [], color=GREY, label="response of the inner contact", **hollow)
-    axes.plot([], [], color=GREY, linewidth=0.8, label=r"$\sqrt{\psi^{1-\alpha}/(2\alpha)}$, limit of $\psi$")
-    axes.set(xlabel=r"$\alpha$", ylabel="time", ylim=(1e-15, 30.0))
+    axes.plot([], [], color=GREY, label=r"response of the inner contact at $\max\,\psi$", **hollow)
+    axes.plot([], [], color=GREY, linewidth=0.7, linestyle=":", label=r"$e^{-1/(2n\alpha)}/\sqrt{\alpha}$")
+    axes.set(xlabel=r"$\alpha$", ylabel="time", ylim=(1e-22, 30.0))
     axes.legend(loc="lower right")

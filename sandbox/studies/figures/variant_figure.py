@@ -6,15 +6,7 @@ from typing import TYPE_CHECKING
 
 from softcradle.physics import Chain, cluster_on_cluster, hooke, one_on, power_law
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.figures.solved_cases import (
-    ALPHA,
-    SOFTER_ALPHA,
-    N,
-    full_motion,
-    model_motion,
-    soft_chain,
-    start_velocity,
-)
+from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA, N, full_motion, model_motion, soft_chain, start
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,
@@ -51,8 +43,8 @@ def clusters() -> Table:
 
 def _forces_and_velocities(chain: Chain, strikers: int, until: float) -> Table:
     """t, the forces of the full equations and of the model, and the velocities."""
-    full = full_motion(chain, start_velocity(chain, strikers), until)
-    model = model_motion(chain, start_velocity(chain, strikers), until).trajectory
+    full = full_motion(chain, start(chain, strikers), until)
+    model = model_motion(chain, start(chain, strikers), until).trajectory
     table = {"t": full.time}
     for i in range(chain.contacts):
         table |= {f"f{i}{i + 1} full": full.force[:, i], f"f{i}{i + 1} model": model.force[:, i]}
@@ -62,8 +54,8 @@ def _forces_and_velocities(chain: Chain, strikers: int, until: float) -> Table:
 def exchange() -> Table:
     """One on four, and four on one as seen by an observer who moves with the strikers, from right to left."""
     one_on_four, four_on_one = soft_chain(N, ALPHA), cluster_on_cluster(N, 1, power_law(1.0, ALPHA))
-    usual = full_motion(one_on_four, start_velocity(one_on_four), 3.0)
-    exchanged = full_motion(four_on_one, start_velocity(four_on_one, N), 3.0)
+    usual = full_motion(one_on_four, start(one_on_four), 3.0)
+    exchanged = full_motion(four_on_one, start(four_on_one, N), 3.0)
     table = {"t": usual.time}
     table |= {f"v{i}": usual.velocity[:, i] for i in range(N + 1)}
     table |= {f"v{i} exchanged": exchanged.velocity[:, i] for i in range(N + 1)}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from softcradle.physics import Chain, Contact, State, advance, hertz, hooke, one_on, power_law
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.figures.solved_cases import ALPHA, N, full_motion, start_velocity
+from softcradle.sandbox.studies.paper import ALPHA, N, full_motion, start
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,
@@ -79,7 +79,7 @@ def roads() -> Table:
 def _motion(cluster: StruckCluster) -> Table:
     """t, velocities over the striker's, and the inner forces less the prestress, from rest under the prestress."""
     chain, speed = _chain(cluster.inner, cluster.prestress), cluster.speed
-    state = State.at_start(chain, speed * np.array(start_velocity(chain)))
+    state = State.at_start(chain, speed * np.array(start(chain)))
     rows = []
     for _ in range(SAMPLES):
         force = [float(law.force(d)) for law, d in zip(chain.contact, state.overlap.tolist(), strict=True)]
@@ -102,7 +102,7 @@ def _chain(inner: Contact, prestress: float) -> Chain:
 def pulse() -> Table:
     """t and the velocities of one Hertz bead on thirty."""
     chain = one_on(PULSE_TARGETS, hertz(1.0))
-    found = full_motion(chain, start_velocity(chain), PULSE_UNTIL)
+    found = full_motion(chain, start(chain), PULSE_UNTIL)
     return {"t": found.time, **{f"v{i}": found.velocity[:, i] for i in range(PULSE_TARGETS + 1)}}
 
 

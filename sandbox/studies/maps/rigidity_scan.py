@@ -16,8 +16,7 @@ from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.sandbox.studies.data_table import Array, Table
 from softcradle.sandbox.sweeps import grid
-from softcradle.sandbox.sweeps.sweep_places import Progress
-from softcradle.sandbox.sweeps.swept_columns import swept_columns
+from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 ALPHAS = (1.0 / 100.0, 1.0)  # range of exponents
 SPEEDS = (0.5, 20.0)  # range of speeds of the striker, over the critical speed
@@ -76,10 +75,11 @@ def compute_map(
     """A row a point: abscissa, n, rigidity when the striker leaves and at the end (nan where unknown), status, warned.
 
     The status is that of the run (softcradle.physics.status.Status): from 2 on it gave up, and its end is unknown. With `kept`,
-    points that a run before has computed are not computed again, see `swept_columns`.
+    points that a run before has computed are not computed again, see `map_points`.
     """
     points = grid({"n": list(scanned.sizes), "abscissa": scanned.values.tolist()})
-    found = swept_columns(partial(point_numbers, scanned.name, TOLERANCE), points, kept, progress, workers)
+    rows = map_points(partial(point_numbers, scanned.name, TOLERANCE), points, kept, progress, workers)
+    found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     at = points.columns(0, points.count)
     columns = {scanned.abscissa: at["abscissa"], "n": at["n"]}
     columns |= {name.replace("_", " "): found[name] for name in ("rigidity_at_detachment", "rigidity_at_the_end")}

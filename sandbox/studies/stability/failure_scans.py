@@ -18,8 +18,7 @@ from softcradle.physics.methods import Method, find_method
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.csv_files import write_rows
 from softcradle.sandbox.sweeps import listed
-from softcradle.sandbox.sweeps.sweep_places import Progress
-from softcradle.sandbox.sweeps.swept_columns import swept_columns
+from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 Array = NDArray[np.float64]
 
@@ -167,9 +166,9 @@ def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers:
             for fineness in finenesses(method)
         ]
         points = listed(dict(zip(("value", "method", "fineness"), zip(*rows, strict=True), strict=True)))
-        columns = swept_columns(partial(scan_numbers, scan.name), points, None, progress, workers)
-        for k, (value, method, fineness) in enumerate(rows):
-            numbers = {name: column[k].item() for name, column in columns.items()}
+        runs = map_points(partial(scan_numbers, scan.name), points, None, progress, workers)
+        for (value, method, fineness), row in zip(rows, runs, strict=True):
+            numbers = {name: number.item() for name, number in row.items()}
             switches, warned = int(numbers.pop("switches")), bool(numbers.pop("has_warned"))
             found.append(ScanRun(scan.name, value, method, fineness, switches=switches, warned=warned, **numbers))
     names = [scan.name for scan in scans]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from functools import partial
 
@@ -13,13 +14,13 @@ from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.card_drawing import paint_border, paint_caption
 from softcradle.sandbox.window.gallery.card_grid import HEADER, MARGIN, CardGrid
-from softcradle.sandbox.window.gallery.sections import found, sections_of
+from softcradle.sandbox.window.gallery.sections import FOUND, Section, found, sections_of
 from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
 from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_SOURCE, HANGING_TEXT, HANGING_TITLE
 from softcradle.sandbox.window.look_ahead import motions_ahead
 from softcradle.sandbox.window.text_entry import TextEntry
 from softcradle.sandbox.window.window_page import Host
-from softcradle.scenes import load, names
+from softcradle.scenes import SceneError, load, names
 
 SCROLL = 60.0  # design pixels for a notch of the wheel
 SEARCH = 220.0  # design pixels of the line for the search
@@ -40,6 +41,8 @@ class GalleryPage:
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
         self.scenes = {name: load(name) for name in names()}
+        self.mine: list[str] = []
+        self.recent: list[str] = []
         self.captions: dict[str, tuple[str, str, str]] = {}
         self._take_language()
         self.pictures: dict[str, pygame.Surface] = {}
@@ -62,6 +65,17 @@ class GalleryPage:
             "search": self.focus_search,
             "leave": lambda: host.messages.show(_("Ctrl+Q quits")),
         }
+
+    def _take_mine(self) -> None:
+        """Take the scene files that were opened or saved last, as they are now."""
+        for path in self.mine:
+            del self.scenes[path]
+        self.mine, self.recent = [], list(self.host.settings.recent)
+        for path in self.recent:
+            with contextlib.suppress(SceneError, ValueError, OSError):  # it is gone, or no scene: it has no card
+                if path.lower().endswith(".toml"):
+                    self.scenes[path] = load(path)
+                    self.mine.append(path)
 
     def _take_language(self) -> None:
         """Take the captions in the language in use."""
@@ -88,6 +102,9 @@ class GalleryPage:
         """Whether keys go into the search."""
         return self.entry is not None and self.entry.is_focused
 
+    def call_unsaved(self) -> None:
+        """Nothing here is saved."""
+
     def cancel_typing(self) -> None:
         """Show all scenes again."""
         self.host.manager.set_focus_set(None)
@@ -109,14 +126,17 @@ class GalleryPage:
         self.entry = TextEntry(place, self.host.manager, initial_text=self.search, placeholder_text=text)
         self.entry.name = text
         self.scaled.clear()
+        if self.recent != self.host.settings.recent:
+            self._take_mine()
+            self.theme = ""  # their pictures are to be made
         self._take_language()
         if self.theme != self.host.settings.theme:
             self._take_theme()
         self._arrange()
 
     def _arrange(self) -> None:
-        texts = {name: " ".join(caption) for name, caption in self.captions.items()}
-        sections = sections_of(found(texts, self.search))
+        names = found(self.captions, self.search)
+        sections = [Section(FOUND, tuple(names))] if self.search and names else sections_of(names, self.mine)
         self.names = tuple(name for section in sections for name in section.names)
         self.selected = min(self.selected, max(0, len(self.names) - 1))
         self.grid.arrange(self.host.size, self.host.unit, sections)
@@ -167,6 +187,8 @@ class GalleryPage:
             return True
         if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED and event.ui_element is self.entry:
             self.host.manager.set_focus_set(None)
+            if self.names:
+                self.choose(self.names[self.selected])
             return True
         return False
 
@@ -240,7 +262,7 @@ class GalleryPage:
         picture = pygame.Rect(place.topleft, self.grid.picture_size)
         if image is None:
             surface.fill(tones.lane_background, picture)
-            write(surface, "drawing …", picture.center, 13 * unit, tones.muted, align=(0.5, 0.5))
+            write(surface, _("drawing …"), picture.center, 13 * unit, tones.muted, align=(0.5, 0.5))
         else:
             surface.blit(image, picture)
         paint_caption(surface, self.captions[name], picture, unit)

@@ -22,7 +22,7 @@ def paint_energies(surface: pygame.Surface, rect: pygame.Rect, unit: float, mode
     title = _("energy, as a share of that at the start")
     write(surface, title, (area.left, area.top - 5 * unit), 13 * unit, align=(0, 1))
     begin = max(model.frames[0].time, model.time - SPAN)
-    shares = [[pair for pair in model.energy_shares(side) if begin <= pair[0] <= begin + SPAN] for side in (0, 1)]
+    shares = [model.energy_shares(side, SPAN) for side in (0, 1)]
     values = [share for side in shares for _, share in side] or [1.0]
     low, high = min(0.9, *values), max(1.04, *values)
 

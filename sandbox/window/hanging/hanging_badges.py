@@ -32,13 +32,16 @@ class Verdict(NamedTuple):
 
 def verdict(model: HangingModel, side: int) -> Verdict:
     """How far a side can be trusted at the frame that is shown; side 0 is the soft one."""
-    shares = [share for time, share in model.energy_shares(side) if time <= model.time]
-    change, greatest = shares[-1] - 1.0, max(shares) - 1.0
-    stretch = model.moment.stretches[side]
+    now = model.moment
+    change, greatest = (now.share(side, energy[side]) - 1.0 for energy in (now.energies, now.greatest))
+    stretch, tangled = now.stretches[side], now.tangled[side]
     worst = max(abs(change), greatest)
     level = GOOD if worst <= FAIR_CHANGE else FAIR if worst <= BAD_CHANGE else BAD
+    if tangled is not None and level != BAD:
+        text = _("balls {left} and {right} have passed each other: begin anew (R)", left=tangled, right=tangled + 1)
+        return Verdict(BAD, text, change, stretch)
     if level == GOOD:
-        return Verdict(level, _("the energy is kept"), change, stretch)
+        return Verdict(level, _("the energy is kept to {percent:.2g} %", percent=100.0 * worst), change, stretch)
     remedy = _("strings lose it too: take more steps a second")
     if side == 0 and model.method != CHAIN:
         remedy = _("each spring is a step late: take {method}, or more steps a second", method=CHAIN)

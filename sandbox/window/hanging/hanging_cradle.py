@@ -21,10 +21,10 @@ ANGLE = 0.62  # rad, of the strings of the lifted balls
 BALLS = 5
 
 LAWS: dict[str, Contact] = {
+    NP_("button", "steel balls (Hertz)"): hertz(1e6),
     NP_("button", "power law, alpha 1/14"): power_law(60.0, 1.0 / 14.0),
     NP_("button", "power law, alpha 1/10"): power_law(60.0, 0.1),
     NP_("button", "draft gear"): draft_gear(1500.0, 0.04),
-    NP_("button", "steel balls (Hertz)"): hertz(1e6),
 }
 CHAIN, SPRINGS = "SoftChain", "SoftContact"
 METHODS = (CHAIN, SPRINGS)  # all contacts solved at once, keeping energy; one spring for each contact

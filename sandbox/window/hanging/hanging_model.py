@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import csv
+import re
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -23,18 +27,34 @@ FRAME = 1.0 / 60.0  # s, of the model between two frames that are kept
 RATES = (60, 120, 240, 480, 960)  # steps a second; each divides into frames
 RATE = 480  # steps a second at first: at a swing's lowest point a pin joint loses energy in proportion to the step
 MOST_PULL = 60.0  # N, of the pointer on a ball
+LEAST_ENERGY = 1e-9  # J: a cradle with less hangs still
 MOST_FRAMES = 18000  # that are kept: five minutes
+
+# Springs at few steps a second gain energy: the page shows how much, and what to take.
+warnings.filterwarnings("ignore", "SoftContact with step", RuntimeWarning, re.escape(__name__))
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A frame of both cradles: raw states, from which they go on, and what is shown."""
+    """A frame of both cradles: raw states, from which they go on, what is shown, and what has happened up to it.
+
+    Attributes:
+        first, greatest: energy of each cradle [J] when the pointer last did work on it, and the greatest since.
+        tangled: for each cradle the left one of the first two balls that have passed each other, or None.
+    """
 
     time: float
     states: tuple[tuple[tuple[Vector, Vector], ...], ...]
     places: tuple[tuple[Vector, ...], ...]
     energies: tuple[float, ...]
     stretches: tuple[float, ...]
+    first: tuple[float, ...]
+    greatest: tuple[float, ...]
+    tangled: tuple[int | None, ...]
+
+    def share(self, cradle: int, energy: float) -> float:
+        """An energy [J] relative to the first; 1 where there was none."""
+        return energy / self.first[cradle] if self.first[cradle] > LEAST_ENERGY else 1.0
 
 
 class HangingModel:
@@ -62,19 +82,26 @@ class HangingModel:
         self.cradles = make_cradle(LAWS[self.law], places, method=self.method), make_cradle(None, places)
         self.frames: list[Moment] = []
         self.shown = self.dropped = 0
-        self._due, self._base = 0.0, 0
+        self._due, self._fresh = 0.0, True  # whether energies are to be compared with those of the next frame
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
         self._keep(0.0)
 
     def _keep(self, time: float) -> None:
         states = tuple(tuple((_pair(b.position), _pair(b.velocity)) for b in c.balls) for c in self.cradles)
         places = tuple(tuple(cradle.places()) for cradle in self.cradles)
-        energies = tuple(cradle.energy() for cradle in self.cradles)
-        self.frames.append(Moment(time, states, places, energies, tuple(c.stretch() for c in self.cradles)))
+        energies, stretches = (tuple(read(c) for c in self.cradles) for read in (Cradle.energy, Cradle.stretch))
+        first = greatest = energies
+        tangled = tuple(map(first_tangle, places))
+        if self.frames:
+            last = self.frames[-1]
+            tangled = tuple(now if was is None else was for was, now in zip(last.tangled, tangled, strict=True))
+            if not self._fresh and self._pointer is None:
+                first, greatest = last.first, tuple(map(max, last.greatest, energies))
+        self._fresh = False
+        self.frames.append(Moment(time, states, places, energies, stretches, first, greatest, tangled))
         if len(self.frames) > MOST_FRAMES:
             del self.frames[0]
             self.dropped += 1
-            self._base = max(0, self._base - 1)
         self.shown = len(self.frames) - 1
 
     @property
@@ -108,7 +135,6 @@ class HangingModel:
         if not self.scrubbed:
             return
         del self.frames[self.shown + 1 :]
-        self._base = min(self._base, self.shown)
         self._due = 0.0
         (soft_places, soft_velocities), (places, velocities) = (
             ([place for place, _ in states], [velocity for _, velocity in states]) for states in self.moment.states
@@ -133,10 +159,12 @@ class HangingModel:
         present = {"law": self.law, "lifted": self.lifted, "method": self.method, "rate": self.rate}
         return HangingModel(**{**present, **changed})
 
-    def energy_shares(self, cradle: int) -> list[tuple[float, float]]:
-        """(time, energy relative to the first) of the frames since the pointer last did work on it."""
-        first = self.frames[self._base].energies[cradle]
-        return [(one.time, one.energies[cradle] / first if first > 1e-9 else 1.0) for one in self.frames[self._base :]]
+    def energy_shares(self, cradle: int, seconds: float) -> list[tuple[float, float]]:
+        """(time, share of the energy when the pointer last let go) of the frames in the last `seconds` before the one shown,
+        and of those after it, as far as they fit into as many."""
+        begin = max(0, self.shown - round(seconds / FRAME))
+        part = self.frames[begin : begin + round(seconds / FRAME) + 1]
+        return [(one.time, one.share(cradle, one.energies[cradle])) for one in part]
 
     def hold(self, cradle: int, ball: int, place: Vector) -> None:
         """Pull a ball towards `place` [m] with at most MOST_PULL; the string still holds."""
@@ -157,7 +185,7 @@ class HangingModel:
             space, _, joint = self._pointer
             space.remove(joint)
             self._pointer = None
-            self._base = len(self.frames) - 1
+            self._fresh = True
 
     def write_csv(self, path: Path) -> None:
         """Write every frame as a table, whole or not at all: time, then centres and energy of each cradle."""
@@ -169,6 +197,11 @@ class HangingModel:
             for one in self.frames:
                 centres = [number for cradle in one.places for centre in cradle for number in centre]
                 writer.writerow([*map(repr, (one.time, *centres, *one.energies))])
+
+
+def first_tangle(places: Sequence[Vector]) -> int | None:
+    """The left one of the first two balls of a cradle that are in the wrong order, or None."""
+    return next((k for k, (left, right) in enumerate(pairwise(places)) if right[0] < left[0]), None)
 
 
 def _pair(vector: pymunk.Vec2d) -> Vector:

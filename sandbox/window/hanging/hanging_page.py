@@ -92,6 +92,9 @@ class HangingPage:
     def _export(self, path: Path) -> None:
         report(self.host.messages, partial(self.model.write_csv, path), _("saved {path}", path=shown_path(path)))
 
+    def call_unsaved(self) -> None:
+        """Nothing here is saved."""
+
     def cancel_typing(self) -> None:
         """Nothing is typed here."""
 

@@ -3,7 +3,7 @@
 from softcradle.sandbox.languages import N_
 
 HANGING_NAME = "hanging-cradle"
-HANGING_TITLE = N_("A hanging cradle in pymunk")
+HANGING_TITLE = N_("Newton's cradle, hanging, in pymunk")
 HANGING_SOURCE = N_("SoftChain, PinJoint strings, gravity")
 HANGING_TEXT = N_(
     "Balls on strings in an ordinary pymunk Space, once with soft contacts between them and once with pymunk's own "

@@ -25,14 +25,14 @@ class Lesson:
         scene: name of the scene.
         question, choices: what is asked.
         measure: name of what finds the right choice, in MEASURES.
-        why: the reason, in a sentence.
+        why: the reason of each choice, in a sentence.
     """
 
     scene: str
     question: str
     choices: tuple[str, ...]
     measure: str
-    why: str
+    why: tuple[str, ...]
 
     def answer(self, velocities: Sequence[tuple[Array, Array]]) -> int:
         """Number of the right choice, from the velocities (n+1,) of each lane at its start and end."""
@@ -43,7 +43,7 @@ class Lesson:
 def lessons() -> tuple[Lesson, ...]:
     """All lessons, in order."""
     tables = tomllib.loads(FILE.read_text(encoding="utf-8"))["lesson"]
-    return tuple(Lesson(**{**table, "choices": tuple(table["choices"])}) for table in tables)
+    return tuple(Lesson(**{**table, **{key: tuple(table[key]) for key in ("choices", "why")}}) for table in tables)
 
 
 def _leaving(velocities: Sequence[tuple[Array, Array]]) -> int:

@@ -8,7 +8,6 @@ from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.lessons.lesson_list import Lesson, lessons
-from softcradle.sandbox.window.scene.end_of_motion import is_over
 from softcradle.sandbox.window.scene.scene_clock import SceneClock
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import load
@@ -25,7 +24,7 @@ class LessonRunner:
         self.host, self.session, self.clock = host, session, clock
         self.own = [lesson for lesson in lessons() if load(lesson.scene) == session.scene]
         self.predicted: int | None = None
-        self._next = 0
+        self._next = self._edits = 0
 
     def ask(self) -> None:
         """Ask the next question about this scene."""
@@ -42,15 +41,21 @@ class LessonRunner:
         """The present one."""
         return self.own[self._next % len(self.own)]
 
+    @property
+    def _edited(self) -> bool:
+        """Whether the scene is another one than the catalogue's, or a bead was pulled while it ran."""
+        return self.session.edited or any(step.number > self._edits for step in self.session.undo_stack.done)
+
     def _predict(self, choice: int) -> None:
         self.predicted = choice
+        self._edits = max((step.number for step in self.session.undo_stack.done), default=0)
         self.session.pause()
         self.clock.restart()
         self.clock.play_pause()
 
     def update(self) -> None:
         """Show the answer at the end of the motion."""
-        if self.predicted is None or self.session.frame == 0 or not all(map(is_over, self.session.lanes)):
+        if self.predicted is None or not self.clock.end.reached:
             return
         predicted, self.predicted, lesson = self.predicted, None, self.lesson
         begin = [slice_at(self.session.history, k, self.session.history.first) for k in range(len(self.session.lanes))]
@@ -58,6 +63,7 @@ class LessonRunner:
         answer = lesson.answer([(one.velocity[0], end) for one, end in zip(begin, ends, strict=True)])
         self._next += 1
         title = _("As you predicted") if answer == predicted else _("Not as you predicted")
-        note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why))
+        why = "" if self._edited else _(lesson.why[answer])  # reasons are of the scene as it is in the catalogue
+        note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=why).strip()
         more = {_("Next question"): self.ask} if self._next < len(self.own) else {}
         self.host.choose(title, note, {_("Close"): lambda: None, **more})

@@ -137,8 +137,10 @@ class Plot:
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
         unit, area, title = self.unit, self.area, self.content.title
-        if width(title, 13 * unit) > area.width + 20 * unit:
-            title = shortened(title.split(" · ")[0], 13 * unit, area.width)
+        for end in (" · ", ": "):  # the name of the lane, then what explains the title
+            if width(title, 13 * unit) > area.width + 20 * unit:
+                title = title.split(end)[0]
+        title = shortened(title, 13 * unit, area.width + 20 * unit)
         write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
         for value, text in ticks_apart(self.axis.ticks, area.height / (self.axis.high - self.axis.low), LINE * unit):
             y = area.top + float(self.y(np.array(value)))

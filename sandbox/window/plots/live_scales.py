@@ -1,4 +1,4 @@
-"""Scales of a running scene: those of a run ahead, or estimated before there is one; they grow with the motion."""
+"""Scales of a running scene: those of a run ahead, or estimated before there is one, and of what the history holds."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.scenes import Scene
@@ -41,11 +42,24 @@ def estimated_scales(scene: Scene, session: Session) -> Scales:
 
 
 class LiveScales:
-    """The scales in use; `fit` tells whether they had to change."""
+    """The scales in use: those of the run `ahead`, grown by what is in the history; `fit` tells whether they had to change."""
 
-    def __init__(self, scales: Scales, lanes: Sequence[LiveLane]) -> None:
-        self.scales = scales
-        self.reset_lanes(lanes)
+    def __init__(self, ahead: Scales, session: Session) -> None:
+        self.session = session
+        self.take(ahead)
+
+    def take(self, ahead: Scales) -> None:
+        """Take those of another run ahead."""
+        self.ahead = ahead
+        self.follow_history()
+
+    def follow_history(self) -> None:
+        """Begin again with the run ahead, and grow by the frames that there are: others were dropped, or have come back."""
+        self.scales, history = self.ahead, self.session.history
+        self.reset_lanes(self.session.lanes)
+        lanes = (history_slices(history, k, history.first, history.last) for k in range(len(self.session.lanes)))
+        for motions in zip(*lanes, strict=True):
+            self.fit(motions)
 
     def reset_lanes(self, lanes: Sequence[LiveLane]) -> None:
         """Give every contact of a lane the lane's deepest overlap where the number of beads has changed."""
@@ -56,7 +70,7 @@ class LiveScales:
         self.scales = replace(self.scales, deepest=tuple(deepest))
 
     def fit(self, motions: Sequence[Motion]) -> bool:
-        """Grow so that the lanes as they are now, one row each, fit in; whether anything had to grow."""
+        """Grow so that a motion of each lane fits in; whether anything had to grow."""
         old = self.scales
         self._velocities(motions)
         self._forces(motions)
@@ -83,7 +97,9 @@ class LiveScales:
             self.scales = replace(self.scales, pull=_rounded(least))
 
     def _overlaps(self, motions: Sequence[Motion]) -> None:
-        pairs = [(motion.overlap[0], np.array(d)) for motion, d in zip(motions, self.scales.deepest, strict=True)]
+        pairs = [(m.overlap.max(axis=0), np.array(d)) for m, d in zip(motions, self.scales.deepest, strict=True)]
+        if any(len(overlap) != len(depths) for overlap, depths in pairs):
+            return  # frames of another number of beads
         if all((overlap <= DEEPER * depths).all() for overlap, depths in pairs):
             return
         grown: list[Array] = [np.where(overlap > DEEPER * depths, 2.0 * overlap, depths) for overlap, depths in pairs]
@@ -93,33 +109,18 @@ class LiveScales:
         self.scales = replace(self.scales, deepest=deepest, decades=(low, higher))
 
     def _energies(self, motions: Sequence[Motion]) -> None:
-        energy = max(float(motion.energy[0]) for motion in motions)
+        energy = max(float(motion.energy.max()) for motion in motions)
         if energy > (1.0 + SLACK) * self.scales.energy:
             self.scales = replace(self.scales, energy=_rounded(energy))
 
     def _momenta(self, motions: Sequence[Motion]) -> None:
         low, high = self.scales.momentum
-        least = min(float(np.minimum(motion.momentum, 0.0).sum()) for motion in motions)
-        most = max(float(np.maximum(motion.momentum, 0.0).sum()) for motion in motions)
+        least = min(float(np.minimum(motion.momentum, 0.0).sum(axis=1).min()) for motion in motions)
+        most = max(float(np.maximum(motion.momentum, 0.0).sum(axis=1).max()) for motion in motions)
         slack = SLACK * (high - low)
         if least < low - slack or most > high + slack:
             low, high = min(low, GROWTH * least), GROWTH * most if most > high + slack else high
             self.scales = replace(self.scales, momentum=(low, high))
-
-
-def merged(old: Scales, new: Scales) -> Scales:
-    """`new`, with axes of velocity, force, energy and momentum that reach as far as those of `old`."""
-    return replace(
-        new,
-        velocity=_hull(old.velocity, new.velocity),
-        force=max(old.force, new.force),
-        energy=max(old.energy, new.energy),
-        momentum=_hull(old.momentum, new.momentum),
-    )
-
-
-def _hull(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
-    return min(one[0], other[0]), max(one[1], other[1])
 
 
 def _rounded(value: float) -> float:

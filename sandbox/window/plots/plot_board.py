@@ -33,6 +33,7 @@ class PlotBoard:
 
     Attributes:
         shown: names of the kinds that are shown, in the order of the table.
+        single: name of the only kind that is shown, at the first level; else empty.
         hidden: whether all plots are hidden for now.
         logarithmic: whether overlaps have a logarithmic axis.
         pair: the signals that a person has chosen for a plot.
@@ -45,7 +46,7 @@ class PlotBoard:
     def __init__(self, session: Session, clock: Callable[[], float]) -> None:
         self.session, self.clock = session, clock
         self.shown = [name for name in self.available() if PLOT_KINDS[name].shown]
-        self.hidden, self.logarithmic = False, True
+        self.hidden, self.logarithmic, self.single = False, True, ""
         self.pair = PAIR
         self.plots: list[Plot] = []
         self.keys: list[tuple[str, int]] = []
@@ -69,6 +70,8 @@ class PlotBoard:
         """The kinds of each lane; those of the only lane in halves where there are many."""
         if self.hidden:
             return []
+        if self.single:
+            return [(lane, [self.single]) for lane in range(len(self.session.lanes))]
         own = [name for name in self.shown if not PLOT_KINDS[name].two_lanes]
         shared = [name for name in self.shown if PLOT_KINDS[name].two_lanes]
         if len(self.session.lanes) == 1:
@@ -79,6 +82,9 @@ class PlotBoard:
     def toggle(self, name: str) -> None:
         """Show or hide a kind."""
         self.hidden = False
+        if self.single:
+            self.single = name
+            return
         chosen = set(self.shown) ^ {name}
         self.shown = [other for other in PLOT_KINDS if other in chosen]
 

@@ -114,20 +114,15 @@ def _contact_forces_by_row(setting: PlotSetting) -> PlotContent:
 
 
 def _bead_markers(setting: PlotSetting) -> PlotContent:
-    def middles(motion: Motion) -> Array:
-        """(T, n+1) places of the middles of the beads [m]."""
-        places: Array = motion.position + setting.length * (np.arange(motion.position.shape[1]) + 0.5)
-        return places
-
     axis, names = linear_axis("", *setting.scales.window), setting.bead_names("x")
     title, band = _("markers of the beads (m)"), BEAD_HEIGHT * setting.length
-    return PlotContent(title, axis, names, setting.colours, middles, band=band)
+    return PlotContent(title, axis, names, setting.colours, lambda motion: motion.middles(setting.length), band=band)
 
 
 def _difference(setting: PlotSetting) -> PlotContent:
-    """Velocities beside the first lane, forces beside the second."""
+    """Velocities beside the first lane, forces beside the second; no two values that fit their axes differ by more."""
     if setting.lane == 0:
-        half = 0.5 * max(map(abs, setting.scales.velocity))
+        half = setting.scales.velocity[1] - setting.scales.velocity[0]
         title, names, colours, values = (
             _("second less first (m/s)"),
             setting.bead_names("Δv"),
@@ -135,7 +130,7 @@ def _difference(setting: PlotSetting) -> PlotContent:
             _velocity,
         )
     else:
-        half = 0.5 * setting.scales.force
+        half = setting.scales.force - setting.scales.pull
         title, names, colours, values = (
             _("second less first (N)"),
             setting.contact_names("Δf"),
@@ -150,7 +145,7 @@ def _chosen(setting: PlotSetting) -> PlotContent:
     vertical, horizontal = setting.pair
 
     def both(motion: Motion) -> Array:
-        return np.column_stack((vertical.values(motion), horizontal.values(motion)))
+        return np.column_stack([signal.values(motion, setting.length) for signal in setting.pair])
 
     title = _("{vertical} against {horizontal}", vertical=vertical.label, horizontal=horizontal.label)
     names = vertical.label, horizontal.label
@@ -180,13 +175,14 @@ def _row_axis(names: Sequence[str]) -> Axis:
 
 
 # kinds that are asked for by name
-VELOCITIES, KYMOGRAPH, OWN = NP_("button", "velocities"), NP_("button", "kymograph"), "x-y"
+VELOCITIES, FORCES, KYMOGRAPH = NP_("button", "velocities"), NP_("button", "forces"), NP_("button", "kymograph")
+OWN = "x-y"
 
 PLOT_KINDS: dict[str, PlotKind] = {
     kind.name: kind
     for kind in (
         PlotKind(VELOCITIES, pygame.K_1, N_("velocities"), _velocities, shown=True),
-        PlotKind(NP_("button", "forces"), pygame.K_2, N_("forces"), _forces, shown=True),
+        PlotKind(FORCES, pygame.K_2, N_("forces"), _forces, shown=True),
         PlotKind(NP_("button", "overlaps"), pygame.K_3, N_("overlaps"), _overlaps, shown=True),
         PlotKind(NP_("button", "energy"), pygame.K_4, N_("energy split"), _energies, StackedPlot),
         PlotKind(NP_("button", "space-time"), pygame.K_5, N_("space-time strip"), _contact_forces_by_row, StripPlot),

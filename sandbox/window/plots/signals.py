@@ -16,25 +16,25 @@ BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
 
 
 class Quantity(NamedTuple):
-    """What a letter means: name, symbol, unit, whose it is, and (T, k) values of a motion."""
+    """What a letter means: name, symbol, unit, whose it is, and (T, k) values of a motion of beads that are so long [m]."""
 
     name: str
     symbol: str
     unit: str
     owner: str
-    values: Callable[[Motion], Array]
+    values: Callable[[Motion, float], Array]
 
 
 QUANTITIES: dict[str, Quantity] = {
-    "t": Quantity("time", "t", "s", CHAIN, lambda motion: motion.time[:, None]),
-    "x": Quantity("position", "x", "m", BEAD, lambda motion: motion.position),
-    "v": Quantity("velocity", "v", "m/s", BEAD, lambda motion: motion.velocity),
-    "p": Quantity("momentum", "p", "N s", BEAD, lambda motion: motion.momentum),
-    "e": Quantity("kinetic energy", "E", "J", BEAD, lambda motion: motion.kinetic),
-    "d": Quantity("overlap", "δ", "m", CONTACT, lambda motion: motion.overlap),
-    "r": Quantity("rate of the overlap", "dδ/dt", "m/s", CONTACT, lambda motion: motion.rate),
-    "f": Quantity("force", "f", "N", CONTACT, lambda motion: motion.force),
-    "s": Quantity("stored energy", "S", "J", CHAIN, lambda motion: motion.stored[:, None]),
+    "t": Quantity("time", "t", "s", CHAIN, lambda motion, _: motion.time[:, None]),
+    "x": Quantity("position", "x", "m", BEAD, lambda motion, length: motion.middles(length)),
+    "v": Quantity("velocity", "v", "m/s", BEAD, lambda motion, _: motion.velocity),
+    "p": Quantity("momentum", "p", "N s", BEAD, lambda motion, _: motion.momentum),
+    "e": Quantity("kinetic energy", "E", "J", BEAD, lambda motion, _: motion.kinetic),
+    "d": Quantity("overlap", "δ", "m", CONTACT, lambda motion, _: motion.overlap),
+    "r": Quantity("rate of the overlap", "dδ/dt", "m/s", CONTACT, lambda motion, _: motion.rate),
+    "f": Quantity("force", "f", "N", CONTACT, lambda motion, _: motion.force),
+    "s": Quantity("stored energy", "S", "J", CHAIN, lambda motion, _: motion.stored[:, None]),
 }
 KEY = N_(
     "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"
@@ -64,9 +64,9 @@ class Signal:
         index = {BEAD: subscript(self.index), CONTACT: subscript(self.index, self.index + 1), CHAIN: ""}[owner]
         return f"{self.quantity.symbol}{index} ({self.quantity.unit})"
 
-    def values(self, motion: Motion) -> Array:
-        """(T,) its values in a motion; nan where the motion has no such bead or contact."""
-        columns = self.quantity.values(motion)
+    def values(self, motion: Motion, length: float) -> Array:
+        """(T,) its values in a motion of beads `length` long [m]; nan where the motion has no such bead or contact."""
+        columns = self.quantity.values(motion, length)
         if self.index >= columns.shape[1]:
             return np.full(len(motion.time), np.nan)
         column: Array = columns[:, self.index]

@@ -12,7 +12,7 @@ from softcradle.sandbox.languages import _, pgettext
 from softcradle.sandbox.session.inputs import Place
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.value_edits import can_be_edited, edit_of
-from softcradle.sandbox.session.values_table import value_of
+from softcradle.sandbox.session.values_table import middles, value_of
 from softcradle.sandbox.window.scene.editable_parameters import number
 from softcradle.sandbox.window.scene.parameter_control import number_text
 from softcradle.sandbox.window.scene.pick import Pick, pick_title
@@ -202,9 +202,10 @@ class CellEditor:
 
     def _compare(self, item: Place) -> None:
         """Say where a wall has stopped a bead."""
-        position = float(self.session.lanes[item.lane].position[item.bead])
-        if abs(position - item.position) > STOPPED_SHORT * max(1.0, abs(item.position)):
-            self._refuse(_("a wall is in the way: bead {bead} stops at {place:.5g} m", bead=item.bead, place=position))
+        live = self.session.lanes[item.lane]
+        if abs(live.position[item.bead] - item.position) > STOPPED_SHORT * max(1.0, abs(item.position)):
+            place = float(middles(live)[item.bead])
+            self._refuse(_("a wall is in the way: bead {bead} stops at {place:.5g} m", bead=item.bead, place=place))
 
     def update(self) -> None:
         """Apply a number that was left by a click elsewhere; follow the cell to another place."""

@@ -8,7 +8,7 @@ from functools import partial
 from softcradle.sandbox.draw.shared_scales import scales_of
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.look_ahead import motions_ahead
-from softcradle.sandbox.window.plots.live_scales import LiveScales, merged
+from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated_scales
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
@@ -45,12 +45,8 @@ class EditFollower:
             self.host.warmup.submit(partial(self._take, scene), partial(motions_ahead, scene))
 
     def _take(self, scene: Scene, motions: object) -> None:
-        """Take the scales; where there is a motion already, axes of what it shows stay as wide."""
-        same = isinstance(motions, list) and all(
-            motion.chain.contacts == lane.chain.contacts
-            for motion, lane in zip(motions, self.session.lanes, strict=True)
-        )
-        if isinstance(motions, list) and same:
-            new = scales_of(scene, motions)
-            self.scales.scales = merged(self.scales.scales, new) if self.session.history.last else new
+        """Take the scales, estimated where the run has failed; where there was another edit, those of that one are to come."""
+        if not self.pending:
+            found = scales_of(scene, motions) if isinstance(motions, list) else estimated_scales(scene, self.session)
+            self.scales.take(found)
             self.changed()

@@ -19,7 +19,7 @@ from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.scene.about_scene import paint_about
-from softcradle.sandbox.window.scene.editable_parameters import number, parameters
+from softcradle.sandbox.window.scene.editable_parameters import Parameter, number, parameters
 from softcradle.sandbox.window.scene.parameter_control import Control, parameter_control
 from softcradle.sandbox.window.scene.pick import Pick, pick_title
 from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
@@ -29,9 +29,9 @@ from softcradle.sandbox.window.window_page import Host
 ROW = 40.0  # design pixels of a parameter
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
 KIND_NAMES = {
-    "power": NP_("button", "power law"),
+    "power": NP_("button", "alpha < 1"),
     "gear": NP_("button", "draft gear"),
-    "hard": NP_("button", "hard"),
+    "hard": NP_("button", "alpha ≥ 1"),
 }
 
 
@@ -77,7 +77,7 @@ class Inspector:
         if self.pick.kind == "contact":
             self._make_kinds(self.pick, y)
             y += 31 * unit
-        for parameter in parameters(self.session, self.pick):
+        for parameter in self._parameters():
             if y + ROW * unit > self.rect.bottom - 34 * unit:
                 break
             sweep = partial(self.sweep, parameter.key)
@@ -88,8 +88,12 @@ class Inspector:
         else:
             self._make_bead_buttons(self.pick, y + 4 * unit)
 
+    def _parameters(self) -> list[Parameter]:
+        """The parameters that there are controls for."""
+        return [] if self.pick is None else parameters(self.session, self.pick)
+
     def _make_kinds(self, pick: Pick, y: float) -> None:
-        """Three buttons: power law, draft gear, hard."""
+        """Three buttons: a power law below 1, a draft gear, and a power law from 1 on, which is stiff where it was another."""
         unit, wide = self.host.unit, self.rect.width / 3
         present = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index])
         for k, (kind, name) in enumerate(KIND_NAMES.items()):
@@ -202,15 +206,18 @@ class Inspector:
         self._set(control, value, typed=True)
 
     def _set(self, control: Control, value: float, typed: bool) -> None:
+        self._last = control.parameter.key
         try:
-            item = control.parameter.edit(value)
+            accepted = self._apply(control, value, gesture=not typed)
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
-            item = None
-        self._last = control.parameter.key
-        accepted = item is not None and self.editor.apply(item, gesture=not typed)
+            accepted = False
         if control.parameter.key in self.controls:  # the widgets may have been made again
             self.refresh(force=True, but=None if typed or not accepted else control)
+
+    def _apply(self, control: Control, value: float, gesture: bool) -> bool:
+        """Set a parameter; whether that was accepted. ValueError where it cannot be that number."""
+        return self.editor.apply(control.parameter.edit(value), gesture)
 
     def update(self, seconds: float) -> None:
         """Follow the selection, and the numbers slowly enough to be read."""
@@ -224,9 +231,7 @@ class Inspector:
 
     def refresh(self, force: bool = False, but: Control | None = None) -> None:
         """Show the present values; a number that is being typed, and the slider of `but`, are left as they are."""
-        if self.pick is None or not self.controls:
-            return
-        for parameter in parameters(self.session, self.pick):
+        for parameter in self._parameters() if self.controls else ():
             control = self.controls.get(parameter.key)
             if control is None:
                 continue
@@ -248,9 +253,14 @@ class Inspector:
         if rect.width == 0:
             return
         if self.pick is None:
-            paint_about(surface, rect, unit, self.session.scene)
+            paint_about(surface, rect, unit, self.session)
             return
         self._title(surface, self.pick)
+        self._names(surface)
+
+    def _names(self, surface: pygame.Surface) -> None:
+        """Draw names and units of the parameters."""
+        unit, rect = self.host.unit, self.rect
         for control in self.controls.values():
             parameter, y = control.parameter, control.entry.rect.centery
             end = write(surface, _(parameter.name), (rect.left, y), 13 * unit, tones.foreground, align=(0, 0.5)).right

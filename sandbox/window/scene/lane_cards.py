@@ -52,6 +52,7 @@ class LaneCards:
         self.health: list[Health] = []
         self.checks = [VelocityCheck(session, lane) for lane in range(len(session.lanes))]
         self.tight = self.crowded_out = self.compact = False
+        self._named: list[str] = []  # the methods that menus began with
         self._seconds = math.inf  # since the health was last read
 
     def build(self, rect: pygame.Rect, selected: bool) -> pygame.Rect:
@@ -66,7 +67,7 @@ class LaneCards:
         pitch = height + round(GAP * unit)
         lanes = range(count) if rect.width and not self.crowded_out else range(0)
         self.rects = [pygame.Rect(rect.left, rect.top + k * pitch, rect.width, height) for k in lanes]
-        self.menus = [self._menu(k) for k in lanes]
+        self.menus, self._named = [self._menu(k) for k in lanes], [self.method(k) for k in lanes]
         self.verdicts = [self._verdict(k) for k in lanes]
         self._seconds = math.inf
         used = len(self.rects) * pitch
@@ -110,7 +111,9 @@ class LaneCards:
         return None
 
     def update(self, seconds: float) -> None:
-        """Read the health of every lane now and then."""
+        """Follow the methods, which keys, an undo and a replay change as well, and read the health of every lane now and then."""
+        if self._named != [self.method(k) for k in range(len(self._named))]:
+            self.host.rebuild()  # a menu does not change by itself
         self._seconds += seconds
         if self._seconds < SECONDS_BETWEEN_READINGS:
             return

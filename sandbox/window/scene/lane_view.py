@@ -12,6 +12,7 @@ from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.palette import Colour, tones
+from softcradle.sandbox.draw.rigid_clusters import has_marks
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array, Motion
@@ -19,6 +20,8 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.scenes import View
 
+HANDLE = 7.0  # design pixels: half the diagonal of the handle of a contact
+LEAST_HANDLED = 6.0 * HANDLE  # design pixels of a bead that has room for handles
 REACH = 9.0  # design pixels: half the width in which a click means a contact
 REACH_OF_BEAD = 0.2  # of a bead's length: the same, where it is more
 LEAST_REACH = 5.0  # design pixels: half the width in which a click means a bead, however small
@@ -26,12 +29,17 @@ LEAST_REACH = 5.0  # design pixels: half the width in which a click means a bead
 
 @dataclass(frozen=True)
 class SessionLane:
-    """A live lane as a LaneDrawing takes it, and which pistons are locked."""
+    """A live lane as a LaneDrawing takes it, how it went into its collision, and which pistons are locked."""
 
     label: str
-    velocity: tuple[float, ...]
+    approach: tuple[Array, Array]
     live_chain: Chain
     locked: tuple[bool, ...]
+
+    @property
+    def velocity(self) -> tuple[float, ...]:
+        """(n+1,) velocities [m/s] before the collision."""
+        return tuple(self.approach[1].tolist())
 
     def chain(self) -> Chain:
         """The chain, which a Lane of a scene makes."""
@@ -54,7 +62,7 @@ class SessionLanes:
 def _session_lane(session: Session, number: int) -> SessionLane:
     lane = session.lanes[number]
     locked = tuple(law is not None for law in lane.setup.locked)
-    return SessionLane(session.label(number), tuple(session.approach(number).tolist()), lane.chain, locked)
+    return SessionLane(session.label(number), session.approach(number), lane.chain, locked)
 
 
 class LaneView:
@@ -79,9 +87,16 @@ class LaneView:
         self.insets = MagnifiedInsets(insets, unit, self.drawing, scales.deepest[number]) if insets.height else None
         self.energy_bars = EnergyBars(bars, unit, self.drawing.colours, scales, badges=False) if bars.height else None
         lane = scene.lanes[number]
+        self.take_approach(*lane.approach)
         self.locked = lane.locked
         self.edges: Array = np.zeros(lane.live_chain.contacts + 1)
         self.contacts: Array = np.zeros(lane.live_chain.contacts)
+
+    def take_approach(self, overlap: Array, velocity: Array) -> bool:
+        """Take how the beads went into a collision; whether there are marks of rigid clusters now and were none, or not."""
+        before = has_marks(self.drawing.ends)
+        self.drawing.take_approach(overlap.tolist(), velocity.tolist())
+        return has_marks(self.drawing.ends) != before
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw what does not change."""
@@ -175,6 +190,9 @@ class LaneView:
             return Pick(self.number, "contact", contact)
         if not self.drawing.rect.collidepoint(point):
             return None
+        contact = self._handle(point)
+        if contact is not None:
+            return Pick(self.number, "contact", contact)
         bead = self._bead(point)
         if bead is not None:
             return Pick(self.number, "bead", bead)
@@ -190,6 +208,29 @@ class LaneView:
             if math.dist(point, insets.centre(slot)) <= insets.radius + 4 * self.unit:
                 return contact
         return None
+
+    def handles(self) -> list[tuple[float, float]]:
+        """Places of the handles of the contacts, at the touching points; none where beads are too small for them."""
+        y = self.drawing.ground - 0.5 * self.drawing.bead
+        roomy = self.drawing.bead >= LEAST_HANDLED * self.unit
+        return [(x, y) for x in self.contacts.tolist()] if roomy else []
+
+    def _handle(self, point: tuple[int, int]) -> int | None:
+        """The contact whose handle is at `point`."""
+        reach = 1.3 * HANDLE * self.unit
+        return next((k for k, place in enumerate(self.handles()) if math.dist(place, point) <= reach), None)
+
+    def paint_handles(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
+        """Draw them where the pointer is over the lane, that at the pointer filled."""
+        if not self.drawing.rect.collidepoint(point):
+            return
+        surface.set_clip(self.drawing.rect)
+        half, held = HANDLE * self.unit, self._handle(point)
+        for k, (x, y) in enumerate(self.handles()):
+            points = [(x - half, y), (x, y - half), (x + half, y), (x, y + half)]
+            pygame.draw.polygon(surface, tones.foreground if k == held else tones.background, points)
+            pygame.draw.aalines(surface, tones.foreground, True, points)
+        surface.set_clip(None)
 
     def _bead(self, point: tuple[int, int]) -> int | None:
         """The bead at `point`; of small beads the nearest within LEAST_REACH."""

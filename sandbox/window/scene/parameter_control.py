@@ -29,7 +29,7 @@ class Control:
     parameter: Parameter
     slider: Slider
     entry: TextEntry
-    sweep: UIButton
+    sweep: UIButton | None
     shown: float
     typed: bool = False
 
@@ -50,7 +50,7 @@ class Control:
         if (parameter.value == self.shown and not force) or self.entry.is_focused:
             return
         self.entry.set_text(number_text(parameter.value))
-        if with_slider and not self.slider.has_moved_recently and not self.grabbed:
+        if with_slider and not self.grabbed:
             self.slider.set_current_value(parameter.share())
         self.shown = parameter.value
 
@@ -58,21 +58,24 @@ class Control:
         """Remove the widgets."""
         self.slider.kill()
         self.entry.kill()
-        self.sweep.kill()
+        if self.sweep is not None:
+            self.sweep.kill()
 
 
 def parameter_control(
-    host: Host, rect: pygame.Rect, parameter: Parameter, y: float, sweep: Callable[[], None]
+    host: Host, rect: pygame.Rect, parameter: Parameter, y: float, sweep: Callable[[], None] | None = None
 ) -> Control:
-    """The widgets of `parameter` in the panel `rect`, from the height `y` on; `sweep` is done by a button of its own."""
+    """The widgets of `parameter` in the panel `rect`, from the height `y` on; `sweep` is done by a button of its own, if any."""
     unit, manager, left, right = host.unit, host.manager, rect.left, rect.right
     place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
     entry = TextEntry(place, manager, initial_text=number_text(parameter.value))
-    wide = round(SWEEP * unit)
+    wide = round(SWEEP * unit) if sweep else 0
     bar = pygame.Rect(left, round(y + 26 * unit), right - left - wide - round(4 * unit), round(12 * unit))
-    place = pygame.Rect(right - wide, bar.top, wide, bar.height)
-    tip = _("{name}: nine values side by side", name=_(parameter.name))
-    button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
+    button = None
+    if sweep:
+        tip = _("{name}: nine values side by side", name=_(parameter.name))
+        place = pygame.Rect(right - wide, bar.top, wide, bar.height)
+        button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
     slider.name = entry.name = f"{_(parameter.name)} {parameter.unit}".strip()
     return Control(parameter, slider, entry, button, parameter.value)

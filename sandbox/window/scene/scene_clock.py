@@ -35,9 +35,10 @@ class SceneClock:
         view: SceneView,
         timeline: Timeline,
         replay: Replay | None,
+        ended: Callable[[], None],
     ) -> None:
         self.host, self.session, self.editor, self.view, self.replay = host, session, editor, view, replay
-        self.end = EndOfMotion(host, session)
+        self.end = EndOfMotion(host, session, ended)
         self.actions: dict[str, Callable[[], None]] = {
             "play_pause": self.play_pause,
             "forward": partial(self.step, 1),

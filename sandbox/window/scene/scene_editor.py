@@ -44,6 +44,7 @@ class SceneEditor:
                 self._go, self.session.redo, N_("done again: {edit}, at t = {time:.4g} s"), N_("nothing to redo")
             ),
             "lock": self.lock,
+            "lock_all": self.lock_all,
             "law": self.convert,
             "law_all": self.convert_all,
         }
@@ -117,19 +118,15 @@ class SceneEditor:
         self.selection = Pick(pick.lane, "contact" if place % 2 else "bead", place // 2)
 
     def add_bead(self) -> None:
-        """Add a bead like the selected one to its right; without a selected bead, like the last of the lane."""
-        pick = self._bead()
+        """Add a bead like the selected one, or like that on the left of the selected contact, to its right."""
+        pick = self.selection
+        if pick is None:
+            self.host.messages.show(_("select a bead: the new one comes to its right"))
+            return
         masses = self.session.lanes[pick.lane].chain.mass
         mass = masses[pick.index]
         if self.apply(AddBead(pick.lane, pick.index + 1, mass if math.isfinite(mass) else min(masses))):
             self.selection = Pick(pick.lane, "bead", pick.index + 1)
-
-    def _bead(self) -> Pick:
-        """The selected bead, the bead left of the selected contact, or the last bead of the first lane."""
-        pick = self.selection
-        if pick is None:
-            return Pick(0, "bead", self.session.lanes[0].chain.contacts)
-        return Pick(pick.lane, "bead", pick.index)
 
     def remove_bead(self) -> None:
         """Remove the selected bead."""
@@ -140,25 +137,35 @@ class SceneEditor:
         self.apply(RemoveBead(pick.lane, pick.index))
 
     def lock(self) -> None:
-        """Lock or unlock the piston of the selected contact; without a selected contact, those of all."""
-        pick, lanes = self.selection, self.session.lanes
-        if pick is not None and pick.kind == "contact":
-            locked = lanes[pick.lane].setup.locked[pick.index] is not None
+        """Lock or unlock the piston of the selected contact."""
+        pick = self._contact()
+        if pick is not None:
+            locked = self.session.lanes[pick.lane].setup.locked[pick.index] is not None
             self.apply(Lock(pick.lane, pick.index, not locked))
-            return
+
+    def lock_all(self) -> None:
+        """Lock the pistons of all contacts, or unlock them."""
+        lanes = self.session.lanes
         locked = all(law is not None for lane in lanes for law in lane.setup.locked)
         if self._apply_to_lanes(lambda lane: Lock(lane, None, not locked)):
             self.host.messages.show(_("all pistons unlocked") if locked else _("all pistons locked: the usual cradle"))
 
     def convert(self) -> None:
         """Convert the selected contact into a power law or a draft gear."""
-        pick = self.selection
-        if pick is None or pick.kind != "contact":
-            text = _("select a contact: click between two beads, on its force bar or on its magnified inset")
-            self.host.messages.show(text)
+        pick = self._contact()
+        if pick is None:
             return
         law = self.session.lanes[pick.lane].chain.contact[pick.index]
         self.apply(SetKind(pick.lane, pick.index, "power" if kind_of(law) == "gear" else "gear"))
+
+    def _contact(self) -> Pick | None:
+        """The selected contact; None where there is none, which is said."""
+        pick = self.selection
+        if pick is not None and pick.kind == "contact":
+            return pick
+        text = _("select a contact: click between two beads, on its force bar or on its magnified inset")
+        self.host.messages.show(text)
+        return None
 
     def convert_all(self) -> None:
         """Convert all contacts into power laws or draft gears."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
@@ -14,8 +15,10 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.lessons.lesson_runner import LessonRunner
 from softcradle.sandbox.window.page_geometry import narrow
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.scene.explore_panel import ExplorePanel
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
+from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, session_savings
 from softcradle.sandbox.window.scene.scene_clock import SceneClock
@@ -28,8 +31,21 @@ from softcradle.sandbox.window.scene.timeline import Timeline
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.scene.view_keys import ViewKeys
 from softcradle.sandbox.window.scene.window_film import WindowFilm
+from softcradle.sandbox.window.unsaved_scene import UnsavedScene, forget_unsaved
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
+
+Actions = dict[str, Callable[[], None]]
+
+
+def joined(*tables: Actions) -> Actions:
+    """All actions of some tables, of which no two have the same name."""
+    found: Actions = {}
+    for table in tables:
+        if twice := found.keys() & table.keys():
+            raise ValueError(f"two actions are called {', '.join(sorted(twice))}")
+        found |= table
+    return found
 
 
 class ScenePage:
@@ -42,9 +58,12 @@ class ScenePage:
         self.board = PlotBoard(session, host.clock)
         self.cards = LaneCards(host, session)
         self.inspector = Inspector(host, session, self.editor)
-        self.view = SceneView(host, session, self.editor, self.board, self.inspector)
+        self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
+        self.panels = (self.inspector, self.explore)
+        self.view = SceneView(host, session, self.editor, self.board, self.panels)
         self.timeline = Timeline(session)
-        self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay)
+        self.outcome = OutcomeCard(host, session, partial(host.act, "compare_balls"))
+        self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         self.time_controls = TimeControls(host, session, self.board, self.clock.activity)
         self.clock.controls = self.time_controls
         self.pointer = PointerTool(host, session, self.editor, self.view)
@@ -54,21 +73,19 @@ class ScenePage:
         self.dialogs = SaveDialogs(host, session.scene.title, self.film, savings)
         self.sound = SceneSound(host, session)
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene)
+        self.unsaved_scene = UnsavedScene(session)
         self.lessons = LessonRunner(host, session, self.clock)
-        self.actions: dict[str, Callable[[], None]] = {
+        own: Actions = {
             "lesson": self.lessons.ask,
-            **self.tools.actions,
-            **self.inspector.actions,
-            "tools": lambda: self.tools.show_menu(self.toolbar.buttons["tools"].rect, self.actions),
-            **self.clock.actions,
-            **ViewKeys(host, self.editor, self.board, self.view, self.cards).actions,
-            **self.editor.actions,
-            **self.dialogs.actions,
+            "tools": lambda: self.tools.show_menu(self.toolbar.buttons["tools"].rect),
             "sound": self.sound.toggle,
             "help": host.toggle_help,
-            "language": host.next_language,
+            "level": host.toggle_level,
             "leave": self.escape,
         }
+        view_keys = ViewKeys(host, self.editor, self.board, self.view, self.cards)
+        parts = (self.tools, self.inspector, self.clock, view_keys, self.editor, self.dialogs)
+        self.actions: Actions = joined(own, *(part.actions for part in parts))
 
     def show_scene(self, scene: Scene) -> None:
         """Show a scene that was made of this one in its place; edits of this one stay unsaved there."""
@@ -85,17 +102,22 @@ class ScenePage:
     @property
     def typing(self) -> bool:
         """Whether a number is being typed."""
-        return self.inspector.typing or self.tools.values.cells.typing
+        return any(panel.typing for panel in self.panels) or self.tools.values.cells.typing
 
     def cancel_typing(self) -> None:
         """Drop the number that is being typed."""
-        self.inspector.cancel_typing()
+        for panel in self.panels:
+            panel.cancel_typing()
         self.tools.values.cells.stop()
 
     @property
     def unsaved(self) -> bool:
         """Whether there are edits that are not saved."""
         return self.session.undo_stack.unsaved
+
+    def call_unsaved(self) -> None:
+        """Call the scene unsaved: it is in no file of its own."""
+        self.session.undo_stack.lose_what_was_saved()
 
     @property
     def moving(self) -> bool:
@@ -129,9 +151,13 @@ class ScenePage:
         below = pygame.Rect(left + margin, top + round(42 * unit), width - 2 * margin, round(46 * unit))
         second = below.move(0, round(40 * unit)) if narrow(width, unit) else below
         self.time_controls.build(below, second, self.actions)
-        self.inspector.build(self.cards.build(panel, self.editor.selection is not None))
+        nowhere = pygame.Rect(0, 0, 0, 0)
+        lab, few = (nowhere, panel) if self.host.explore else (panel, nowhere)
+        self.inspector.build(self.cards.build(lab, self.editor.selection is not None))
+        self.explore.build(few)
         self.view.rebuild()
         self.tools.build()
+        self.outcome.build(places.below_beads)
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
@@ -139,10 +165,9 @@ class ScenePage:
             self.session.end_gesture()
         chosen = self.cards.handle(event)
         if chosen is not None:
-            if self.editor.apply(chosen):
-                self.host.rebuild()  # a menu that keys have moved does not redraw itself
+            self.editor.apply(chosen)
             return True
-        if self.time_controls.handle(event) or self.inspector.handle(event):
+        if self.time_controls.handle(event) or any(panel.handle(event) for panel in self.panels):
             return True
         return self.tools.handle(event) or self.timeline.handle(event) or self.pointer.handle(event)
 
@@ -165,10 +190,13 @@ class ScenePage:
         self.toolbar.update()
         if self.cards.crowded_out != (self.cards.tight and self.editor.selection is not None):
             self.host.rebuild()  # cards make room for the selection, or come back
-        self.inspector.update(seconds)
+        for panel in self.panels:
+            panel.update(seconds)
         self.tools.values.update()
         self.sound.update(self.view.scales.scales.force)
         self.lessons.update()
+        self.unsaved_scene.update(seconds)
+        self.outcome.update()
 
     def _notice_kernels(self) -> None:
         """Go on where the kernels have been loaded."""
@@ -201,8 +229,9 @@ class ScenePage:
             self.view.rebuild()
             self.tools.values.arrange()
             self.view.follower.notice()
-            if self.editor.selection is not None and not self.inspector.busy:
-                self.inspector.remake()  # its widgets may be of another kind now
+            for panel in self.panels:
+                if not panel.busy:
+                    panel.remake()  # its widgets may be of another kind now
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
@@ -210,11 +239,15 @@ class ScenePage:
         self.tools.paint(surface)
         self.timeline.paint(surface)
         self.cards.paint(surface)
+        self.explore.paint(surface)
+        self.outcome.paint(surface)
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw what lies above the widgets."""
-        unit, places, point = self.host.unit, self.view.places, pygame.mouse.get_pos()
+        unit, places, point = self.host.unit, self.view.places, self.host.pointer
         self.time_controls.paint_over(surface)
+        for lane in self.view.lanes if self.pointer.grip is None else ():
+            lane.paint_handles(surface, point)
         self.pointer.paint(surface)
         if not self.tools.covers_plots:
             self.board.paint_reading(surface, point)
@@ -235,5 +268,7 @@ class ScenePage:
 
     def close(self) -> None:
         """Close the film and the sound."""
+        if not self.unsaved:
+            forget_unsaved()
         self.film.end()
         self.sound.close()

@@ -9,10 +9,11 @@ from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.menu import Menu
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.plots.plot_kinds import FORCES, VELOCITIES
 from softcradle.sandbox.window.scene.data_tool import DataTool
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
 from softcradle.sandbox.window.scene.scene_view import SceneView
-from softcradle.sandbox.window.scene.sharing import Sharing, beside_itself
+from softcradle.sandbox.window.scene.sharing import Sharing, beside_itself, beside_other_balls
 from softcradle.sandbox.window.scene.stopwatch import Ruler, Stopwatch
 from softcradle.sandbox.window.scene.values_board import ValuesBoard
 from softcradle.sandbox.window.window_page import Host
@@ -29,13 +30,19 @@ MENU = (
         "copy_scene",
         "share_page",
         "compare",
+        "compare_balls",
         "stopwatch",
         "ruler",
         "data",
         "signals",
     ),
-    *("fit", "pause_at_end", "sound", "logarithmic", "inspector", "language"),
+    *("sweep", "fit", "pause_at_end", "sound", "logarithmic", "inspector"),
+    *("open", "larger", "smaller", "fullscreen", "theme", "language"),
 )
+
+
+# those that are buttons in the lab, and entries of the menu at the first level
+BUTTONS_OF_LAB = (VELOCITIES, FORCES, "overlaps", "save_scene", "film", "screenshot")
 
 
 class SceneTools:
@@ -63,14 +70,15 @@ class SceneTools:
             "copy_scene": sharing.copy_scene,
             "tell": sharing.tell,
             "compare": self.compare,
+            "compare_balls": self.compare_balls,
             "stopwatch": self.stopwatch.press,
             "ruler": self.ruler.toggle,
             **self.data.actions,
         }
 
-    def show_menu(self, button: pygame.Rect, actions: dict[str, Callable[[], None]]) -> None:
-        """Show the menu of `actions` below its button."""
-        self.host.put_over(Menu(self.host, button.bottomright, MENU, actions))
+    def show_menu(self, button: pygame.Rect) -> None:
+        """Show the menu below its button."""
+        self.host.put_over(Menu(self.host, button.bottomright, (*BUTTONS_OF_LAB, *MENU) if self.host.explore else MENU))
 
     def toggle_values(self) -> None:
         """Show the table of values in place of the plots, or the plots."""
@@ -90,12 +98,22 @@ class SceneTools:
 
     def compare(self) -> None:
         """Open the scene beside a copy of itself."""
+        self._open_beside(lambda: beside_itself(self.session.to_scene()))
+
+    def compare_balls(self) -> None:
+        """Open the scene beside the same blow among steel balls, or soft beads, and play both."""
+        if self._open_beside(lambda: beside_other_balls(self.session)):
+            self.host.act("play_pause")
+
+    def _open_beside(self, make: Callable[[], Scene]) -> bool:
+        """Open what `make` gives; whether there is something."""
         try:
-            scene = beside_itself(self.session.to_scene())
+            scene = make()
         except ValueError as error:
             self.host.messages.show(_("this cannot be compared: {error}", error=error_words(error)), warning=True)
-        else:
-            self.open_scene(scene)
+            return False
+        self.open_scene(scene)
+        return True
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event on the table or the ruler."""

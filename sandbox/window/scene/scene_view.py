@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pygame
 from softcradle.sandbox.draw.bead_arrows import ARROWS
 from softcradle.sandbox.draw.palette import tones
@@ -15,6 +17,7 @@ from softcradle.sandbox.window.look_ahead import MOST_AT_ONCE, motions_ahead
 from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
 from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated_scales
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.plots.plot_kinds import VELOCITIES
 from softcradle.sandbox.window.scene.camera import Camera
 from softcradle.sandbox.window.scene.edit_follower import EditFollower
 from softcradle.sandbox.window.scene.inspector import Inspector
@@ -43,9 +46,9 @@ class SceneView:
     """
 
     def __init__(
-        self, host: Host, session: Session, editor: SceneEditor, board: PlotBoard, inspector: Inspector
+        self, host: Host, session: Session, editor: SceneEditor, board: PlotBoard, panels: Sequence[Inspector]
     ) -> None:
-        self.host, self.session, self.editor, self.board, self.inspector = host, session, editor, board, inspector
+        self.host, self.session, self.editor, self.board, self.panels = host, session, editor, board, panels
         self.setup = session.setup
         self.lanes: list[LaneView] = []
         self.panel_shown, self.plots_covered, self.title_room = True, False, 0.0
@@ -55,13 +58,13 @@ class SceneView:
         self._frame = -1  # whose collision the marks are of
         self._backdrop: pygame.Surface | None = None
         self._backdrop_key: tuple[Pick | None, bool] = (None, False)
+        self._cuts = session.history.cuts
         self.look_ahead()
 
     def look_ahead(self) -> None:
         """Take scales and camera from a run ahead, as a film does; estimate them, and run behind, where it would take long."""
         seen = self._scales_ahead()
-        scales = seen or estimated_scales(self.session.scene, self.session)
-        self.scales = LiveScales(scales, self.session.lanes)
+        self.scales = LiveScales(seen or estimated_scales(self.session.scene, self.session), self.session)
         self.follower = EditFollower(self.host, self.session, self.scales, self.rebuild)
         if seen is None:
             self.follower.notice()
@@ -86,14 +89,15 @@ class SceneView:
         return all(self.host.warmup.is_warm(method, kind) for method in methods for kind in kinds)
 
     def _geometry(self) -> Geometry:
+        self.board.single = (self.board.single or VELOCITIES) if self.host.explore else ""
         size, unit = self.host.size, self.host.unit
         rows = self.board.rows(plots_width(size, unit, self.panel_shown))
-        most = most_plot_rows(size, unit)
+        most = most_plot_rows(size, unit, len(self.session.lanes))
         self.row_count = len(rows)
         self.first_row = min(max(self.first_row, 0), max(0, len(rows) - most))
         self.rows = rows[self.first_row : self.first_row + most]
         counts = [len(names) for _, names in self.rows]
-        return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown)
+        return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown, self.host.explore)
 
     def plots_area(self) -> pygame.Rect:
         """The rectangle of all plots."""
@@ -192,18 +196,19 @@ class SceneView:
         self._follow_collisions()
         length = self.session.scene.view.length
         widened = self.camera.keep_in_sight(lanes, length, self._visible())
-        if self.scales.fit(self.motions) or widened:
+        cut, self._cuts = self.session.history.cuts != self._cuts, self.session.history.cuts
+        if cut:
+            self.scales.follow_history()
+        if self.scales.fit(self.motions) or widened or cut:
             self.rebuild()
 
     def _follow_collisions(self) -> None:
         """Let marks of rigid clusters be those of the collision that is under way."""
         for k, (view, lane) in enumerate(zip(self.lanes, self.session.lanes, strict=True)):
             same = len(view.drawing.chain.mass) == len(lane.chain.mass)
-            if same and self.session.frame != self._frame and (lane.state.force > 0.0).any():
-                had = any(view.drawing.rigid)
-                view.drawing.take_approach(self.session.approach(k).tolist())
-                if any(view.drawing.rigid) != had:
-                    self.redraw()
+            new = same and self.session.frame != self._frame and (lane.state.force > 0.0).any()
+            if new and view.take_approach(*self.session.approach(k)):
+                self.redraw()
         self._frame = self.session.frame
 
     def on_a_lane(self, point: tuple[int, int]) -> bool:
@@ -237,7 +242,8 @@ class SceneView:
             lane.backdrop(backdrop)
         if not self.plots_covered:
             self.board.backdrop(backdrop)
-        self.inspector.backdrop(backdrop)
+        for panel in self.panels:
+            panel.backdrop(backdrop)
         for y in (places.toolbar.bottom - 1, places.footer.top):
             backdrop.fill(tones.faint, (0, y, size[0], 1))
         if self.panel_shown:

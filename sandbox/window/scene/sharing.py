@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pygame
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
+from softcradle.sandbox.session.inputs import SetContact, SetKind
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.session.summary_text import summary_text
@@ -13,6 +15,7 @@ from softcradle.sandbox.session.values_table import values_csv
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
+STEEL = N_("steel balls")
 OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/scene_words.py
 
 
@@ -47,6 +50,27 @@ class Sharing:
             self.host.messages.show(_("nothing was copied: {error}", error=error), warning=True)
         else:
             self.host.messages.show(done)
+
+
+def beside_other_balls(session: Session) -> Scene:
+    """The first lane of a session beside the same blow among steel balls, or among soft beads where they are of steel.
+
+    ValueError where contacts are couplers or laws of one's own, or no scene file can say it.
+    """
+    scene = beside_itself(session.to_scene())
+    chain, speed = session.lanes[0].chain, session.lanes[0].setup.speed
+    steel, other = has_soft_contacts(chain), Session(scene)
+    if steel:
+        for i in range(chain.contacts):
+            law = steel_ball(chain, i, speed, scene.view.length)
+            other.apply(SetContact(1, i, law))
+    else:
+        other.apply(SetKind(1, None, "power"))
+    found = other.to_scene()
+    first, second = found.lanes
+    second = second.model_copy(update={"label": STEEL if steel else second.label})
+    text = f"The same blow twice: above {first.label or 'the row as it was'}, below {second.label}."
+    return found.model_copy(update={"lanes": (first, second), "text": text})
 
 
 def beside_itself(scene: Scene) -> Scene:

@@ -25,6 +25,7 @@ FASTEST = 0.01  # wall seconds for one second of the model
 # by keys
 SLOW_MOTIONS = FASTEST, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
+FEW = ("play_pause", "restart")  # buttons of the first level
 LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 TOGGLE_MARGIN = 16.0  # design pixels of a toggle button beside its name
 
@@ -53,8 +54,9 @@ class TimeControls:
     def build(self, rect: pygame.Rect, second: pygame.Rect, actions: Actions) -> None:
         """Make the widgets inside `rect`, those of plots at the right of `second`; they do the page's `actions`."""
         self.rect, unit, manager = rect, self.host.unit, self.host.manager
-        self.buttons = time_buttons(self.host, rect, actions)
-        self.slow_left = self.buttons[BUTTONS[-1]].rect.right + round(19 * unit)
+        few = {name: actions[name] for name in FEW}
+        self.buttons = time_buttons(self.host, rect, few if self.host.explore else actions)
+        self.slow_left = max(button.rect.right for button in self.buttons.values()) + round(19 * unit)
         place = pygame.Rect(self.slow_left, rect.centery + round(2 * unit), round(190 * unit), round(14 * unit))
         self.slider = Slider(place, self._share(), (0.0, 1.0), manager)
         self.slider.name = _("slow motion")
@@ -63,7 +65,7 @@ class TimeControls:
 
     def _build_toggles(self, rect: pygame.Rect, actions: Actions) -> None:
         """A toggle button for each plot, from the right end of `rect`."""
-        unit, names = self.host.unit, self.board.available()
+        unit, names = self.host.unit, [] if self.host.explore else self.board.available()
         x = rect.right - sum(toggle_width(name) + 4 for name in names) * unit
         self.toggles.clear()
         for name in names:

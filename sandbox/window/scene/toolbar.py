@@ -23,8 +23,10 @@ TOOLS = (
     ("screenshot", N_("Screenshot")),
     ("film", N_("Film")),
     ("tools", N_("Tools")),
+    ("level", N_("Explore")),
     ("help", N_("Help")),
 )
+FEW = {"undo": N_("Undo"), "tools": N_("More"), "level": N_("Lab"), "help": N_("Help")}  # those of the first level
 MARGIN, LEAST_MARGIN = 20.0, 8.0  # design pixels of a button beside its text
 SPACE = 5.0  # design pixels between two buttons
 LEAST_TITLE = 70.0  # design pixels for the title, for which buttons give way
@@ -54,7 +56,8 @@ class Toolbar:
         UIButton(place, "← " + _("Scenes"), manager, tool_tip_text=_("back to the gallery"), command=leave)
         x = rect.right - round(12 * unit)
         self._filming = self.film.film is not None
-        texts = {name: self._longest(name, usual) for name, usual in TOOLS if name in actions}
+        self.buttons = {}
+        texts = {name: self._longest(name, usual) for name, usual in self._tools if name in actions}
         margin = self._margin(texts, x)
         for name, longest in reversed(texts.items()):
             wide = round(self._width(name, longest) + margin)
@@ -66,6 +69,11 @@ class Toolbar:
             )
         self.title_room = x - (TITLE_LEFT + 10.0) * unit
         self.update()
+
+    @property
+    def _tools(self) -> tuple[tuple[str, str], ...]:
+        """Action and text of each button at the present level."""
+        return tuple(FEW.items()) if self.host.explore else TOOLS
 
     def _longest(self, name: str, usual: str) -> str:
         """The longest text of a button until the page is built anew."""
@@ -89,10 +97,10 @@ class Toolbar:
         """Enable what can be done, and let the button of a film say how long it is: its text changes once a second."""
         if self._filming != (self.film.film is not None):
             self.host.rebuild()  # the film has ended, or stopped
-        elif self._filming:
+        elif self._filming and "film" in self.buttons:
             self.buttons["film"].set_text(self._stop(self.film.clock))
         stack = self.stack
         for name, steps in (("undo", stack.done), ("redo", stack.undone)) if stack is not None else ():
-            button = self.buttons[name]
-            if bool(steps) != button.is_enabled:
+            button = self.buttons.get(name)
+            if button is not None and bool(steps) != button.is_enabled:
                 (button.enable if steps else button.disable)()

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import pygame
-from softcradle.sandbox.draw.number_format import scientific, subscript
+from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _
@@ -159,5 +159,5 @@ def _numbers(place: TablePlace) -> dict[str, int]:
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:
     """The cells of a row; its first number is that of the bead or contact."""
     first = int(numbers[0])
-    name = str(first) if kind == "bead" else subscript(first, first + 1)
+    name = str(first) if kind == "bead" else f"{first}-{first + 1}"
     return [name, *(scientific(value, digits) if math.isfinite(value) else _("wall") for value in numbers[1:])]

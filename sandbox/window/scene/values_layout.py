@@ -58,7 +58,7 @@ def _drops(names: Sequence[str]) -> list[tuple[int, str]]:
 
 def _column_width(name: str, unit: float, digits: int, first: bool) -> float:
     """Pixels of the widest number and of the name, which is broken before its unit."""
-    number = "88" if first else f"{MINUS}8.{digits * '8'}·10⁻⁸"
+    number = "88-88" if first else f"{MINUS}8.{digits * '8'}·10⁻⁸"
     words = [width(part, HEAD * unit) for part in heading(name)]
     return max(*words, width(number, BODY * unit)) + GAP * unit
 

@@ -34,8 +34,7 @@ class ViewKeys:
 
     def next_method(self) -> None:
         """Take the next method, in all lanes."""
-        if self.editor.apply(SetMethod(None, self.cards.next_method())):
-            self.host.rebuild()
+        self.editor.apply(SetMethod(None, self.cards.next_method()))
 
     def toggle_plot(self, name: str) -> None:
         """Show or hide one kind of plot."""

@@ -99,5 +99,5 @@ print(result.tobytes().hex())
 def _run(program, environment):
     command = [sys.executable, "-c", program]
     return subprocess.run(
-        command, env={**os.environ, **environment}, capture_output=True, text=True, check=True, timeout=300
+        command, env={**os.environ, **environment}, capture_output=True, text=True, check=True
     ).stdout.strip()

@@ -12,7 +12,7 @@ import pytest
 from softcradle.physics import SoftChain, hertz, power_law
 from softcradle.physics.pymunk_contacts import soft_chain
 
-from tests.helpers.spaces import FRAME, chain_row, run
+from tests.helpers.spaces import FRAME, chain_row, run, total_energy
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,7 @@ def test_copies_move_alike(duplicate):
     run(space, FRAME, 20)
     assert chain.energy > 0.0
     other = duplicate(space)
-    theirs = next(iter(other.constraints)).chain
+    (theirs,) = SoftChain.of(other)
     assert theirs is not chain
     assert list(theirs) == list(other.constraints)
     for each in (space, other):
@@ -92,8 +92,47 @@ def test_without_compiler_the_same_digits():
     assert digits("1") == digits("0")
 
 
-def test_a_part_of_a_chain_is_an_error():
-    space, _, chain = chain_row(hertz(1e5), gap=0.5)
-    space.remove(list(chain)[2])
-    with pytest.raises(RuntimeError, match="only a part"):
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("max_force", 0.1),
+        ("force_func", lambda spring, distance: 0.0),
+        ("stiffness", 1.0),
+        ("damping", 1.0),
+        ("rest_length", 2.0),
+        ("anchor_a", (0.1, 0.0)),
+        ("anchor_b", (0.1, 0.0)),
+    ],
+)
+def test_a_link_takes_no_force_of_its_own(name, value):
+    """What pymunk lets a spring have would break the ledger of the chain, or be of no effect."""
+    space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
+    for link in chain:
+        with pytest.raises(AttributeError, match=f"takes no {name}: its force is the chain's"):
+            setattr(link, name, value)
+    for _ in range(60):
         space.step(FRAME)
+        assert total_energy(bodies, chain) == pytest.approx(0.5, rel=1e-10)
+    assert [link.max_force for link in chain] == [math.inf] * 4
+
+
+@pytest.mark.parametrize(("name", "value"), [("velocity", (math.nan, 0.0)), ("force", (math.inf, 0.0))])
+def test_a_body_that_is_nowhere_is_named_after_the_step(name, value):
+    space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
+    run(space, FRAME, 3)
+    state = chain.state
+    setattr(bodies[1], name, value)
+    with pytest.raises(ValueError, match=f"body 1 of a SoftChain has the {name} Vec2d"):
+        space.step(FRAME)
+    chain.restore(state)
+    run(space, FRAME, 60)
+    assert total_energy(bodies, chain) == pytest.approx(0.5, rel=1e-10)
+    assert bodies[4].velocity.x > 0.1
+
+
+def test_a_state_of_another_row():
+    chain, other = chain_row(hertz(1e4))[2], chain_row(hertz(1e4), beads=3)[2]
+    with pytest.raises(ValueError, match="a state of 3 bodies is none of a SoftChain of 5"):
+        chain.restore(other.state)
+    with pytest.raises(ValueError, match="state must be a SoftChainState, not 7"):
+        chain.restore(7)

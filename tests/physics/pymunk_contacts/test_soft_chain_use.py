@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import pickle
 
 import numpy as np
 import pymunk
@@ -168,6 +169,111 @@ def test_taken_out_and_added_again():
     run(space, FRAME, 120)
     assert bodies[4].velocity.x > 0.5
     assert total_energy(bodies, chain) == pytest.approx(0.5, rel=1e-10)
+
+
+def dies(space, chain, body, way):
+    """Remove a body with its contacts."""
+    if way == "remove_from":
+        chain.remove_from(space, body)
+        space.remove(body)
+    elif way == "as every constraint":
+        space.remove(body, *(body.constraints & space.constraints))
+    else:
+        space.remove(*(link for link in chain if body in (link.a, link.b)))
+        body.position = 2.0, 50.0
+
+
+@pytest.mark.parametrize("way", ["remove_from", "as every constraint", "contacts alone"])
+@pytest.mark.parametrize("law", [hertz(1e4), power_law(1.0, 0.1), draft_gear(1e3, 0.02)], ids=str)
+def test_a_middle_body_dies_and_two_rows_go_on(law, way):
+    """They move as two chains that were made so, digit for digit where the solver has no more to do than they."""
+    space, bodies, chain = chain_row(law, beads=6, masses=[1.0] * 6)
+    dies(space, chain, bodies[2], way)
+    parts = [chain_row(law, beads=count, masses=[1.0] * count) for count in (2, 3)]
+    bodies[3].velocity = 1.0, 0.0
+    for each in (space, parts[0][0], parts[1][0]):
+        run(each, FRAME, 240)
+    alive = [*bodies[:2], *bodies[3:]]
+    expected = [body.velocity.x for part in parts for body in part[1]]
+    assert [body.velocity.x for body in alive] == pytest.approx(expected, abs=1e-9)
+    assert expected[1] > 0.99 or law.exponent < 1.0
+    assert total_energy(alive, chain) == pytest.approx(1.0, rel=1e-10)
+    assert chain.overlaps[1:3].tolist() == [-math.inf] * 2
+    assert chain.forces[1:3].tolist() == [0.0] * 2
+
+
+def test_all_of_a_row_die_one_by_one_in_a_blow():
+    space, bodies, chain = chain_row(hertz(1e3), gap=0.1, masses=[1.0] * 5)
+    for body in bodies[:0:-1]:
+        run(space, FRAME, 6)
+        chain.remove_from(space, body)
+        space.remove(body)
+    run(space, FRAME, 10)
+    assert list(space.bodies) == bodies[:1]
+    assert not space.constraints
+    chain.remove_from(space)
+
+
+def test_a_contact_breaks_by_its_impulse_and_is_mended():
+    space, bodies, chain = chain_row(hertz(1e3), gap=0.1, masses=[1.0] * 5)
+    weakest = list(chain)[1]
+    while weakest.impulse < 0.1:
+        space.step(FRAME)
+    space.remove(weakest)
+    run(space, FRAME, 300)
+    assert bodies[1].position.x > bodies[2].position.x, "nothing is between them"
+    bodies[0].position, bodies[1].position = (-9.0, 0.0), (bodies[2].position.x - 1.5, 0.0)
+    bodies[0].velocity, bodies[1].velocity = (0.0, 0.0), (bodies[2].velocity.x + 2.0, 0.0)
+    space.add(weakest)
+    run(space, FRAME, 1)
+    energy = total_energy(bodies, chain)
+    for _ in range(300):
+        space.step(FRAME)
+        assert total_energy(bodies, chain) == pytest.approx(energy, rel=1e-10)
+    assert bodies[1].velocity.x < bodies[2].velocity.x
+
+
+def test_a_body_that_left_may_join_another_chain():
+    space, bodies, chain = chain_row(hertz(1e3), masses=[1.0] * 5)
+    chain.remove_from(space, bodies[4])
+    late = pymunk.Body(1.0, math.inf)
+    late.position = 5.0, 0.0
+    other = SoftChain([bodies[4], late], hertz(1e3), 1.0)
+    space.add(late, *other)
+    assert SoftChain.of(space) == [chain, other]
+    bodies[4].velocity = 1.0, 0.0
+    run(space, FRAME, 120)
+    assert late.velocity.x == pytest.approx(1.0, rel=1e-6)
+    with pytest.raises(ValueError, match="no contacts of a body that is not in it"):
+        chain.remove_from(space, late)
+
+
+def frames(space, chain, count):
+    """Everything that moves in so many frames."""
+    found = []
+    for _ in range(count):
+        space.step(FRAME)
+        found += [(body.position, body.velocity, body.angle) for body in chain.bodies]
+        found += [chain.overlaps.tolist(), chain.forces.tolist(), chain.energy, chain.absorbed]
+    return found
+
+
+@pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e3, 0.02, 0.5)], ids=str)
+@pytest.mark.parametrize("before", [0, 12, 40])
+def test_ten_frames_rolled_back_to_the_bit(law, before):
+    """By the state of the chain, by a copy of the Space and by a pickle: before the first step, in a blow and after it."""
+    space, _, chain = chain_row(law, gap=0.1)
+    run(space, FRAME, before)
+    state, copies = pickle.loads(pickle.dumps(chain.state)), [space.copy(), pickle.loads(pickle.dumps(space))]
+    first = frames(space, chain, 10)
+    chain.restore(state)
+    assert frames(space, chain, 10) == first
+    for copied in copies:
+        (theirs,) = SoftChain.of(copied)
+        assert frames(copied, theirs, 10) == first
+        theirs.restore(state)
+        assert frames(copied, theirs, 10) == first
+    assert first[-2] + first[-1] >= 0.0
 
 
 def test_neighbours_do_not_collide_twice():

@@ -8,6 +8,8 @@ import pymunk
 import pytest
 from softcradle.physics import SoftChain, SoftContact, hertz
 
+from tests.helpers.spaces import run
+
 STEP = 1 / 240
 
 
@@ -62,8 +64,29 @@ def test_a_body_removed_whose_chain_stays(gone):
     bodies[0].velocity = 1, 0
     space.step(STEP)
     space.remove(bodies[gone])
-    with pytest.raises(RuntimeError, match=f"body {gone} of a SoftChain is not in the Space"):
+    with pytest.raises(RuntimeError, match=rf"body {gone} .* chain.remove_from\(space, body\)"):
         steps(space, 20)
+    chain.remove_from(space, bodies[gone])
+    momentum = sum(body.velocity.x for body in bodies)
+    steps(space, 480)
+    assert sum(body.velocity.x for body in bodies) == pytest.approx(momentum, abs=1e-13)
+
+
+@pytest.mark.parametrize("chained", [True, False])
+def test_the_only_body_before_a_wall_removed(chained):
+    """None of the two bodies is in the Space then, and yet it says so."""
+    space = pymunk.Space()
+    (ball,) = row(1, space)
+    wall = pymunk.Body(body_type=pymunk.Body.STATIC)
+    wall.position = 0.99, 0
+    law = hertz(100.0)
+    space.add(
+        *(SoftChain([ball, wall], law, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, law, False)])
+    )
+    space.step(1e-3)
+    space.remove(ball)
+    with pytest.raises(RuntimeError, match="is not in the Space"):
+        space.step(1e-3)
 
 
 def test_two_chains_that_share_a_body():
@@ -112,24 +135,24 @@ def test_a_static_body_needs_no_place_in_the_space():
     assert ball.velocity.x == pytest.approx(-1.0, abs=1e-12)
 
 
-def swing_energy(count, seconds):
-    """Energy after and before of a row of pendulums on PinJoints, the first of them released at 0.5 rad."""
+def swing_energy(count, seconds, step=STEP, string=pymunk.PinJoint, law=None):
+    """Energy after over before of a row of pendulums of 1 m on strings, the first of them released at 0.5 rad."""
     space = pymunk.Space()
     space.gravity = 0, -9.81
     bodies = [pymunk.Body(1, 1e9) for _ in range(count)]
     for i, body in enumerate(bodies):
         angle = -0.5 if i == 0 else 0.0
         body.position = 0.1 * i + math.sin(angle), -math.cos(angle)
-        space.add(body, pymunk.PinJoint(space.static_body, body, (0.1 * i, 0), (0, 0)))
-    chain = SoftChain(bodies, hertz(1e7), 0.1) if count > 1 else None
+        space.add(body, string(space.static_body, body, (0.1 * i, 0), (0, 0)))
+    chain = SoftChain(bodies, law or hertz(1e7), 0.1) if count > 1 else None
     space.add(*(chain or ()))
 
     def energy():
-        heights = [1.0 + body.position.y + 0.5 * STEP * body.velocity.y for body in bodies]
+        heights = [1.0 + body.position.y + 0.5 * step * body.velocity.y for body in bodies]
         return kinetic(bodies) + 9.81 * sum(heights) + (chain.energy if chain else 0.0)
 
     start = energy()
-    steps(space, round(seconds / STEP))
+    run(space, step, round(seconds / step))
     return energy() / start
 
 
@@ -139,3 +162,13 @@ def test_a_cradle_on_pin_joints_loses_what_pin_joints_lose():
     plain, cradle = swing_energy(1, 60.0), swing_energy(5, 60.0)
     assert plain == pytest.approx(1.0 - 0.055, abs=0.005)
     assert cradle == pytest.approx(1.0 - 0.041, abs=0.01)
+
+
+def slide(a, b, anchor_a, anchor_b):
+    return pymunk.SlideJoint(a, b, anchor_a, anchor_b, 0.0, 1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [60, 120, 240])
+def test_a_cradle_on_slide_joints_gains_nothing_at_sixty_steps_a_second_and_more(rate):
+    assert 0.8 < swing_energy(5, 30.0, 1 / rate, slide, hertz(1e6)) < 1.0

@@ -42,7 +42,6 @@ def test_a_full_disk_is_noticed(arguments, tmp_path):
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
     )
     assert done.returncode == 2, done.stderr
     assert done.stdout == ""

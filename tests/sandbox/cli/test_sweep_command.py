@@ -7,10 +7,13 @@ import subprocess
 import sys
 
 import pytest
+from softcradle.sandbox.cli.exit_codes import POINTS_LOST
 from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.sweeps import run_sweep
+from softcradle.sandbox.sweeps.chunk_work import Work, lost
 from softcradle.sandbox.sweeps.measure_table import MEASURES
-from softcradle.sandbox.sweeps.study_error import StudyError
 from softcradle.sandbox.sweeps.study_file import load_study
+from softcradle.sandbox.user_error import StudyError
 
 from tests.helpers.paths import ROOT
 
@@ -57,6 +60,53 @@ def test_a_study_is_computed_once(tmp_path, capsys):
     assert main(["sweep", str(study), "-o", str(output)]) == 0
     assert output.stat().st_mtime_ns == changed_at
     assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
+
+
+def test_the_status_of_a_study(tmp_path, capsys, monkeypatch):
+    study, output = tmp_path / "study.toml", tmp_path / "found.nc"
+    study.write_text(GOOD)
+    command = ["sweep", str(study), "-o", str(output)]
+
+    def status() -> str:
+        assert main([*command, "--status"]) == 0
+        return capsys.readouterr().out
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    assert status() == "two speeds: not begun, none of 2 points is computed\n"
+    monkeypatch.setattr(run_sweep, "write_dataset", interrupted)
+    assert main([*command, "--workers", "1"]) == 130
+    told = f"2 of 2 points are in {output}.partial, and no sweep is at it, the same command goes on\n"
+    assert status() == f"two speeds: {told}"
+    monkeypatch.undo()
+    assert main([*command, "--workers", "1"]) == 0
+    capsys.readouterr()
+    assert status() == f"two speeds: complete, 2 points are in {output}\n"
+    study.write_text(changed("values = [0.5, 1]", "values = [0.5, 2]"))
+    assert main([*command, "--status"]) == 2
+    assert "holds another study" in capsys.readouterr().err
+
+
+def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, capsys):
+    study, output = tmp_path / "study.toml", tmp_path / "found.nc"
+    study.write_text(GOOD)
+    monkeypatch.setattr(Work, "compute", lambda work, begin, end, _: lost(begin, 3))
+    command = ["sweep", str(study), "-o", str(output), "--workers", "1"]
+    assert main(command) == POINTS_LOST
+    assert "2 points without numbers: the process that computed it died, 3 times" in capsys.readouterr().out
+    assert main([*command[:-2], "--status"]) == POINTS_LOST
+    assert "2 of them lost" in capsys.readouterr().out
+
+
+def test_beads_that_smaller_targets_lack_are_no_missing_numbers(tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    study.write_text(
+        GOOD.replace('"lanes.0.velocity.0" = {values = [0.5, 1], name = "speed"}', '"lanes.0.beads.1" = [2, 3]')
+    )
+    assert main(["sweep", str(study), "-o", str(tmp_path / "found.nc"), "--workers", "1"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if "final_velocity" in line]
+    assert rows[0][-1] == "0"
 
 
 def test_samples_of_a_file(tmp_path):

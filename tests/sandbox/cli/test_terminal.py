@@ -8,10 +8,12 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
 from softcradle.physics.methods import METHODS, known_methods
+from softcradle.sandbox import console
 from softcradle.sandbox.cli.command_list import COMMANDS
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.cli.result_tables import print_report
@@ -33,7 +35,6 @@ def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]
         capture_output=True,
         encoding="utf-8",
         errors="replace",
-        timeout=300,
         check=False,
     )
 
@@ -45,7 +46,7 @@ def loud():
 
 
 def terminal(width: int) -> Console:
-    return Console(file=io.StringIO(), width=width, force_terminal=True, color_system=None)
+    return Console(file=io.StringIO(), width=width, force_terminal=True, color_system=None, markup=False)
 
 
 def shown(output: Console) -> str:
@@ -53,7 +54,7 @@ def shown(output: Console) -> str:
     return output.file.getvalue()
 
 
-@pytest.mark.parametrize("width", [30, 40, 60, 80, 100])
+@pytest.mark.parametrize("width", [30, 38, 39, 40, 41, 60, 80, 100])
 def test_no_number_of_a_run_is_lost(width, monkeypatch):
     scene = load_scene("one-on-four")
     summary = summarise("lane", run_scene(scene, method="verlet", step=1e-2)[0])
@@ -67,6 +68,27 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
         assert f"{bead.final_velocity:.8f}" in text
     for contact in summary.contacts:
         assert f"{contact.largest_force:.6g}" in text
+    assert "final velocity [m/s]" in " ".join(text.split()) or text.count("[m/s]") == 2
+
+
+def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
+    monkeypatch.setattr(console, "LINE_AFTER", 0.0)
+    with console.ProgressShown("points") as progress:
+        progress.tell("points", 100, 2000)
+        progress.tell("points", 135, 2000)
+        told = ""
+        while "135 of 2000" not in told:
+            told += capsys.readouterr().err
+    assert told.splitlines()[-2].startswith("softcradle: points: ")
+    assert progress.line(70.0) == "points: 135 of 2000, after 1 min, 0.5 a second, about 1.0 h left"
+
+
+def test_progress_is_left_out_where_that_is_wanted(monkeypatch, capsys, loud):
+    monkeypatch.setattr(console, "LINE_AFTER", 0.0)
+    set_quiet(True)
+    with console.ProgressShown("points") as progress:
+        progress.tell("points", 1, 2)
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("width", [20, 40, 80])
@@ -166,6 +188,20 @@ def test_quiet_leaves_out_what_is_no_result(tmp_path, capsys):
     assert capsys.readouterr().out.endswith(f"replaced: {tmp_path / 'x.csv'}\n")
     assert "final velocity" in quiet
     assert "written" not in quiet
+
+
+@pytest.mark.usefixtures("loud")
+def test_quiet_leaves_out_the_bar_of_a_film(tmp_path, monkeypatch):
+    seen = []
+
+    def render(scene, output, progress=True, **settings):
+        seen.append(progress)
+        return SimpleNamespace(output=tmp_path, frames=1, duration=0.0, seconds=0.0)
+
+    monkeypatch.setattr("softcradle.sandbox.film.scene_film.render_scene", render)
+    for flags in ([], ["-q"]):
+        assert main(["render", "one-on-four", "-o", str(tmp_path / "x.png"), *flags]) == 0
+    assert seen == [True, False]
 
 
 def test_a_second_file_is_written_too(tmp_path, capsys):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from softcradle.sandbox.motion_words import describe
 from softcradle.sandbox.page.motion_family import ALPHAS, SPEEDS, family
+from softcradle.sandbox.page.shared_page import page_text
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.scenes.catalogue import parse
 
@@ -22,6 +24,13 @@ def test_a_family_over_alpha():
     cradle = played.members[-1].trajectories[0]
     alone = simulate(one_on(4, power_law(1.0, 1.0)), [1, 0, 0, 0, 0])
     np.testing.assert_allclose(cradle.final_velocity, alone.final_velocity, atol=1e-6)
+    text = page_text(played)
+    for k, member in enumerate(played.members):
+        shown = text.split(f'<div class="member" data-member="{k}"')[1].split("</div>")[0]
+        assert (describe("", member.trajectories[0]) in shown) == (k != played.first)
+        assert ("The bead that was hit ends slower" in shown) == (
+            k == played.first
+        )  # the text of the scene's own alpha
 
 
 def test_a_family_over_speed():

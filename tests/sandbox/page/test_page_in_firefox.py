@@ -33,7 +33,7 @@ def test_it_is_drawn(pages, tmp_path, size, dark):
     command = [FIREFOX, "--headless", "--no-remote", "--profile", profile, "--window-size", size]
     done = subprocess.run(
         [*map(str, command), "--screenshot", str(picture), page.resolve().as_uri()],
-        capture_output=True, text=True, check=False, timeout=120,
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert not [line for line in (done.stdout + done.stderr).splitlines() if page.name in line and "rror" in line]
     with Image.open(picture) as opened:

@@ -10,6 +10,7 @@ from softcradle.sandbox.session.live_method import ERROR, FRAME_COST, STEP_COST,
 
 from softcradle import scenes
 from tests.helpers.relations import simulate_quietly
+from tests.helpers.scene_kinds import EVERY_SCENE
 from tests.helpers.sessions import opened
 
 LIVE = [method.name for method in METHODS if method.name != "scipy"]
@@ -27,7 +28,7 @@ def worst_of(session, frames=600):
 RATTLING = {"weak-contact"}  # the cluster that breaks rattles shortly: its contacts do bounce within a step or two
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_chosen_method_is_good_on_every_scene(name):
     health = worst_of(opened(name), 900)
     assert health.level == "good" or (name in RATTLING and health.level == "fair")
@@ -35,7 +36,7 @@ def test_the_chosen_method_is_good_on_every_scene(name):
     assert health.chatter < 0.5 or name in RATTLING
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_chosen_step_holds_the_error_that_it_promises(name):
     """`mixed` alone rattles at its end, as the run that tells the truth warns."""
     scene = scenes.load(name)

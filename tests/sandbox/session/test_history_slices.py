@@ -76,7 +76,17 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
     assert sum(len(part.time) for part in whole) == session.history.last + 1
     assert {part.velocity.shape[1] for part in whole} == {5, 6}
     thin = list(history_slices(session.history, 0, 0, session.history.last, 100))
-    assert 90 <= sum(len(part.time) for part in thin) <= 130
+    assert 90 <= sum(len(part.time) for part in thin) <= 200
+    taken = {float(time) for part in thin for time in part.time}
+    for first, last, most in ((0, 330, 50), (17, 680, 99), (301, 699, 60)):
+        pieces = history_slices(session.history, 0, first, last, most)
+        times = {float(time) for part in pieces for time in part.time}
+        wanted = {
+            time
+            for time in taken
+            if session.history.snapshot(first).time <= time <= session.history.snapshot(last).time
+        }
+        assert wanted <= times
     part = slice_at(session.history, 0, 600)
     state = session.history.snapshot(600).states[0]
     assert np.array_equal(part.velocity[0], state.velocity(part.chain))

@@ -5,13 +5,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from softcradle.sandbox.session import Drag, Replay, Session, SetMass, SetMethod, SetSlow, recording
+from softcradle.sandbox.session import Drag, Replay, SetMass, SetMethod, SetSlow, recording
 from softcradle.sandbox.session.frame_clock import FrameClock
 from softcradle.sandbox.session.inputs import Input
-from softcradle.sandbox.session.random_play import play_at_random
 from softcradle.sandbox.user_error import UserError
 
-from softcradle import scenes
 from tests.helpers.sessions import opened
 
 
@@ -123,16 +121,6 @@ def test_only_the_last_pointer_position_of_a_frame_is_recorded():
     for k in range(1000):
         session.drag(0, 0, 0.001 * k)
     assert [item for _, item in session.recording.inputs] == [Drag(0, 0, 0.999)]
-
-
-@pytest.mark.parametrize("seed", [3, 4, 5, 6])
-def test_random_play_replays_with_the_same_digits(tmp_path, seed):
-    names = scenes.names()
-    session = Session(scenes.load(names[seed % len(names)]), memory=200_000)
-    play_at_random(session, 20.0, seed, check=lambda session: None)
-    session.save_recording(tmp_path / "random.npz")
-    replay = Replay.load(tmp_path / "random.npz")
-    assert replay.run(), replay.sentence
 
 
 def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):

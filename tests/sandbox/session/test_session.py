@@ -8,7 +8,7 @@ from softcradle.sandbox.session.frame_clock import FrameClock
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
-from softcradle import scenes
+from tests.helpers.scene_kinds import EVERY_SCENE
 from tests.helpers.sessions import opened
 
 PICTURE = 2.0 / FRAME_RATE
@@ -41,7 +41,7 @@ MOST_BY_REFERENCE = 5
 
 
 @pytest.mark.filterwarnings("ignore:final velocities are determined")  # of the train with loss, to 1e-3 m/s
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_a_played_scene_ends_with_the_velocities_of_the_reference(name):
     session = opened(name)
     first = session.scene.lanes[0]

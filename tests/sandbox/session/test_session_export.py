@@ -26,9 +26,10 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import parse
 
 from softcradle import scenes
+from tests.helpers.scene_kinds import EVERY_SCENE
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_an_unedited_scene_comes_back_equal(name):
     scene = scenes.load(name)
     session = Session(scene)

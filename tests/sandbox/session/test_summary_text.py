@@ -10,6 +10,7 @@ from softcradle.sandbox.session import Session, SetMethod
 from softcradle.sandbox.session.summary_text import summary_text
 
 from softcradle import scenes
+from tests.helpers.scene_kinds import EVERY_SCENE
 
 
 def test_a_collision_is_told_in_words():
@@ -37,7 +38,7 @@ def test_lanes_are_named_and_faults_are_told():
     assert "Do not trust it: verlet chattered from " in text
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_bead_that_hits_is_the_one_that_approached(name):
     """Contacts that merely touch, or are pressed, close at the same time or before."""
     scene = scenes.load(name)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from softcradle.sandbox.session import SetMass
 from softcradle.sandbox.session.value_edits import EDITS, can_be_edited, edit_of
-from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, value_of
+from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, bead_table, value_of, values_csv
+from softcradle.sandbox.window.plots.signals import Signal
 
 from tests.helpers.sessions import opened
 
@@ -88,3 +90,16 @@ def test_what_cannot_be_is_refused_in_a_sentence(column: str, value: float, sent
         session.apply(edit_of(session, 0, column, 1, value))
     assert session.snapshot().states[0].overlap.tolist() == before.states[0].overlap.tolist()
     assert not session.undo_stack.unsaved
+
+
+def test_beads_that_touch_are_a_length_apart():
+    """The position is a place on the line: beads side by side do not have the same one, and the striker is on the left."""
+    session = opened()
+    session.step_frames(COLLIDING)
+    length = session.scene.view.length
+    places = [row[2] for row in bead_table(session, 0).rows]
+    overlap = session.lanes[0].state.overlap
+    assert [b - a for a, b in pairwise(places)] == pytest.approx((length - overlap).tolist())
+    assert Signal("x", 2).values(session.lanes[0].motion, length)[0] == places[2]
+    rows = [line.split(",") for line in values_csv(session).splitlines()]
+    assert [float(row[3]) for row in rows[2:7]] == places

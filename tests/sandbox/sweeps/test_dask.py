@@ -13,8 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from softcradle.sandbox.sweeps import dask_pool, sobol, sweep
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.sweeps import executors, sobol, sweep
+from softcradle.sandbox.user_error import StudyError
 
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import LOG, logged
@@ -124,7 +124,7 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
         if what == "points" and len(events) == 1 and done > 0.4 * count:
             events.append(done)
             kill(cluster.worker)
-            time.sleep(dask_pool.LOOK_AGAIN)  # so that the next wait looks how many workers there are
+            time.sleep(1.1 * executors.COUNT_WORKERS)  # so that the next wait looks how many workers there are
         if what == "points" and len(events) == 2 and done > 0.6 * count:
             events.append(done)
             for process in cluster.processes:
@@ -151,7 +151,7 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
 
 
 def test_no_scheduler_is_told_at_once(tmp_path, monkeypatch):
-    monkeypatch.setattr(dask_pool, "CONNECT", 0.1)
+    monkeypatch.setattr(executors, "CONNECT", 0.1)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"

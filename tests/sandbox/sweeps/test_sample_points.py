@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 from softcradle.sandbox.sweeps import Axis, grid, latin_hypercube, listed, sobol
-from softcradle.sandbox.sweeps.study_error import StudyError
+from softcradle.sandbox.user_error import StudyError
 
 BOUNDS = {"x": (0.0, 2.0), "y": (0.01, 1.0, "log"), "n": (2, 5, "whole")}
 DESIGNS = {

@@ -4,40 +4,39 @@ from __future__ import annotations
 
 import errno
 import os
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
+import signal
+import subprocess
+import sys
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
-from softcradle.sandbox.sweeps import (
-    Measure,
-    chunk_schedule,
-    grid,
-    journal,
-    listed,
-    run_sweep,
-    sobol,
-    sweep,
-    sweep_places,
-)
-from softcradle.sandbox.sweeps.chunk_pools import Lost, thread_pool
+from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, sobol, store, sweep
 from softcradle.sandbox.sweeps.chunk_work import PointStatus
-from softcradle.sandbox.sweeps.journal import Journal
-from softcradle.sandbox.sweeps.run_sweep import journal_path
-from softcradle.sandbox.sweeps.study_error import StudyError
-from softcradle.sandbox.sweeps.swept_columns import swept
+from softcradle.sandbox.sweeps.executors import Here, Place
+from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
+from softcradle.sandbox.sweeps.schedule import ChunkSchedule
+from softcradle.sandbox.sweeps.store import Store, merged, partial_folder
+from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import load
 
+from tests.helpers.paths import ROOT
 from tests.helpers.swept import deadly, logged, numbers, reasoned
 
 xr = pytest.importorskip("xarray")
-pytest.importorskip("zarr")
+zarr = pytest.importorskip("zarr")
 pytest.importorskip("h5netcdf")
 
 A = np.linspace(0.0, 1.0, 21)
 GRID = grid({"a": A, "n": [1, 2, 3]})
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _loop_of_zarr(tmp_path_factory):
+    """Zarr keeps a thread with two sockets from its first use on."""
+    zarr.create_group(tmp_path_factory.mktemp("zarr"))
 
 
 @pytest.fixture(scope="module")
@@ -70,8 +69,7 @@ def test_a_point_that_fails_is_marked_with_its_reason(alone):
 
 @pytest.mark.parametrize("kind", ["threads", "executor", "one by one"])
 @pytest.mark.parametrize("output", [None, "x.zarr", "x.nc"])
-def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_places, "TRIED_HERE", 0.0)
+def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
     path = tmp_path / output if output else None
     options = {"output": path, "units": {"product": "m"}}
     if kind == "threads":
@@ -87,8 +85,7 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path, monke
 
 
 @pytest.mark.slow
-def test_it_is_equal_by_processes(alone, tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_places, "TRIED_HERE", 0.0)
+def test_it_is_equal_by_processes(alone, tmp_path):
     found = sweep(
         numbers,
         GRID,
@@ -102,61 +99,76 @@ def test_it_is_equal_by_processes(alone, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(monkeypatch, caplog):
-    monkeypatch.setattr(sweep_places, "TRIED_HERE", 0.0)
-    few = grid({"a": [0.25, 0.5], "n": [2, 3]})
+def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(caplog):
+    """It is among the first ones, which are computed in no process of the caller's."""
+    few = grid({"a": [0.5, 0.25], "n": [3, 2]})
     found = sweep(deadly, few, executor="processes", workers=1, chunk_seconds=1e-3)
-    assert found["status"].to_numpy().tolist() == [[0, 0], [0, PointStatus.LOST]]
-    assert found["reason"].to_numpy()[1, 1] == "the process that computed it died, 3 times"
-    np.testing.assert_array_equal(found["product"], [[0.5, 0.75], [1.0, np.nan]])
-    assert "a worker died" in caplog.text
+    assert found["status"].to_numpy().tolist() == [[PointStatus.LOST, 0], [0, 0]]
+    assert found["reason"].to_numpy()[0, 0] == "the process that computed it died, 3 times"
+    np.testing.assert_array_equal(found["product"], [[np.nan, 1.0], [0.75, 0.5]])
+    assert "point 0 is lost" in caplog.text
 
 
-class Deaths:
-    """A pool whose worker dies with what it was given whenever a point of `deadly` is in it, and once more at `innocent`."""
+@pytest.mark.slow
+def test_what_died_of_a_first_point_goes_on_in_processes(tmp_path):
+    """ "auto" tries the first points in the process of the caller, and leaves a note that the next start heeds."""
+    program = (
+        "from softcradle.sandbox.sweeps import grid, sweep\n"
+        "from tests.helpers.swept import deadly\n"
+        "few = grid({'a': [0.25, 0.5], 'n': [2, 3]})\n"
+        f"found = sweep(deadly, few, workers=2, output={str(tmp_path / 'x.nc')!r})\n"
+        "print(found['status'].to_numpy().ravel().tolist())\n"
+    )
+    command = [sys.executable, "-c", program]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    first, second = (
+        subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=300)
+        for _ in range(2)
+    )
+    assert first.returncode == -signal.SIGKILL
+    assert second.stdout == "[0, 0, 0, 6]\n", second.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
 
-    def __init__(self, work, deadly_points=(), innocent=()) -> None:
+
+class Dying(Executor):
+    """Breaks with all that is not done whenever a point of `deadly` is in it, and once at each of the `innocent`."""
+
+    def __init__(self, work, deadly_points, innocent) -> None:
         self.work, self.deadly, self.innocent = work, set(deadly_points), set(innocent)
-        self.handed: list[tuple[int, int]] = []
+        self.broken = False
         self.computed: list[int] = []
 
-    def room(self) -> int:
-        return 3 - len(self.handed)
+    def submit(self, function, begin, end, seconds):
+        future, own = Future(), set(range(begin, end))
+        self.broken |= bool((self.deadly | self.innocent) & own)
+        self.innocent -= own
+        if self.broken:
+            future.set_exception(BrokenExecutor())
+        else:
+            self.computed += own
+            future.set_result(self.work.compute(begin, end))
+        return future
 
-    def submit(self, begin: int, end: int, seconds: float) -> None:
-        self.handed.append((begin, end))
 
-    def wait(self):
-        begin, end = self.handed[-1]
-        if self.deadly & set(range(begin, end)) or self.innocent & set(range(begin, end)):
-            self.innocent -= set(range(begin, end))
-            guilty = len(self.handed) == 1
-            lost, self.handed = self.handed, []
-            yield from (Lost(*handed, guilty=guilty) for handed in lost)
-            return
-        self.handed.pop()
-        self.computed += range(begin, end)
-        yield self.work.compute(begin, end)
+class DyingPlace(Place):
+    """Where that happens."""
 
-    def busy(self) -> bool:
-        return bool(self.handed)
-
-    def close(self) -> None:
-        """Nothing to let go of."""
+    def renew(self) -> None:
+        self.executor.broken = False
 
 
 def test_the_guilty_point_alone_is_given_up(alone):
     work = run_sweep.sweep_work(numbers, GRID, ())
-    kept = Journal(None, "study")
-    pool = Deaths(work, deadly_points=(17,), innocent=(40,))
-    told: list[int] = []
-    chunk_schedule.ChunkSchedule([(0, 63)], kept.append, told.append, 1e-3).run(pool)
-    rows = kept.rows(0, 63)
-    assert np.flatnonzero(rows.columns["status"] == PointStatus.LOST).tolist() == [17]
+    kept, told = Store(None, "study"), list[int]()
+
+    executor = Dying(work, deadly_points=(17,), innocent=(40,))
+    ChunkSchedule([(0, 63)], kept.keep, told.append, 1e-3).run(DyingPlace(work.compute, executor, 2))
+    found = merged(kept.chunks(), 63)
+    assert np.flatnonzero(found.columns["status"] == PointStatus.LOST).tolist() == [17]
     assert sum(told) == 63 == kept.done
-    assert sorted(pool.computed) == sorted(set(range(63)) - {17})
+    assert sorted(executor.computed) == sorted(set(range(63)) - {17})
     expected = alone["product"].to_numpy().ravel()
-    np.testing.assert_array_equal(np.delete(rows.columns["product"], 17), np.delete(expected, 17))
+    np.testing.assert_array_equal(np.delete(found.columns["product"], 17), np.delete(expected, 17))
 
 
 def stopping_after(count: int):
@@ -175,8 +187,7 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, monkeypatch, caplog):
         sweep(logged, few, executor="here", output=output, chunk_seconds=0.0, progress=stopping_after(7))
     kept = tmp_path / "x.zarr.partial"
     assert f"7 points are kept in {kept}; the same sweep goes on from there" in caplog.text
-    with kept.open("ab") as file:
-        file.write(b'{"begin": 7, "end": 9, "bytes": 10000, "sum": 1, "shapes": {}}\n1234')  # a chunk that was cut off
+    (kept / ".7-9.123.part.npz").write_bytes(b"1234")  # a chunk that was cut off
     found = sweep(logged, few, executor="threads", output=output, chunk_seconds=0.0)
     assert same(found, sweep(logged, few, executor="here"))
     assert len(log.read_text().splitlines()[:20]) == len(set(log.read_text().splitlines()[:20])) == 20
@@ -185,42 +196,47 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, monkeypatch, caplog):
     found.close()
 
 
-def test_points_of_a_study_keep_their_reasons_and_come_chunk_by_chunk():
-    taken: list[tuple[int, int]] = []
+def test_points_of_a_study_keep_their_reasons_and_come_one_by_one():
+    taken: list[int] = []
     points = grid({"a": [0.5, 0.25], "n": [2, 3]})
-    with swept(
-        reasoned, points, executor="here", chunk_seconds=0.0, each=lambda chunk: taken.append((chunk.begin, chunk.end))
-    ) as kept:
-        found = kept.rows(0, 4)
-    assert taken == [(0, 1), (1, 2), (2, 3), (3, 4)]
-    assert found.reasons == {1: "three", 3: "three"}
-    assert found.columns["product"].tolist() == [1.0, 1.5, 0.5, 0.75]
+    found = map_points(
+        reasoned, points, executor="here", chunk_seconds=0.0, each=lambda number, row: taken.append(number)
+    )
+    assert taken == [0, 1, 2, 3]
+    assert [row.get("reason") for row in found] == [None, "three", None, "three"]
+    assert [row["product"] for row in found] == [1.0, 1.5, 0.5, 0.75]
 
 
 def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     kept, points = tmp_path / "kept", grid({"a": [0.5, 0.95], "n": [2]})
     for _ in range(2):
-        with (
-            pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 points are kept in"),
-            swept(numbers, points, kept, executor="here", chunk_seconds=0.0),
-        ):
-            pass
-    assert journal_path(kept).is_file()
+        with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 points are kept in"):
+            map_points(numbers, points, kept, executor="here", chunk_seconds=0.0)
+    assert partial_folder(kept).is_dir()
+    drop_kept(kept)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_points_of_another_study_are_dropped(tmp_path, monkeypatch):
+    kept, log = tmp_path / "kept", tmp_path / "log"
+    monkeypatch.setenv("SWEPT_LOG", str(log))
+    for a, times in ((0.5, 1), (0.5, 1), (0.25, 2)):
+        map_points(logged, grid({"a": [a], "n": [2]}), kept, executor="here")
+        assert len(log.read_text().splitlines()) == times
 
 
 def test_a_study_of_unlike_points_begins_with_processes(monkeypatch):
     """None of its points is tried in this process first, which would let the other cores wait for the longest."""
-    pools: list[float] = []
+    begun: list[str] = []
 
-    def pool(self, seconds_left):
-        pools.append(seconds_left)
-        return thread_pool(self._work, 1)
+    def place(work, workers):
+        begun.append("processes")
+        return Here(work)
 
-    monkeypatch.setattr(sweep_places.Places, "pool", pool)
-    for alike, expected in ((True, []), (False, [4.0])):
-        with swept(numbers, grid({"a": [0.5, 0.25], "n": [2, 3]}), alike=alike) as kept:
-            assert kept.done == 4
-        assert pools == expected
+    monkeypatch.setattr(run_sweep, "processes_or_threads", place)
+    for alike, expected in ((True, []), (False, ["processes"])):
+        assert len(map_points(numbers, grid({"a": [0.5], "n": [2, 3]}), workers=2, alike=alike)) == 2
+        assert begun == expected
 
 
 def test_what_is_complete_is_opened_and_not_computed(tmp_path, monkeypatch):
@@ -250,11 +266,19 @@ def test_the_journal_of_another_study_is_refused(tmp_path):
 
 @pytest.mark.skipif(os.name == "nt", reason="files are locked otherwise there")
 def test_one_sweep_at_a_time(tmp_path):
-    first = Journal(tmp_path / "kept", "study")
+    first = Store(tmp_path / "kept", "study")
     with pytest.raises(StudyError, match="kept is being written by another sweep"):
-        Journal(tmp_path / "kept", "study")
+        Store(tmp_path / "kept", "study")
     first.close()
-    Journal(tmp_path / "kept", "study").close()
+    Store(tmp_path / "kept", "study").close()
+
+
+def test_a_chunk_that_cannot_be_read_is_named(tmp_path):
+    kept = Store(tmp_path / "kept", "study")
+    (tmp_path / "kept" / "0-3.npz").write_bytes(b"no chunk")
+    with pytest.raises(StudyError, match=r"cannot read .*0-3.npz: delete it"):
+        kept.chunks()
+    kept.close()
 
 
 def test_a_full_disk_loses_nothing(tmp_path, monkeypatch, alone):
@@ -263,11 +287,11 @@ def test_a_full_disk_loses_nothing(tmp_path, monkeypatch, alone):
 
     def full(descriptor: int) -> None:
         synced.append(descriptor)
-        if len(synced) == 4:  # the first is of the study
+        if len(synced) == 3:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         real(descriptor)
 
-    monkeypatch.setattr(journal.os, "fsync", full)
+    monkeypatch.setattr(store, "fsync", full)
     with pytest.raises(
         StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept in"
     ):
@@ -329,19 +353,6 @@ def test_motions_of_a_function_are_measured():
     assert found["final_velocity"].sum("bead").values == pytest.approx([0.5, 1.0])
 
 
-def test_blocks_are_written_one_by_one(tmp_path, monkeypatch, alone):
-    """A store in blocks of a few points, of which a grid's are boxes, holds the same."""
-    from softcradle.sandbox.sweeps import dataset_layout
-
-    for shape in ((7,), (5, 3), (2, 3, 4)):
-        numbers_of = np.arange(np.prod(shape)).reshape(shape)
-        found = np.full(shape, -1)
-        for begin, end, region in dataset_layout.blocks(shape, 4):
-            assert numbers_of[region].ravel().tolist() == list(range(begin, end))
-            found[region] = numbers_of[region]
-        assert (found == numbers_of).all()
-
-
 @pytest.mark.parametrize(
     ("arguments", "options", "sentence"),
     [
@@ -364,7 +375,7 @@ def test_blocks_are_written_one_by_one(tmp_path, monkeypatch, alone):
         ((numbers, GRID), {"output": "nowhere/x.nc"}, "there is no folder"),
         ((numbers, GRID), {"executor": "nobody"}, "executor must be auto, here, threads, processes"),
         ((numbers, GRID), {"workers": 0}, "workers must be at least 1, not 0"),
-        ((lambda a, n: {}, GRID), {"executor": "processes"}, "cannot be sent to another process"),
+        ((lambda a, n: {}, GRID), {"executor": "processes"}, "cannot compute this: put the function into a module"),
     ],
 )
 def test_what_cannot_be_is_refused_before_any_work(arguments, options, sentence, tmp_path, monkeypatch):
@@ -383,11 +394,52 @@ def test_samples_have_their_coordinates(tmp_path):
     assert set(found.coords) >= {"a", "n"}
 
 
-def test_the_journal_is_as_large_as_its_numbers(tmp_path: Path):
-    kept = Journal(tmp_path / "kept", "study")
+def test_files_are_as_large_as_their_numbers(tmp_path):
+    kept = Store(tmp_path / "kept", "study")
     work = run_sweep.sweep_work(numbers, sobol({"a": (0.0, 0.5), "n": (2, 2.0000001)}, 1000), ())
-    kept.append(work.compute(0, 100))
-    assert kept.path is not None
-    assert kept.path.stat().st_size < 100 * 8 * 6 + 2500
+    kept.keep(work.compute(0, 100))
+    assert (tmp_path / "kept" / "0-100.npz").stat().st_size < 100 * 8 * 6 + 2500
     assert list(kept.missing(1000)) == [(100, 1000)]
     kept.close()
+
+
+SCRIPT = """
+from softcradle.sandbox.sweeps import grid, sweep
+import os
+
+
+def where(k):
+    return {"process": os.getpid()}
+
+
+GUARD
+    found = sweep(where, {"k": range(8)}, executor="EXECUTOR", workers=2)
+    print(os.getpid() in found["process"].values.tolist())
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("guard", "code", "told"),
+    [
+        ('if __name__ == "__main__":', 0, "False\n"),
+        ("if True:", 1, "each would run all of script.py, put what begins the sweep below `if __name__"),
+    ],
+)
+def test_a_function_of_the_script_itself_gets_processes(guard, code, told, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT.replace("GUARD", guard).replace("EXECUTOR", "processes"))
+    done = subprocess.run(
+        [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == code, done.stderr
+    assert told in done.stdout + done.stderr
+
+
+def test_threads_in_place_of_processes_are_told_of(monkeypatch, caplog):
+    monkeypatch.setattr(run_sweep, "WORTH_PROCESSES", 0.0)
+    monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
+    found = sweep(lambda k: {"double": 2 * k}, {"k": range(5)}, workers=2)
+    assert found["double"].values.tolist() == [0, 2, 4, 6, 8]
+    assert "computed in threads of this process" in caplog.text
+    assert "put the function into a module" in caplog.text

@@ -39,7 +39,7 @@ def test_all_kernels_are_loaded_and_jobs_done_between():
     warmup, done = KernelWarmup(), []
     warmup.start()
     warmup.submit(done.append, lambda: 7)
-    assert warmup.complete.wait(300.0)
+    assert warmup.complete.wait(3600.0)
     warmup.stop()
     while not warmup.deliver():
         pass
@@ -75,7 +75,7 @@ def test_a_scene_is_played_before_anything_is_compiled(tmp_path):
             PLAYED if more else PLAYED.replace("wait=False", "wait=True").replace("assert not driver.app", "driver.app")
         )
         done = subprocess.run(
-            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True, timeout=300
+            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
         )
         return done.stdout.splitlines()[-1]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pygame
+import pytest
 from softcradle.sandbox.window.keys import CTRL, SHIFT, action_of, bindings
 
 from tests.helpers.windows import Driver
@@ -50,3 +51,64 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual():
     hold(pygame.K_SPACE, 4)
     assert driver.session.playing
     driver.close()
+
+
+@pytest.mark.parametrize(
+    ("code", "modifiers", "text", "action"),
+    [
+        (pygame.K_EQUALS, CTRL | SHIFT, "+", "larger"),  # English
+        (pygame.K_EQUALS, CTRL, "=", "larger"),
+        (pygame.K_PLUS, CTRL, "+", "larger"),  # German
+        (pygame.K_KP_PLUS, CTRL, "+", "larger"),
+        (pygame.K_KP_MINUS, CTRL, "-", "smaller"),
+        (pygame.K_KP_PLUS, 0, "+", "faster"),
+        (pygame.K_SEMICOLON, SHIFT, ".", "forward"),  # French
+        (pygame.K_COMMA, 0, ",", "back"),
+        (pygame.K_PERIOD, SHIFT, ">", "next_event"),
+        (pygame.K_PERIOD, SHIFT, ":", "next_event"),  # German
+        (pygame.K_QUOTE, SHIFT, "*", None),
+    ],
+)
+def test_a_sign_is_the_same_on_every_keyboard(code, modifiers, text, action):
+    assert action_of(code, modifiers, text) == action
+
+
+def test_the_letter_of_a_key_does_not_land_in_the_line_that_it_opens(driver: Driver) -> None:
+    driver.key(pygame.K_x, text="x")
+    driver.type("meas.csv")
+    assert driver.app.dialog.entry.get_text() == "meas.csv"
+    driver.key(pygame.K_ESCAPE)
+    driver.key(pygame.K_8, SHIFT, "*")
+    assert driver.app.dialog.entry.get_text() == "f0 against d0"
+    driver.key(pygame.K_ESCAPE)
+    driver.key(pygame.K_F10)
+    driver.app.dialog.focus = driver.app.dialog.names.index("data")
+    driver.key(pygame.K_SPACE, text=" ")
+    assert driver.app.dialog.entry.get_text() == ""
+
+
+def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
+    driver.click(driver.bead(1))
+    driver.click(driver.page.cards.menus[0].rect.center)
+    driver.frames(2)
+    menu = driver.page.cards.menus[0]
+    assert menu.current_state is menu.menu_states["expanded"]
+    driver.key(pygame.K_ESCAPE)
+    driver.frames(2)
+    assert menu.current_state is menu.menu_states["closed"]
+    assert driver.page.editor.selection is not None
+    driver.app.open("hanging-cradle")
+    driver.frames(2)
+    page = driver.app.page
+    driver.click(page.controls.menus["law"].rect.center)
+    driver.frames(2)
+    driver.key(pygame.K_ESCAPE)
+    assert driver.app.page is page
+
+
+def test_bare_letters_edit_what_is_selected_alone(driver: Driver) -> None:
+    before = driver.session.setup
+    for key in (pygame.K_a, pygame.K_m, pygame.K_g, pygame.K_l):
+        driver.key(key)
+    assert driver.session.setup is before
+    assert any("select a bead" in text for text in driver.messages)

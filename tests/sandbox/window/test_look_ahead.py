@@ -12,6 +12,7 @@ from softcradle.sandbox.user_error import GaveUpError
 from softcradle.sandbox.window.look_ahead import MOST_AT_ONCE, MOST_BEHIND, motions_ahead
 
 from softcradle import scenes
+from tests.helpers.scene_kinds import EVERY_SCENE
 
 
 def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
@@ -31,7 +32,7 @@ def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
     assert motions_ahead(scene)
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_window_sees_every_shipped_scene_ahead_at_once(name):
     assert motions_ahead(scenes.load(name), MOST_AT_ONCE)
 

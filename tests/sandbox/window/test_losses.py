@@ -13,7 +13,9 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.unsaved_scene import unsaved_path
 
 from tests.helpers.windows import Driver
 
@@ -28,6 +30,37 @@ def post(kind: int, **values: object) -> None:
 def edited(driver: Driver) -> None:
     driver.click(driver.bead(2))
     driver.key(pygame.K_a)
+
+
+def test_a_window_that_is_killed_offers_its_edits_at_the_next_start(driver: Driver) -> None:
+    edited(driver)
+    driver.frames(90)
+    masses = driver.session.lanes[0].chain.mass
+    driver.app.quit(killed=True)
+    driver.close()
+    again = Driver()
+    assert again.app.dialog.title == "An unsaved scene"
+    again.key(pygame.K_RETURN)
+    assert again.session.lanes[0].chain.mass == masses
+    assert again.page.unsaved
+    assert not again.app.settings.recent
+    again.close()
+    assert not unsaved_path().exists()
+
+
+def test_what_is_saved_or_undone_or_ended_by_hand_is_not_offered(driver: Driver) -> None:
+    edited(driver)
+    driver.frames(90)
+    assert unsaved_path().exists()
+    driver.page.dialogs.save("save_scene", "mine")
+    driver.frames(90)
+    assert not unsaved_path().exists()
+    driver.key(pygame.K_a)
+    driver.frames(90)
+    assert unsaved_path().exists()
+    driver.app.close()
+    assert not unsaved_path().exists()
+    driver.app = App()  # for the fixture to close
 
 
 def test_keys_and_buttons_undo_and_redo_and_the_motion_stays(driver: Driver) -> None:
@@ -274,7 +307,7 @@ def test_a_signal_while_filming_keeps_the_film(tmp_path: Path, number: signal.Si
         while "filming" not in process.stdout.readline():
             assert process.poll() is None
         process.send_signal(number)
-        process.communicate(timeout=300)
+        process.communicate()
         assert process.returncode == 0
     with av.open(str(tmp_path / "mine.mp4")) as film:
         assert sum(1 for _ in film.decode(video=0)) >= 5

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import settings
 from hypothesis.stateful import run_state_machine_as_test
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
-from softcradle.sandbox.session.inputs import SetMass, SetVelocity
+from softcradle.sandbox.session.inputs import AddBead, RemoveBead, SetMass, SetVelocity
 from softcradle.sandbox.session.undo import UndoStack
 from softcradle.sandbox.window.keys import CTRL
 
@@ -62,3 +62,34 @@ def test_a_redo_that_forgets_its_frame_is_found(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(UndoStack, "redo", lambda stack, present: replace(redo(stack, present), frame=4))
     with pytest.raises(AssertionError):
         check_round_trip(session)
+
+
+def test_the_cursor_reads_frames_from_before_beads_were_removed() -> None:
+    """There are then more values than names, and more than are listed."""
+    driver = Driver("one-on-ten")
+    for _ in range(3):
+        driver.session.apply(AddBead(0, 1))
+    driver.session.step_frames(60)
+    for _ in range(3):
+        driver.session.apply(RemoveBead(0, 1))
+    driver.session.step_frames(5)
+    driver.frames(2)
+    for plot in driver.page.board.plots:
+        for x in range(plot.area.left, plot.area.right, 7):
+            driver.page.board.paint_reading(driver.app.surface, (x, plot.area.centery))
+    driver.close()
+
+
+def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew() -> None:
+    """The page was then built of beads that there are no more."""
+    driver = Driver("one-on-four")
+    driver.click(driver.bead(2))
+    driver.session.step_frames(200)
+    driver.frames(2)
+    for code, modifiers in ((pygame.K_DELETE, 0), (pygame.K_i, 0), (pygame.K_z, pygame.KMOD_CTRL)):
+        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode="", scancode=0))
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert [len(depths) for depths in driver.page.view.scales.scales.deepest] == [4]
+    assert driver.page.view.lanes[0].drawing.chain == driver.session.lanes[0].chain
+    driver.close()

@@ -37,8 +37,8 @@ def display() -> Iterator[str]:
     with os.fdopen(reading) as output:
         number = output.readline().strip()
     yield f":{number}"
-    server.terminate()
-    server.wait(10)
+    server.kill()
+    server.wait()
 
 
 class Screen:
@@ -115,7 +115,7 @@ def test_a_scene_is_played_on_a_screen(display: str, tmp_path: Path) -> None:
         _play(screen, tmp_path)
     finally:
         screen.process.kill()
-        screen.process.wait(10)
+        screen.process.wait()
 
 
 def _play(screen: Screen, tmp_path: Path) -> None:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 from softcradle.sandbox.studies.claims.claim_outputs import as_json
-from softcradle.sandbox.studies.claims.solver import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
+from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
 
 from tests.helpers.figure_layout import small_texts, texts_beyond, texts_on_curves, texts_on_texts
@@ -45,7 +46,9 @@ def test_a_case_is_decided_only_where_its_error_bar_does_not_cross(value, error,
     [
         ((0.1, 0.2, 0.3, 0.4), Verdict.HOLDS, "holds"),
         ((0.1, 0.2, 0.3, 1.4), Verdict.WITHIN, "holds within x <= 3"),
-        ((1.1, 0.2, 0.3, 0.4), Verdict.WITHIN, "holds within 3 of 4 cases"),
+        ((1.1, 0.2, 0.3, 0.4), Verdict.WITHIN, "holds within x >= 2"),
+        ((1.1, 0.2, 0.3, 1.4), Verdict.WITHIN, "holds within x >= 2 and <= 3"),
+        ((1.1, 0.2, 1.3, 0.4), Verdict.WITHIN, "holds within 2 of 4 cases"),
         ((0.1, 1.2, 1.3, 1.4), Verdict.BEYOND, "fails beyond x = 1"),
         ((1.1, 1.2, 0.3, 1.4), Verdict.BEYOND, "fails beyond x = 1, the least tried; holds in 1 of 4"),
         ((1.1, 1.2, 1.3, 1.4), Verdict.BEYOND, "fails beyond x = 1, the least tried"),
@@ -68,8 +71,8 @@ def test_the_counter_example_is_the_failing_case_nearest_to_the_papers_own():
 
 def claim(measure, **options):
     return Claim(
-        "name", "statement", "Sec. I", "quantity", measure, grid(x=(1, 2, 3)), {"x": 2.0}, "x",
-        lambda case: case["x"], 2.5, "how", **options,
+        name="name", statement="statement", place="Sec. I", quantity="quantity", measure=measure, cases=grid(x=(1, 2, 3)),
+        own={"x": 2.0}, variable="x", order=lambda case: case["x"], allowed=2.5, how="how", **options,
     )  # fmt: skip
 
 
@@ -114,6 +117,7 @@ def test_the_labels_of_every_logarithmic_axis_are_apart(span):
         assert sum(bool(label.get_text()) for label in axes.get_xticklabels()) >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.name)
 def test_the_words_of_every_claim_have_room_in_its_picture(claim):
     """With cases that are made up; as wide as a column."""
@@ -125,3 +129,17 @@ def test_the_words_of_every_claim_have_room_in_its_picture(claim):
         assert texts_beyond(picture) == []
         assert texts_on_texts(picture) == []
         assert texts_on_curves(picture) == []
+
+
+def test_a_verdict_says_how_it_moves_with_the_bar():
+    """At each bar that is named the study says so itself."""
+
+    def at(allowed):
+        return study(case(1.0, 0.4, 0.0, allowed), case(2.0, 0.6, 0.05, allowed), case(3.0, 2.0, 0.5, allowed))
+
+    assert at(0.5).bar_text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
+    verdicts = {allowed: at(allowed).verdict for allowed in (0.54, 0.6, 0.66, 1.4, 1.6)}
+    assert list(verdicts.values()) == [
+        Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.WITHIN, Verdict.WITHIN, Verdict.HOLDS,
+    ]  # fmt: skip
+    assert replace(at(0.5), chosen=False).bar_text == ""

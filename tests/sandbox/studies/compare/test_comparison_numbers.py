@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.sandbox.draw.number_format import MINUS, number_text
-from softcradle.sandbox.studies.compare.matched_side import short_text
-from softcradle.sandbox.studies.compare.sides import MOST_SIDES
+from softcradle.sandbox.studies.compare.sides import MOST_SIDES, short_text
 
 from tests.helpers.truth import CRITICAL_SPEEDS, GEARS
 

@@ -9,7 +9,7 @@ import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions_quietly, strongest_row
-from softcradle.sandbox.studies.compare.comparison_outputs import FilmSettings
+from softcradle.sandbox.studies.compare.report import FilmSettings
 from softcradle.sandbox.studies.compare.sides import comparison_of
 from softcradle.sandbox.user_error import UserError
 
@@ -22,7 +22,7 @@ def test_no_file_is_half_written_when_the_film_fails(refused, tmp_path, monkeypa
     def fail(*_, **__):
         raise UserError("the film has failed")
 
-    monkeypatch.setattr("softcradle.sandbox.studies.compare.comparison_outputs.render_scene", fail)
+    monkeypatch.setattr("softcradle.sandbox.studies.compare.report.render_scene", fail)
     (tmp_path / "old.html").write_text("old")
     outputs = ["-o", str(tmp_path / "old.html"), "-o", str(tmp_path / "new.json"), "-o", str(tmp_path / "new.mp4")]
     assert "the film has failed" in refused(*PAIR, *outputs)
@@ -53,7 +53,7 @@ def test_film_is_simulated_with_the_given_method(tmp_path, monkeypatch):
         given.update(settings)
         raise UserError("enough")
 
-    monkeypatch.setattr("softcradle.sandbox.studies.compare.comparison_outputs.render_scene", record)
+    monkeypatch.setattr("softcradle.sandbox.studies.compare.report.render_scene", record)
     assert main(["compare", *PAIR, "-o", str(tmp_path / "x.mp4"), "--method", "verlet", "--step", "0.002"]) == 2
     assert (given["method"], given["step"]) == ("verlet", 0.002)
 

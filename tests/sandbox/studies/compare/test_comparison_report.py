@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 from softcradle.sandbox.draw.number_format import number_text
-from softcradle.sandbox.studies.compare.comparison_outputs import ComparisonReport, FilmSettings
-from softcradle.sandbox.studies.compare.comparison_results import solve_sides
+from softcradle.sandbox.studies.compare.report import ComparisonReport, FilmSettings
+from softcradle.sandbox.studies.compare.results import solve_sides
 from softcradle.sandbox.studies.compare.sides import comparison_of
 
 from tests.helpers.browser import Browser, found

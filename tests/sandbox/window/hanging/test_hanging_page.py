@@ -102,7 +102,7 @@ def test_the_badge_says_which_method_fails():
     assert abs(verdict(lost, 0).change) > 3.0 * abs(verdict(kept, 0).change)
     assert verdict(lost, 0).level == "bad"
     assert "SoftChain" in verdict(lost, 0).sentence
-    fine = HangingModel(rate=960)
+    fine = HangingModel("power law, alpha 1/14", rate=960)
     fine.advance(3.0)
     assert verdict(fine, 0).level == "good"
 
@@ -124,3 +124,38 @@ def test_menus_choose_method_and_steps_and_the_history_is_exported(tmp_path, mon
     assert rows[0].startswith("time_s,soft_x0_m,soft_y0_m")
     assert float(rows[-1].split(",")[0]) == pytest.approx(0.5, abs=0.02)
     driver.close()
+
+
+def test_balls_that_have_passed_each_other_are_a_fault():
+    model = HangingModel("power law, alpha 1/14")
+    model.advance(0.1)
+    assert verdict(model, 0).level == "good"
+    for _ in range(60):
+        model.hold(0, 4, (-0.6, -0.5))
+        model.advance(1 / 60)
+    model.release()
+    model.advance(0.5)
+    found = verdict(model, 0)
+    assert found.level == "bad"
+    assert "passed each other" in found.sentence
+    model.scrub(3)
+    assert verdict(model, 0).level == "good"  # not yet
+    model.restart()
+    assert verdict(model, 0).level == "good"
+
+
+def test_a_kept_energy_says_how_well():
+    model = HangingModel("steel balls (Hertz)", rate=240)
+    model.advance(4.0)
+    found = verdict(model, 0)
+    assert found.level == "good"
+    assert f"{100 * abs(found.change):.2g} %" in found.sentence
+
+
+def test_a_picture_reads_no_more_frames_than_its_plot_shows():
+    model = HangingModel(rate=60)
+    model.advance(30.0)
+    assert len(model.energy_shares(0, 12.0)) == 12 * 60 + 1
+    assert model.energy_shares(0, 12.0)[-1][0] == model.time
+    model.scrub(100)
+    assert model.energy_shares(0, 12.0)[0][0] == 0.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pygame
 import pytest
-from softcradle.physics import simulate
+from softcradle.physics import power_law, simulate
+from softcradle.sandbox.session.inputs import SetContact
 from softcradle.sandbox.window.lessons.lesson_list import MEASURES, lessons
 
 from softcradle import scenes
@@ -50,3 +51,27 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
     driver.key(pygame.K_q)
     assert any("One bead on four" in text for text in driver.messages)
     driver.close()
+
+
+def test_every_choice_has_a_reason_of_its_own():
+    for lesson in lessons():
+        assert len(set(lesson.why)) == len(lesson.choices)
+
+
+def answered(driver: Driver) -> str:
+    driver.key(pygame.K_q)
+    driver.key(pygame.K_RETURN)
+    for _ in range(1500):
+        driver.frames()
+        if driver.app.dialog.open:
+            break
+    return driver.app.dialog.note
+
+
+def test_the_reason_is_of_what_was_measured_and_an_edited_scene_has_none(driver: Driver) -> None:
+    assert "half the force" in answered(driver)
+    driver.key(pygame.K_ESCAPE)
+    driver.page.lessons._next = 0
+    driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
+    note = answered(driver)
+    assert note == "Measured: the last bead alone."

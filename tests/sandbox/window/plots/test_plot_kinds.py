@@ -9,12 +9,14 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.curve_panels import linear_axis
-from softcradle.sandbox.window.keys import Key, action_of, groups
+from softcradle.sandbox.window.keys import action_of, groups
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
+from softcradle.sandbox.window.plots.live_scales import estimated_scales
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
 from softcradle.sandbox.window.plots.strip_plot import StripPlot
 
-from tests.helpers.window_fuzz import fuzz_keys
+from softcradle import scenes
+from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -56,7 +58,6 @@ def test_a_plot_in_the_table_has_its_line_of_help_and_is_fuzzed(monkeypatch: pyt
     monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
     assert action_of(pygame.K_8, 0) == "momentum"
     assert "momentum of each bead" in [binding.text for binding in groups()["Plots"]]
-    assert Key(pygame.K_8) in fuzz_keys()
 
 
 def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,6 +76,14 @@ def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
         driver.key(PLOT_KINDS["difference"].key)
         assert any("needs two lanes" in text for text in driver.messages) == (lanes == 1)
         driver.close()
+
+
+def test_no_difference_of_two_lanes_is_cut_by_its_axis():
+    scales = estimated_scales(scenes.load("beads-against-gear"), opened("beads-against-gear"))
+    for lane, (low, high) in enumerate((scales.velocity, (scales.pull, scales.force))):
+        axis = PLOT_KINDS["difference"].content(PlotSetting(scales, lane, 4, 1.0, True)).axis
+        assert axis.low <= low - high
+        assert axis.high >= high - low
 
 
 def test_space_time_has_a_scale_of_its_shades(driver):

@@ -53,19 +53,47 @@ def test_wheel_and_drag_take_the_view_and_fit_gives_it_back(driver: Driver) -> N
     assert in_sight(driver)
 
 
-def test_the_clock_pauses_once_when_all_contacts_are_open_for_good(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    for _ in range(900):
-        if driver.session.playing:
-            driver.frames()
-    assert not driver.session.playing
-    assert (driver.session.lanes[0].state.overlap < 0.0).all()
-    assert any("open for good" in text for text in driver.messages)
+def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_happened(driver: Driver) -> None:
+    played_to_the_end(driver)
+    state, length = driver.session.lanes[0].state, driver.session.scene.view.length
+    assert (state.overlap < 0.0).all()
+    assert state.overlap.min() <= -2.0 * length
+    card = driver.page.outcome
+    assert "Beads 2 to 4 go together to the right" in card.text
+    assert list(card.buttons) == ["Close", "Now with steel balls", "Why? The forces"]
+    assert not driver.messages
     stopped = driver.session.time
     driver.key(pygame.K_SPACE)
     driver.frames(100)
     assert driver.session.playing
     assert driver.session.time > stopped
+    assert not card.text
+
+
+def played_to_the_end(driver: Driver) -> None:
+    driver.key(pygame.K_SPACE)
+    for _ in range(900):
+        if driver.session.playing:
+            driver.frames()
+    assert not driver.session.playing
+
+
+def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
+    played_to_the_end(driver)
+    driver.click(driver.page.outcome.buttons["Why? The forces"].rect.center)
+    driver.frames(2)
+    assert "one rigid body" in driver.page.outcome.text
+    assert driver.session.lanes[0].state.force.max() > 0.9
+    driver.click(driver.page.outcome.buttons["Close"].rect.center)
+    assert not driver.page.outcome.buttons
+    driver.page.outcome.show_outcome()
+    driver.click(driver.page.outcome.buttons["Now with steel balls"].rect.center)
+    driver.frames(2)
+    soft, steel = driver.session.lanes
+    assert [law.exponent for law in steel.chain.contact] == [1.5] * 4
+    assert driver.session.label(1) == "steel balls"
+    assert soft.chain.contact[0].exponent == 0.1
+    assert driver.session.playing
 
 
 def test_the_clock_can_be_faster_than_real_time(driver: Driver) -> None:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pygame
 import pytest
+from softcradle.physics import power_law
+from softcradle.sandbox.session.inputs import SetContact
 from softcradle.sandbox.window.scene.editable_parameters import number
 from softcradle.sandbox.window.scene.pick import Pick
 
@@ -126,3 +128,32 @@ def test_after_enter_keys_are_those_of_the_window_again(driver: Driver) -> None:
     driver.key(pygame.K_SPACE, text=" ")
     assert driver.session.playing
     assert " " not in driver.page.inspector.controls["mass"].entry.get_text()
+
+
+def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
+    """After a typed number, and while the model changes it."""
+    driver.click(driver.bead(0))
+    driver.click(driver.page.inspector.controls["velocity"].entry.rect.center)
+    driver.page.inspector.controls["velocity"].entry.set_text("-8")
+    driver.key(pygame.K_RETURN)
+    driver.frames(20)
+    control = driver.page.inspector.controls["velocity"]
+    assert control.parameter.value == -8.0
+    assert control.slider.current_value == pytest.approx(control.parameter.share(), abs=0.01)
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    driver.key(pygame.K_SPACE)
+    driver.frames(300)
+    driver.key(pygame.K_SPACE)
+    driver.frames(20)
+    control = driver.page.inspector.controls["velocity"]
+    assert control.parameter.value < 0.5
+    assert control.slider.current_value == pytest.approx(control.parameter.share(), abs=0.01)
+
+
+def test_the_kind_of_a_contact_says_what_its_law_is(driver: Driver) -> None:
+    """A spring of 1 N/m is not hard."""
+    driver.page.editor.selection = Pick(0, "contact", 1)
+    driver.session.apply(SetContact(0, 1, power_law(1.0, 1.0)))
+    driver.frames(2)
+    lit = [button.text for button in driver.page.inspector.buttons if button.is_selected]
+    assert lit == ["alpha ≥ 1"]

@@ -66,7 +66,9 @@ def test_beads_are_added_and_removed(driver: Driver) -> None:
 
 
 def test_locked_pistons_make_a_usual_cradle(driver: Driver) -> None:
-    driver.key(pygame.K_l)  # nothing selected: all of them
+    driver.key(pygame.K_l)
+    assert any("select a contact" in text for text in driver.messages)
+    driver.key(pygame.K_l, SHIFT)
     driver.key(pygame.K_SPACE)
     driver.frames(330)
     velocity = driver.session.lanes[0].velocity

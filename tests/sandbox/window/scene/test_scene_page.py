@@ -10,6 +10,7 @@ import pytest
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.sandbox.session.inputs import SetFriction
 from softcradle.sandbox.window import kernel_warmup
+from softcradle.sandbox.window.scene.scene_page import joined
 
 from tests.helpers.windows import Driver
 
@@ -130,3 +131,8 @@ def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain
     assert not driver.page.editor.preparing
     assert driver.session.frame > frame
     driver.close()
+
+
+def test_no_two_actions_have_one_name():
+    with pytest.raises(ValueError, match="two actions are called undo"):
+        joined({"undo": print, "redo": print}, {"undo": print})

@@ -14,6 +14,7 @@ from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.scene.scene_tools import MENU
 
 from softcradle import scenes
+from tests.helpers.scene_kinds import EVERY_SCENE
 from tests.helpers.windows import Driver
 
 CTRL = pygame.KMOD_CTRL
@@ -84,7 +85,7 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver, clipboard: list[st
     assert any("not a whole scene" in text for text in driver.messages)
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", EVERY_SCENE)
 def test_every_scene_is_a_text_that_reads_back(name: str) -> None:
     scene = scenes.load(name)
     text = shared_text(scene)

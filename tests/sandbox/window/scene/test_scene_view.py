@@ -9,6 +9,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.rigid_clusters import rigid_forces
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.pick import Pick
 
@@ -35,6 +36,7 @@ def test_the_title_marks_unsaved_edits(driver: Driver) -> None:
         return next(one.text for one in texts_of(driver) if "One bead on four" in one.text)
 
     assert title() == "One bead on four"
+    driver.click(driver.bead(1))
     driver.key(pygame.K_a)
     assert title() == "• One bead on four"
     driver.page.dialogs.save("save_scene", "mine")
@@ -58,13 +60,23 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
     driver.key(pygame.K_SPACE)
     driver.frames(240)
     driver.key(pygame.K_SPACE)
-    assert len(driver.page.view.lanes[0].drawing.rigid) == 4
+    assert len(driver.page.view.lanes[0].drawing.ends) == 4
     driver.page.editor.selection = Pick(0, "bead", 4)
     driver.key(pygame.K_DELETE)
     driver.frames(2)
-    drawing = driver.page.view.lanes[0].drawing
-    assert drawing.interface == 0
-    assert drawing.rigid == pytest.approx((1.0, 2.0 / 3.0, 1.0 / 3.0))  # of three beads that are pushed, Eq. (5)
+    assert driver.page.view.lanes[0].drawing.ends == (True, False, False)  # of three beads that are pushed, Eq. (5)
+
+
+def test_marks_of_rigid_clusters_end_at_a_gap(driver: Driver) -> None:
+    """Bead 4 is dragged away: three are pushed, and their contacts alone have marks."""
+    driver.drag(driver.bead(4), (driver.bead(4)[0] + 150, driver.bead(4)[1]))
+    driver.release(driver.bead(4))
+    driver.key(pygame.K_SPACE)
+    driver.frames(220)
+    drawing, state = driver.page.view.lanes[0].drawing, driver.session.lanes[0].state
+    assert state.force[0] > 0.5
+    forces = rigid_forces(drawing.chain.mass, drawing.ends, state.overlap.tolist(), state.force.tolist(), 1.0)
+    assert forces == pytest.approx([0.0, 2 / 3 * state.force[0], 1 / 3 * state.force[0], 0.0])
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])

@@ -171,7 +171,7 @@ def test_a_wall_in_the_way_is_told(table: Driver) -> None:
     table.click(place_of(table, cell("bead", 0, "position (m)")))
     table.type("9")
     table.key(pygame.K_RETURN)
-    assert any("a wall is in the way: bead 0 stops at 1 m" in text for text in table.messages)
+    assert any("a wall is in the way: bead 0 stops at 1.5 m" in text for text in table.messages)
 
 
 def test_rows_that_do_not_fit_are_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,145 @@
+"""``python -m benchmarks mutants``: kernels changed in one place each by cosmic-ray, and which the tests of their room notice.
+
+The kernels run as plain Python, in a copy of the tree. The session of a room is kept in ``out/mutants``: a run goes on where it
+stopped, and cosmic-ray's own ``cr-report`` and ``cr-html`` show each change with what the tests said of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import shutil
+import subprocess
+import sys
+from contextlib import chdir
+from pathlib import Path
+
+from rich.console import Console
+from softcradle.physics.atomic_files import output_file
+from softcradle.physics.version import version
+
+from benchmarks.reports import Report
+
+ROOT = Path(__file__).parents[1]
+COPIED = ("softcradle", "physics", "scenes", "sandbox", "assets", "tests", "benchmarks", "pyproject.toml")
+ROOMS = {  # sources, and the arguments of pytest that choose their tests
+    "law": (
+        ("physics/numerics/law_kernels.py", "physics/numerics/law_curve.py", "physics/contact.py"),
+        ("tests/physics/test_contact.py", "tests/physics/numerics/test_law_curve.py"),
+    ),
+    "conserving": (
+        (
+            "physics/fixed_step/discrete_gradient.py",
+            "physics/numerics/contact_solve.py",
+            "physics/numerics/fixed_step_friction.py",
+            "physics/numerics/resolvent.py",
+        ),
+        (
+            "tests/physics/numerics/test_contact_solve.py",
+            "tests/physics/fixed_step/test_gradient_step.py",
+            "tests/physics/fixed_step/test_discrete_gradient.py",
+            "-k",
+            "'contact_solve or gradient_step or resolvent or mean_force or monotone or guess or slope or carries or returned"
+            " or cycles or walls'",
+        ),
+    ),
+    "radau": (
+        (
+            "physics/adaptive/radau.py",
+            "physics/adaptive/radau_error.py",
+            "physics/adaptive/radau_guess.py",
+            "physics/adaptive/radau_tableau.py",
+        ),
+        ("tests/physics/adaptive/test_radau_step.py", "tests/physics/adaptive/test_radau_guess.py"),
+    ),
+    "events": (
+        ("physics/adaptive/event_location.py", "physics/adaptive/first_root.py"),
+        (
+            "tests/physics/adaptive/test_first_root.py",
+            "tests/physics/adaptive/test_find_event.py",
+            "tests/physics/adaptive/test_guards.py",
+        ),
+    ),
+}
+# Changes that say nothing of a kernel as plain Python: the decorator that compiles it, and operators of whole numbers.
+LEFT_OUT = (
+    r"core/(RemoveDecorator|ExceptionReplacer|.*_(BitOr|BitAnd|BitXor|LShift|RShift|FloorDiv|Mod|Pow|Invert|Is|IsNot))$"
+)
+PATIENCE = 300.0  # s that the tests of a mutant may take
+PYTEST = "-m pytest -x -q -n 0 -p no:cacheprovider -m 'not slow'"
+
+
+def main(arguments: list[str]) -> int:
+    """Try mutants of each room and print the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks mutants", description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "--of", nargs="+", choices=ROOMS, default=list(ROOMS), metavar="ROOM", help=f"of {', '.join(ROOMS)}"
+    )
+    parser.add_argument("--count", type=int, default=60, help="mutants of each room, drawn from all; 60 by default")
+    parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--folder", type=Path, default=Path("out/mutants"), help="where the sessions are kept")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table there")
+    args = parser.parse_args(arguments)
+    folder = args.folder.absolute()
+    rows = [row(room, folder, args.count, args.seed) for room in args.of]
+    notes = [f"made by `python -m benchmarks mutants --count {args.count} --seed {args.seed}`, softcradle {version()}"]
+    columns = ["room", "of", "tried", "killed", "share"]
+    report = Report("Mutants killed by the quick tests of their room", columns, rows, notes)
+    report.show(Console(width=160))
+    if args.markdown is not None:
+        with output_file(args.markdown) as temporary:
+            temporary.write_text(report.markdown(), encoding="utf-8")
+    return 0
+
+
+def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
+    """Try what is left of a room's session, and count."""
+    from cosmic_ray.commands import execute, init
+    from cosmic_ray.config import ConfigDict
+    from cosmic_ray.work_db import use_db
+    from cosmic_ray.work_item import WorkerOutcome
+
+    sources, tests = ROOMS[room]
+    tree, session = folder / room / "tree", folder / f"{room}-{count}-{seed}.sqlite"
+    _copy(tree)
+    with chdir(tree), use_db(str(session)) as work:
+        if work.num_work_items == 0:
+            init(map(Path, sources), work, {})
+            _draw(work, count, seed)
+        os.environ |= {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": "", "PYTHONPATH": str(tree)}
+        command = f"{sys.executable} {PYTEST} {' '.join(tests)}"
+        subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)  # they pass on what is not changed
+        execute(work, ConfigDict({"test-command": command, "timeout": PATIENCE, "distributor": {"name": "local"}}))
+        found = [result for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]
+    killed = sum(result.is_killed for result in found)
+    listed = ", ".join(f"`{source}`" for source in sources)
+    return [room, listed, str(len(found)), str(killed), f"{100.0 * killed / max(1, len(found)):.0f} %"]
+
+
+def _copy(tree: Path) -> None:
+    """The tree as it is now, in which sources are changed and no one else works."""
+    shutil.rmtree(tree, ignore_errors=True)
+    tree.mkdir(parents=True)
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(ROOT / name, tree / name)
+
+
+def _draw(work: object, count: int, seed: int) -> None:
+    """Leave `count` mutants of a session to be tried."""
+    import re
+
+    from cosmic_ray.work_item import WorkerOutcome, WorkResult
+
+    def place(item: object) -> tuple:
+        change = item.mutations[0]
+        return str(change.module_path), change.start_pos, change.operator_name, change.occurrence
+
+    items = sorted(work.pending_work_items, key=place)
+    chosen = [item for item in items if not re.match(LEFT_OUT, item.mutations[0].operator_name)]
+    kept = {item.job_id for item in random.Random(seed).sample(chosen, min(count, len(chosen)))}
+    left = [item.job_id for item in items if item.job_id not in kept]
+    work.set_multiple_results(left, WorkResult(worker_outcome=WorkerOutcome.SKIPPED))

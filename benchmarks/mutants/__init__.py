@@ -1,1 +1,0 @@
-"""Mutation testing: kernels with one small change each, and whether the tests of their room notice it."""

@@ -1,0 +1,149 @@
+"""``python -m benchmarks soft-contacts``: the energy of SoftContacts at 60 frames a second, and a seeded scan for silent growth.
+
+The table, which docs/games.md shows, is five balls of 1 kg in a row, the first one at 1 m/s, after three seconds. The scan draws
+laws, masses, speeds, gaps, walls, rates and substeps: where no warning comes, energy stays within what `substeps` says.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pymunk
+from softcradle.physics import Contact, SoftContact, draft_gear, hertz, hooke, power_law, step_force
+
+from benchmarks.reports import Report
+
+FRAME = 1.0 / 60.0  # [s]
+SECONDS = 3.0
+TABLE = {
+    "`hertz(1e3)`": hertz(1e3),
+    "`hertz(1e6)`": hertz(1e6),
+    "`hooke(1e4)`": hooke(1e4),
+    "`power_law(50, 0.1)`": power_law(50.0, 0.1),
+    "`draft_gear(1000, 0.05)`": draft_gear(1000.0, 0.05),
+    "`Contact.by_contact_time(0.05, 0.5, 1)`": Contact.by_contact_time(0.05, 0.5, 1.0),
+}
+COLUMNS = ["law", "energy, 1 step a frame", "4 steps", "`substeps`", "energy then"]
+SAID = 0.03  # of the energy: what a row gains at the most in a second, where no warning comes
+
+
+@dataclass(frozen=True)
+class Row:
+    """Balls in a row, between walls where `wall_gap` is a number [m], the first one moving.
+
+    Attributes:
+        law, mass, gap, speed: of the contacts [m] and balls [kg], and of the first one [m/s].
+        step, seconds: of the run [s].
+    """
+
+    law: Contact
+    mass: tuple[float, ...]
+    gap: tuple[float, ...]
+    speed: float
+    step: float
+    seconds: float
+    wall_gap: float | None = None
+    reach: float = 100.0  # touching distance [m]; no ball passes another
+
+    def run(self) -> tuple[float, float, bool]:
+        """Largest and last energy over that at the start, and whether there was a warning."""
+        space, contacts = self._space()
+        start = 0.5 * self.mass[0] * self.speed**2
+        largest = energy = 1.0
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            for _ in range(math.ceil(self.seconds / self.step)):
+                space.step(self.step)
+                if all(contact.overlap <= 0.0 for contact in contacts):
+                    energy = sum(0.5 * ball.mass * ball.velocity.length**2 for ball in space.bodies) / start
+                    largest = max(largest, energy)
+        return largest, energy, bool(said)
+
+    def _space(self) -> tuple[pymunk.Space, list[SoftContact]]:
+        space, far = pymunk.Space(), self.reach
+        balls = [pymunk.Body(mass, math.inf) for mass in self.mass]
+        places = np.cumsum([0.0, *(far + gap for gap in self.gap)]).tolist()
+        for ball, place in zip(balls, places, strict=True):
+            ball.position = place, 0.0
+        balls[0].velocity = self.speed, 0.0
+        bodies = list(balls)
+        if self.wall_gap is not None:
+            walls = pymunk.Body(body_type=pymunk.Body.STATIC), pymunk.Body(body_type=pymunk.Body.STATIC)
+            walls[0].position = -far - self.wall_gap, 0.0
+            walls[1].position = places[-1] + far + self.wall_gap, 0.0
+            bodies = [walls[0], *balls, walls[1]]
+        contacts = [SoftContact(a, b, (0, 0), (0, 0), far, self.law) for a, b in itertools.pairwise(bodies)]
+        space.add(*balls, *contacts)
+        return space, contacts
+
+
+def five_balls(law: Contact, substeps: int) -> float:
+    """Energy after three seconds over that at the start."""
+    return Row(law, (1.0,) * 5, (0.0,) * 4, 1.0, FRAME / substeps, SECONDS, reach=1.0).run()[1]
+
+
+def needed(law: Contact) -> int:
+    """Steps a frame that `substeps` gives for the blow of the table."""
+    pair = [pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)]
+    return SoftContact(*pair, (0, 0), (0, 0), 1.0, law).substeps(FRAME, 1.0)
+
+
+def table() -> list[list[str]]:
+    """The rows of the table in docs/games.md."""
+    rows = []
+    for name, law in TABLE.items():
+        count = needed(law)
+        energies = [five_balls(law, substeps) for substeps in (1, 4, count)]
+        shown = [f"x {energy:.2g}" if energy >= 10.0 else f"x {energy:.2f}" for energy in energies]
+        rows.append([name, *shown[:2], str(count), shown[2]])
+    return rows
+
+
+def drawn(seed: int) -> Row:
+    """A row of that number."""
+    random = np.random.default_rng(seed)
+    strength = 10.0 ** random.uniform(0.0, 6.0)
+    laws = (
+        hertz(strength),
+        hooke(strength),
+        power_law(strength**0.5, random.uniform(0.02, 0.9)),
+        draft_gear(strength, random.uniform(0.0, 0.1)),
+        step_force(strength**0.5),
+        Contact(0.0, strength, random.uniform(1.5, 3.0)),
+    )
+    balls = int(random.integers(2, 7))
+    return Row(
+        law=laws[seed % len(laws)],
+        mass=tuple(random.uniform(0.5, 2.0, balls).tolist()),
+        gap=tuple((random.uniform(0.0, 0.1, balls - 1) * random.integers(0, 2, balls - 1)).tolist()),
+        speed=10.0 ** random.uniform(-1.0, 1.0),
+        step=1.0 / float(random.choice([30, 60, 120, 240])) / float(random.choice([1, 2, 4, 16, 64])),
+        seconds=1.0,
+        wall_gap=float(random.uniform(0.0, 0.2)) if random.integers(0, 2) else None,
+    )
+
+
+def silent(seeds: Sequence[int]) -> tuple[int, list[tuple[int, float]]]:
+    """Number of runs with a warning, and (seed, gain of energy) of the others, the worst first."""
+    found = {seed: drawn(seed).run() for seed in seeds}
+    gains = [(seed, largest - 1.0) for seed, (largest, _, said) in found.items() if not said]
+    return len(found) - len(gains), sorted(gains, key=lambda gain: -gain[1])
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print the table and the scan; 1 where energy grew in silence."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks soft-contacts", description=__doc__.split(":")[2])
+    parser.add_argument("--runs", type=int, default=600, help="of the scan; default: %(default)s")
+    args = parser.parse_args(arguments)
+    print(Report("Five balls at 60 frames a second", COLUMNS, table()).markdown())
+    warned, gains = silent(range(args.runs))
+    wrong = [seed for seed, gain in gains if gain > SAID]
+    print(f"{args.runs} runs: {warned} warned, {len(gains)} not, of which {len(wrong)} gained over {SAID:.0%}")
+    print(f"largest gains in silence (seed, gain): {[(seed, round(gain, 4)) for seed, gain in gains[:5]]}")
+    return 1 if wrong else 0

@@ -1,0 +1,290 @@
+"""The files of a comparison: a page with player, charts and tables, a film, or the numbers; each whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, fields
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.matching import Match
+from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
+from softcradle.sandbox.film.film_kinds import check
+from softcradle.sandbox.film.scene_film import RenderReport, render_scene
+from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.page.motion_charts import chart_row, force_chart, velocity_chart
+from softcradle.sandbox.page.page_document import document, footer, heading, note, table
+from softcradle.sandbox.page.page_tables import member_notes
+from softcradle.sandbox.page.played_motion import Member, PlayedMotion
+from softcradle.sandbox.page.player_section import player_section
+from softcradle.sandbox.page.svg_charts import Axes, Curve, Range, axis_range, bar_chart, line_chart
+from softcradle.sandbox.studies.compare.results import (
+    MeasureRow,
+    SideResult,
+    collision_rows,
+    contact_rows,
+    contact_titles,
+    end_time,
+    results_as_json,
+    velocity_rows,
+)
+from softcradle.sandbox.studies.compare.sides import Comparison, match_as_json, match_sentence
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes import Scene
+
+Array = NDArray[np.float64]
+LAW_POINTS = 400  # points on the curve of a contact law
+
+
+class TimeAxis:
+    """The time axis of all charts of a page, that of its player, in a unit that fits it."""
+
+    def __init__(self, played: PlayedMotion) -> None:
+        self.begin, self.end = played.scales.time
+        self.unit, name = played.time_unit
+        self.label = f"time ({name})"
+
+    def axes(self, values: Range, label: str) -> Axes:
+        """Axes of `values` over time."""
+        return Axes((self.begin / self.unit, self.end / self.unit), values, self.label, label, self.unit)
+
+    def times(self, result: SideResult) -> Array:
+        """(T+2,) sample times, then the end of the motion and of the axis, in the unit; see :func:`_extended`."""
+        time = result.trajectory.time
+        extended: Array = np.concatenate((time, [time[-1], max(self.end, float(time[-1]))])) / self.unit
+        return extended
+
+
+def _extended(values: Array, last: Array | float) -> Array:
+    """(T+2, ...) `values` (T, ...) and then twice the `last` ones, which hold from the end of the motion on."""
+    extended: Array = np.concatenate((values, np.broadcast_to(last, (2, *values.shape[1:]))))
+    return extended
+
+
+def _forces(result: SideResult) -> Array:
+    """(T+2, n) contact forces; 0 after the motion for contacts that are open at its end."""
+    found = result.trajectory
+    closed = [bool(spans) and math.isinf(spans[-1][1]) for spans in found.contact_intervals]
+    return _extended(found.force, np.where(closed, found.force[-1], 0.0))
+
+
+def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
+    """Force of the struck contact, energy inside the target cluster, and contact laws: a curve a side in each."""
+    forces = [_forces(result)[:, result.measures.struck] for result in results]
+    inside = [_energy_inside(result) for result in results]
+    return chart_row(
+        [
+            _overlay("Force of the struck contact", results, forces, axis, "force (N)"),
+            _overlay("Energy inside the target cluster", results, inside, axis, "share of all energy"),
+            _law_chart(results),
+        ]
+    )
+
+
+def _overlay(title: str, results: Sequence[SideResult], values: Sequence[Array], axis: TimeAxis, label: str) -> str:
+    curves = [
+        Curve(result.side.name, axis.times(result), column, f"s{k}")
+        for k, (result, column) in enumerate(zip(results, values, strict=True))
+    ]
+    return line_chart(title, curves, axis.axes(axis_range(values), label))
+
+
+def _energy_inside(result: SideResult) -> Array:
+    share = energy_inside(result.trajectory, result.measures.struck)
+    return np.nan_to_num(_extended(share, share[-1]))
+
+
+def _law_chart(results: Sequence[SideResult]) -> str:
+    """The law of the struck contact up to the greatest overlap on any side, with the jump at overlap 0."""
+    deepest = max(float(r.trajectory.overlap[:, r.measures.struck].max()) for r in results)
+    overlap = np.concatenate(([0.0], np.geomspace(1e-6, 1.0, LAW_POINTS) * deepest))
+    curves = []
+    for k, result in enumerate(results):
+        law = result.trajectory.chain.contact[result.measures.struck]
+        force = np.asarray(law.force(overlap))
+        curves.append(Curve(result.side.name, overlap, force, f"s{k}"))
+        if law.loss:
+            curves.append(Curve(f"{result.side.name}, unloading", overlap, (1.0 - law.loss) * force, f"s{k}"))
+    axes = Axes((0.0, deepest), axis_range([curve.y for curve in curves]), "overlap (m)", "force (N)")
+    return line_chart("Law of the struck contact", curves, axes)
+
+
+def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
+    """A chart a side: when each contact is open, touching and loaded."""
+    charts = []
+    for result in results:
+        rows = [(f"{k}-{k + 1}", _states(result, k, axis)) for k in range(result.trajectory.chain.contacts)]
+        charts.append(bar_chart(f"{result.side.name}: contacts", rows, axis.axes((0.0, 1.0), "")))
+    return chart_row(charts)
+
+
+def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str, float, float]]:
+    """(state, begin, end) in the unit of the axis: open all along, and drawn over it when it is touching and loaded."""
+    trajectory, unit = result.trajectory, axis.unit
+    found = [("open", axis.begin / unit, axis.end / unit)]
+    loaded = trajectory.overlap[:, contact] > LEAST_OVERLAP * float(trajectory.overlap.max())
+    for begin, opened in trajectory.contact_intervals[contact]:
+        end = opened if math.isfinite(opened) else axis.end
+        if trajectory.chain.contact[contact].preload == 0.0:
+            found.append(("loaded", begin / unit, end / unit))
+            continue
+        # contacts at rest side by side do not count as touching before the collision begins
+        touched = max(begin, first_touch(trajectory, result.measures.struck))
+        if touched < end:
+            found.append(("touching", touched / unit, end / unit))
+        found += [("loaded", a / unit, b / unit) for a, b in _intervals(trajectory.time, loaded, begin, end)]
+    return found
+
+
+def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float) -> list[tuple[float, float]]:
+    """Intervals between `begin` and `end` in which `loaded` (T,) holds, longer by a sample at both ends."""
+    inside = loaded & (time >= begin) & (time <= end)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], inside.astype(int), [0]))))
+    last = len(time) - 1
+    return [
+        (max(begin, float(time[max(a - 1, 0)])), min(end, float(time[min(b, last)])))
+        for a, b in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    ]
+
+
+def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Sequence[str] = ()) -> str:
+    """The whole page as text; `scene` has a lane for each of `results`, `notes` are sentences that stand below the numbers."""
+    names = [result.side.name for result in results]
+    member = Member("", tuple(result.trajectory for result in results), tuple(names))
+    played = PlayedMotion(scene, (member,))
+    lanes, axis = range(len(results)), TimeAxis(played)
+    parts = [
+        heading(title, scene.source),
+        player_section(played),
+        member_notes(member),
+        "<h2>In numbers</h2>",
+        _measures(["", *names], collision_rows(results) + velocity_rows(results), "The collision"),
+        *(note(text) for text in notes),
+        "<h2>On top of each other</h2>", overlays(results, axis),
+        "<h2>Velocities</h2>", chart_row([velocity_chart(played, lane) for lane in lanes]),
+        "<h2>Forces</h2>", chart_row([force_chart(played, lane) for lane in lanes]),
+        "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
+        "<h2>Contact by contact</h2>",
+        *(_measures(["contact", *(t for t, _ in contact_titles())], contact_rows(r), r.side.name) for r in results),
+        "<h2>What the numbers mean</h2>", _meanings(),
+        footer([]),
+    ]  # fmt: skip
+    return document(title, parts)
+
+
+def _measures(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str) -> str:
+    return table(titles, [(row.title, *row.values) for row in rows], caption, [row.meaning for row in rows])
+
+
+def _meanings() -> str:
+    meanings: dict[str, str] = {}
+    for kind in (CollisionMeasures, ContactMeasures):
+        for field in fields(kind):
+            if "title" in field.metadata:
+                meanings.setdefault(field.metadata["title"], field.metadata["meaning"])
+    items = "".join(f"<dt>{escape(title)}</dt><dd>{escape(meaning)}</dd>" for title, meaning in meanings.items())
+    return f"<dl>{items}</dl>"
+
+
+FILM_WIDTH = 1280  # [pixels]
+FILM_LEAST_HEIGHT = 720  # [pixels]
+FILM_MARGIN = 96  # [pixels] above and below all rows
+FILM_ROW = 300  # [pixels] height of one side
+LONGEST_FILM = 20.0  # [s] where no slow motion is given
+FILM_SUFFIXES = (".mp4", ".gif", ".webp", ".avif")
+SUFFIXES = (".html", ".json", *FILM_SUFFIXES)
+
+
+@dataclass(frozen=True)
+class FilmSettings:
+    """Settings of the film as a user gives them.
+
+    Attributes:
+        size: [pixels]; None fits the number of sides.
+        slow: seconds of film for one of motion; None takes the scenes' own, shortened to LONGEST_FILM.
+        method, step: of the simulation; None takes the scenes' own.
+    """
+
+    size: tuple[int, int] | None = None
+    slow: float | None = None
+    method: str | None = None
+    step: float | None = None
+
+    def pixels(self, comparison: Comparison) -> tuple[int, int]:
+        """Size of the film: a row a side."""
+        height = max(FILM_LEAST_HEIGHT, FILM_MARGIN + FILM_ROW * len(comparison.sides))
+        return self.size or (FILM_WIDTH, height)
+
+    def slow_motion(self, scene: Scene, end: float) -> float:
+        """Seconds of film for one of motion, which lasts until `end` [s]."""
+        return self.slow or min(scene.view.slow, LONGEST_FILM / end)
+
+
+def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmSettings) -> None:
+    """Raise a UserError for an unknown kind of file, an impossible size, or a file that is given twice."""
+    for path in paths:
+        if path.suffix not in SUFFIXES:
+            raise UserError(f"cannot write {path}: the name must end in {', '.join(SUFFIXES)}")
+        if path.suffix != ".json":
+            check(path if path.suffix in FILM_SUFFIXES else "film.mp4", settings.pixels(comparison), None)
+    if len({os.path.abspath(path) for path in paths}) < len(paths):
+        raise UserError("the same file is given twice with -o")
+
+
+def open_outputs(stack: ExitStack, paths: Sequence[Path]) -> list[Path]:
+    """Temporary files that become `paths` when `stack` is left without an error."""
+    return [stack.enter_context(output_file(path)) for path in paths]
+
+
+@dataclass(frozen=True)
+class ComparisonReport:
+    """A comparison with its results, the settings of its film, and the nearest contact if one was searched."""
+
+    comparison: Comparison
+    results: Sequence[SideResult]
+    settings: FilmSettings = FilmSettings()
+    match: Match | None = None
+
+    def notes(self) -> list[str]:
+        """Sentences that stand below the numbers."""
+        return [] if self.match is None else [match_sentence(self.match)]
+
+    def as_json(self) -> dict[str, Any]:
+        """Everything as plain numbers, lists and texts."""
+        content = results_as_json(self.comparison, self.results)
+        return content if self.match is None else content | {"match": match_as_json(self.match)}
+
+    def html(self) -> str:
+        """The page as text."""
+        scene = self._scene()
+        view = scene.view.model_copy(update={"slow": self._slow_motion(scene)})
+        return html_page(self.comparison.title, scene.model_copy(update={"view": view}), self.results, self.notes())
+
+    def write_film(self, path: Path) -> RenderReport:
+        """Write the film, or for a picture's name the frame of the greatest force."""
+        scene, settings = self._scene(), self.settings
+        size, slow = settings.pixels(self.comparison), self._slow_motion(scene)
+        return render_scene(scene, path, size, slow=slow, method=settings.method, step=settings.step)
+
+    def write(self, path: Path) -> None:
+        """Write the kind of file that the name of `path` tells."""
+        if path.suffix == ".json":
+            path.write_text(json.dumps(self.as_json(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        elif path.suffix == ".html":
+            path.write_text(self.html(), encoding="utf-8")
+        else:
+            self.write_film(path)
+
+    def _scene(self) -> Scene:
+        return self.comparison.as_scene(end_time(self.results))
+
+    def _slow_motion(self, scene: Scene) -> float:
+        return self.settings.slow_motion(scene, end_time(self.results))

@@ -1,0 +1,183 @@
+"""The results of a comparison: the trajectory of each side, its measures, and their tables for terminal and page."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from softcradle.physics import Trajectory
+from softcradle.physics.analysis.collision import collide, measured
+from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.trajectory_file import versions
+from softcradle.sandbox.console import print_table, table
+from softcradle.sandbox.draw.number_format import number_text, subscript
+from softcradle.sandbox.studies.compare.sides import Comparison, Side
+from softcradle.sandbox.trajectory_summary import summarise
+from softcradle.sandbox.user_error import UserError
+from softcradle.scenes.contact_text import contact_text
+
+
+@dataclass(frozen=True)
+class SideResult:
+    """One side: its trajectory and its measures."""
+
+    side: Side
+    trajectory: Trajectory
+    measures: CollisionMeasures
+
+    @property
+    def contact(self) -> str:
+        """Its contacts in a line of text."""
+        return _contacts_text(self.trajectory)
+
+
+def _contacts_text(trajectory: Trajectory) -> str:
+    """The contacts of a chain; equal neighbours are named once."""
+    found = [text for text, _ in groupby(contact_text(contact) for contact in trajectory.chain.contact)]
+    return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
+
+
+def solve_sides(comparison: Comparison, method: str | None = None, step: float | None = None) -> list[SideResult]:
+    """Simulate and measure every side.
+
+    Raises:
+        UserError: a method or step that a side cannot take.
+    """
+    return [_solve_side(side, method, step) for side in comparison.sides]
+
+
+def _solve_side(side: Side, method: str | None, step: float | None) -> SideResult:
+    settings = side.scene.settings(method=method, step=step)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # the report shows trajectory.warnings, which are the same
+        try:
+            trajectory = collide(side.lane.chain(), side.lane.velocity, **settings)
+        except ValueError as error:
+            raise UserError(f"{side.name}: {error}") from None
+    if not np.isfinite(trajectory.position).all():
+        raise UserError(f"{side.name}: the motion by {trajectory.method} did not stay finite: choose a smaller step")
+    return SideResult(side, trajectory, measured(trajectory))
+
+
+def end_time(results: Sequence[SideResult]) -> float:
+    """Time [s] at which the longest motion ends."""
+    return max(float(result.trajectory.time[-1]) for result in results)
+
+
+def results_as_json(comparison: Comparison, results: Sequence[SideResult]) -> dict[str, Any]:
+    """Everything as plain numbers, lists and texts."""
+    return {"title": comparison.title, "sides": [_side_as_json(result) for result in results], "versions": versions()}
+
+
+def _side_as_json(result: SideResult) -> dict[str, Any]:
+    summary, trajectory = summarise(result.side.name, result.trajectory), result.trajectory
+    return {
+        "name": result.side.name,
+        "contact": result.contact,
+        "masses": [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass],
+        "start_velocity": list(result.side.lane.velocity),
+        "measures": asdict(result.measures),
+        "method": trajectory.method,
+        "status": summary.status,
+        "velocity_error": [bead.velocity_error for bead in summary.beads],
+        "energy_error": summary.energy_error,
+        "momentum_error": summary.momentum_error,
+        "warnings": [str(warning) for warning in trajectory.warnings],
+    }
+
+
+SHORTEST_TIME = 1e-6  # of the whole time: shorter times in a state are errors of the switch times, and shown as 0
+
+
+@dataclass(frozen=True)
+class MeasureRow:
+    """A row of a table: its title with the unit, what it means, and its values as texts."""
+
+    title: str
+    meaning: str
+    values: tuple[str, ...]
+
+
+def collision_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
+    """A row a measure of the whole collision."""
+    rows = []
+    for field in fields(CollisionMeasures):
+        if "title" not in field.metadata or field.name == "final_velocity":
+            continue
+        if field.metadata["dissipative"] and not any(result.trajectory.chain.dissipative for result in results):
+            continue
+        values = tuple(number_text(getattr(result.measures, field.name)) for result in results)
+        rows.append(MeasureRow(_title(field.metadata), field.metadata["meaning"], values))
+    return rows
+
+
+def velocity_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
+    """A row a bead: its final velocity; a last one for how well these are known, where a method tells."""
+    most = max(len(result.measures.final_velocity) for result in results)
+    rows = []
+    for bead in range(most):
+        final = [result.measures.final_velocity for result in results]
+        values = tuple(number_text(velocity[bead]) if bead < len(velocity) else "" for velocity in final)
+        rows.append(MeasureRow(f"v{subscript(bead)} at the end (m/s)", "", values))
+    errors = [float(result.trajectory.velocity_error.max()) for result in results]
+    if not all(map(math.isnan, errors)):
+        meaning = "largest error of these velocities, as the method estimates it along the run"
+        rows.append(MeasureRow("known to (m/s)", meaning, tuple("" if math.isnan(e) else f"{e:.1e}" for e in errors)))
+    return rows
+
+
+def contact_rows(result: SideResult) -> list[MeasureRow]:
+    """A row a contact of one side."""
+    rows, shortest = [], SHORTEST_TIME * float(result.trajectory.time[-1])
+    for k, contact in enumerate(result.measures.contacts):
+        numbers = {field.name: getattr(contact, field.name) for field in fields(ContactMeasures)}
+        numbers |= {name: 0.0 for name in ("open", "touching", "loaded") if numbers[name] < shortest}
+        values = tuple(number_text(value) for value in numbers.values())
+        struck = " (struck)" if k == result.measures.struck else ""
+        rows.append(MeasureRow(f"{k}-{k + 1}{struck}", "", values))
+    return rows
+
+
+def contact_titles() -> list[tuple[str, str]]:
+    """Title and meaning of each column of :func:`contact_rows`."""
+    return [(_title(field.metadata), field.metadata["meaning"]) for field in fields(ContactMeasures)]
+
+
+def _title(metadata: Mapping[str, Any]) -> str:
+    title, unit = metadata["title"], metadata["unit"]
+    return f"{title} ({unit})" if unit else str(title)
+
+
+def print_tables(output: Console, title: str, results: Sequence[SideResult]) -> None:
+    """The comparison on the terminal."""
+    output.print(title, style="bold")
+    made = table("", *(result.side.name.replace("(", "\n(") for result in results), numbers=True)
+    for row in velocity_rows(results) + collision_rows(results):
+        made.add_row(row.title, *row.values)
+    print_table(output, made)
+    for result in results:
+        output.print(result.side.name, style="bold cyan")
+        print_table(output, _contact_table(result))
+        for warning in result.trajectory.warnings:
+            output.print(f"warning: {warning}", style="yellow")
+
+
+def _contact_table(result: SideResult) -> Table:
+    """A column a contact, or a row where there are many: the narrower of the two."""
+    rows, titles = contact_rows(result), [title for title, _ in contact_titles()]
+    if len(rows) < len(titles):
+        made = table("contact", *(row.title.replace(" ", "\n") for row in rows), numbers=True)
+        for k, title in enumerate(titles):
+            made.add_row(title, *(row.values[k] for row in rows))
+        return made
+    made = table("contact", *(title.replace(" (", "\n(") for title in titles), numbers=True)
+    for row in rows:
+        made.add_row(row.title, *row.values)
+    return made

@@ -1,0 +1,272 @@
+"""The paper's chains and their runs, each computed once, for figures and claims: its cases, how they are solved, what is read."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics import Chain, Trajectory, one_on, power_law
+from softcradle.physics.analysis.measures import rigidity
+from softcradle.physics.analysis.mode_coupling import ModeCoupling, mode_coupling
+from softcradle.physics.simulation import solve
+from softcradle.physics.status import CodedWarning, WarningCode
+
+Array = NDArray[np.float64]
+Parameters = Mapping[str, float]  # of a case: n, 1/alpha and others, by name
+Samples = int | tuple[float, ...]  # number of samples, or their times [s]
+
+N = 4  # targets in Figs. 1 and 2
+ALPHA = 1.0 / 10.0  # exponent in Figs. 1b, 1c and 2
+SOFTER_ALPHA = 1.0 / 14.0  # exponent in Fig. 1d
+OWN = {"n": 4.0, "1/alpha": 10.0}  # the same case as parameters
+DRIVE = 1.0  # steady force on the first bead of a driven cluster, in units of f0
+LATER = 1.25  # ratio of neighbouring 1/alpha between which a local rate is taken
+
+SAMPLES = 1001  # of a figure
+TOLERANCE = 1e-8  # of a figure
+# Least swing that counts as one, in units of the striker's speed or of f0: a hundredth of what Fig. 2c shows.
+SWING = 1e-5
+
+INCOMPLETE = (WarningCode.GAVE_UP, WarningCode.UNCONVERGED, WarningCode.LOG_FULL)  # such a run says nothing
+KEPT_ENDS = 4096  # motions of which only the end is known: a few numbers each
+KEPT_MOTIONS = 64  # motions with samples: up to some megabytes each
+
+
+class NotSolvedError(Exception):
+    """A run gave up: what should have been measured of it is not determined."""
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A method with its fineness: a step for fixed steps, a tolerance for adaptive methods."""
+
+    method: str
+    step: float | None = None
+    tolerance: float = 1e-9
+
+    def motion(
+        self, chain: Chain, velocity: tuple[float, ...], duration: float | None = None, samples: Samples = 2
+    ) -> Trajectory:
+        """The motion by the full equations, Eq. (3); NotSolvedError where the method gave up."""
+        found = _run(self, chain, velocity, duration, samples)
+        for warning in found.warnings:
+            if warning.code in INCOMPLETE:
+                raise NotSolvedError(f"{self.method}: {warning.code.value}")
+        if found.status.gave_up:
+            raise NotSolvedError(f"{self.method}: {found.status.name.lower()}")
+        return found
+
+    def model(
+        self, chain: Chain, velocity: tuple[float, ...], duration: float | None = None, samples: Samples = 2
+    ) -> ModeCoupling:
+        """The motion by the mode-coupling model, Eqs. (8), (A3)."""
+        return _model(self, chain, velocity, duration, samples)
+
+
+MEASURING = Solver("accurate")
+SECOND = Solver("conserving", 1e-4)  # its energy is exact; its error, of the order of what is shown, is the error bar
+FINER_SECOND = Solver("conserving", 1e-5)  # for differences of times and for small spreads
+FINEST_SECOND = Solver("conserving", 1e-6)  # for oscillations whose period is some 1e-4
+REFERENCE = Solver("scipy")
+
+
+def _run(
+    solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
+) -> Trajectory:
+    return (_end if samples == 2 else _sampled)(solver, chain, velocity, duration, samples)
+
+
+def _solved(
+    solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
+) -> Trajectory:
+    return solve(chain, velocity, duration, solver.method, solver.step, _argument(samples), solver.tolerance)
+
+
+_end = lru_cache(maxsize=KEPT_ENDS)(_solved)
+_sampled = lru_cache(maxsize=KEPT_MOTIONS)(_solved)
+
+
+@lru_cache(maxsize=KEPT_MOTIONS)
+def _model(
+    solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
+) -> ModeCoupling:
+    with (
+        warnings.catch_warnings()
+    ):  # error bars of claims tell how far a motion is determined; figures pass warnings on
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return mode_coupling(
+            chain, velocity, duration, solver.method, solver.step, _argument(samples), solver.tolerance
+        )
+
+
+def _argument(samples: Samples) -> int | Array:
+    return samples if isinstance(samples, int) else np.array(samples)
+
+
+def soft_chain(n: int, alpha: float) -> Chain:
+    """The homogeneous chain: one on `n`, unit masses and strengths, one exponent."""
+    return one_on(n, power_law(1.0, alpha))
+
+
+def chain_of(case: Parameters) -> Chain:
+    """The homogeneous chain of a case with n and 1/alpha."""
+    return soft_chain(round(case["n"]), 1.0 / case["1/alpha"])
+
+
+def start(chain: Chain, strikers: int = 1, speed: float = 1.0) -> tuple[float, ...]:
+    """Start velocities: `speed` for the strikers, rest for all others."""
+    return (speed,) * strikers + (0.0,) * (chain.contacts + 1 - strikers)
+
+
+def driven_chain(n: int, alpha: float) -> Chain:
+    """`n` unit beads that just touch, the steady force on the first, Sec. V.
+
+    Its mode-coupling model is one overlap, for unit strength ``psi'' = F/m1 - (1/m1 + 1/M) psi**alpha``, whose energy gives
+    amplitude and period.
+    """
+    return Chain([1.0] * n, power_law(1.0, alpha), drive=[DRIVE] + [0.0] * (n - 1))
+
+
+def driven_amplitude(n: int, alpha: float) -> float:
+    """Largest psi of the model of the driven cluster, ``((1 + alpha) F (n-1)/n)**(1/alpha)``."""
+    return float(((1.0 + alpha) * DRIVE * (n - 1) / n) ** (1.0 / alpha))
+
+
+def driven_period(n: int, alpha: float) -> float:
+    """Period of the model of the driven cluster, ``sqrt(2 psi_max / F) B(1/(2 alpha), 1/2) / alpha``."""
+    x = 0.5 / alpha
+    beta = math.sqrt(math.pi) * math.exp(math.lgamma(x) - math.lgamma(x + 0.5))  # B(x, 1/2)
+    return math.sqrt(2.0 * driven_amplitude(n, alpha) / DRIVE) * beta / alpha
+
+
+def full_motion(
+    chain: Chain,
+    velocity: tuple[float, ...],
+    duration: float | None = None,
+    samples: Samples = SAMPLES,
+    tolerance: float = TOLERANCE,
+    step: float | None = None,
+) -> Trajectory:
+    """The motion of a figure by the full equations, Eq. (3); with a `step` by the conserving method, so that no energy drifts.
+
+    What may be wrong is a warning.
+    """
+    found = _run(_figure_solver(tolerance, step), chain, velocity, duration, samples)
+    _pass_on(found.warnings)
+    return found
+
+
+def model_motion(
+    chain: Chain,
+    velocity: tuple[float, ...],
+    duration: float | None = None,
+    samples: Samples = SAMPLES,
+    tolerance: float = TOLERANCE,
+    step: float | None = None,
+) -> ModeCoupling:
+    """The motion of a figure by the mode-coupling model, Eqs. (8), (A3); as `full_motion`."""
+    found = _model(_figure_solver(tolerance, step), chain, velocity, duration, samples)
+    _pass_on(found.reduced.warnings)
+    return found
+
+
+def _figure_solver(tolerance: float, step: float | None) -> Solver:
+    return Solver("accurate" if step is None else "conserving", step, tolerance)
+
+
+def _pass_on(found: Sequence[CodedWarning]) -> None:
+    for warning in found:
+        warnings.warn(str(warning), RuntimeWarning, stacklevel=3)
+
+
+def full_one_on(
+    n: int, alpha: float, duration: float | None = None, samples: Samples = SAMPLES, tolerance: float = TOLERANCE
+) -> Trajectory:
+    """The motion of one on `n`, homogeneous, by the full equations."""
+    chain = soft_chain(n, alpha)
+    return full_motion(chain, start(chain), duration, samples, tolerance)
+
+
+def model_one_on(
+    n: int, alpha: float, duration: float | None = None, samples: Samples = SAMPLES, tolerance: float = TOLERANCE
+) -> ModeCoupling:
+    """The motion of one on `n`, homogeneous, by the mode-coupling model."""
+    chain = soft_chain(n, alpha)
+    return model_motion(chain, start(chain), duration, samples, tolerance)
+
+
+def opening_time(n: int, alpha: float, contact: int = 0) -> float:
+    """Time [s] at which `contact` of one on `n` opens for the first time."""
+    return full_one_on(n, alpha, samples=2).contact_intervals[contact][0][1]
+
+
+def first_opening(found: Trajectory, contact: int = 0) -> float:
+    """Time at which `contact` opens for the first time; NotSolvedError where it never closes and opens again."""
+    spans = found.contact_intervals[contact]
+    if not spans or not np.isfinite(spans[0][1]):
+        raise NotSolvedError(f"contact {contact} does not open")
+    return spans[0][1]
+
+
+def merged_times(*parts: Sequence[float] | Array) -> tuple[float, ...]:
+    """Sample times of all `parts`, sorted, each once."""
+    return tuple(np.unique(np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])).tolist())
+
+
+def crest(time: Array, curve: Array) -> tuple[float, float]:
+    """Time and height of the top of the parabola through the three samples about the largest of `curve` (T,)."""
+    k = int(np.argmax(curve))
+    a, b, c = np.polyfit(time[k - 1 : k + 2] - time[k], curve[k - 1 : k + 2], 2)
+    return float(time[k] - 0.5 * b / a), float(c - 0.25 * b * b / a)
+
+
+def n_alpha(case: Parameters) -> float:
+    """n times alpha, by which most claims are ordered."""
+    return case["n"] / case["1/alpha"]
+
+
+def later(case: Parameters) -> Parameters:
+    """The same case at LATER times 1/alpha."""
+    return {**case, "1/alpha": LATER * case["1/alpha"]}
+
+
+def local_rate(case: Parameters, low: float, high: float) -> float:
+    """Slope of the logarithm of a quantity against 1/(n alpha), from its values at 1/alpha and LATER times that."""
+    return math.log(high / low) * case["n"] / ((LATER - 1.0) * case["1/alpha"])
+
+
+def outcome(case: Parameters, solver: Solver) -> Array:
+    """(n+1,) velocities when every contact is open."""
+    chain = chain_of(case)
+    return solver.motion(chain, start(chain)).final_velocity
+
+
+def spread(case: Parameters, solver: Solver) -> float:
+    """Largest less smallest target velocity over their mean, when every contact is open."""
+    return float(rigidity(outcome(case, solver)[1:]))
+
+
+def detachment(case: Parameters, solver: Solver) -> float:
+    """Time at which the striker's contact opens for the first time."""
+    chain = chain_of(case)
+    return first_opening(solver.motion(chain, start(chain)))
+
+
+def while_struck(case: Parameters, solver: Solver, samples: int, part: float = 1.0) -> Trajectory:
+    """The motion from the touch of the striker to the first opening of either of the first two contacts, or a part of it."""
+    chain = chain_of(case)
+    whole = solver.motion(chain, start(chain))
+    end = part * min(first_opening(whole, 0), first_opening(whole, 1))
+    return solver.motion(chain, start(chain), end, samples)
+
+
+def at_fractions(case: Parameters, solver: Solver, fractions: tuple[float, ...]) -> Trajectory:
+    """The motion at those parts of the striker's contact time."""
+    chain, end = chain_of(case), detachment(case, solver)
+    times = tuple(end * part for part in fractions)
+    return solver.motion(chain, start(chain), times[-1], times)

@@ -1,0 +1,453 @@
+"""The numbers known from outside: what a row is, the list of all, and their check."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache, partial
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from softcradle.physics import (
+    Chain,
+    Contact,
+    Trajectory,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+    step_force,
+)
+from softcradle.physics.analysis.closed_forms import long_linear_chain, one_on_one, rigid_stroke
+from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.chain import GRAVITY
+from softcradle.sandbox.studies.paper import crest
+
+
+@dataclass(frozen=True)
+class KnownNumber:
+    """A number that is known from outside.
+
+    Attributes:
+        name: what it is, with its unit.
+        value: the number.
+        source: where it is known from.
+        find: what computes it by softcradle.
+        allowed: largest difference: of the last digit given, or of the tolerance; relative to `value` unless that is 0.
+    """
+
+    name: str
+    value: float
+    source: str
+    find: Callable[[], float]
+    allowed: float
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A known number, what softcradle found, and the difference: relative, or absolute where the number is 0."""
+
+    known: KnownNumber
+    found: float
+    error: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is within what is allowed."""
+        return self.error <= self.known.allowed
+
+
+def check(known: KnownNumber) -> Checked:
+    """Compute the number and compare."""
+    found = known.find()
+    return Checked(known, found, abs(found - known.value) / (abs(known.value) or 1.0))
+
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-9
+QUADRUPLE = "Taylor series of order 26 to 36 in quadruple precision"
+GEAR = draft_gear(770.0, 0.0177)  # the paper's, with its mass
+GEAR_MASS = 0.396
+TAPER = 0.95
+FINAL = {  # velocity of the striker after a collision at 1 m/s, unit masses and strengths
+    (4, 0.1): -0.56758562476447303918,
+    (5, 0.1): -0.59285240054465332785,
+    (4, 1 / 14): -0.59754443842240887993,
+    (5, 1.5): -0.071085017086094284724,
+    (4, 1.0): -0.13227948470970768681,
+}
+
+
+def closed_form_rows() -> Iterator[KnownNumber]:
+    """All closed_form_rows of this file."""
+    yield from _striker_rows()
+    yield from _gear_rows()
+    yield from _loss_rows()
+    yield from _gap_rows()
+
+
+def _striker_rows() -> Iterator[KnownNumber]:
+    """Velocities of the striker, and of the last of two on two."""
+    for (n, exponent), value in FINAL.items():
+        name = f"velocity of the striker, one on {n}, alpha {exponent:.3g} [m/s]"
+        yield KnownNumber(name, value, QUADRUPLE, partial(_striker, n, power_law(1.0, exponent)), 1e-7)
+    before, _ = long_linear_chain()
+    yield KnownNumber(
+        "striker of a long Hooke chain [m/s]",
+        before,
+        "J0 at the first zero of J2",
+        partial(_striker, 12, hooke(1.0)),
+        1e-7,
+    )
+    for n in (2, 9):
+        yield KnownNumber(
+            f"rigid limit: striker, one on {n} step forces [m/s]",
+            (1 - n) / (1 + n),
+            "two rigid bodies",
+            partial(_striker, n, step_force(1.0)),
+            1e-7,
+        )
+    yield KnownNumber(
+        "velocity of the last, two on two, alpha 0.1 [m/s]", 1.0011285726409516, QUADRUPLE, _two_on_two, 1e-7
+    )
+
+
+def _gear_rows() -> Iterator[KnownNumber]:
+    """Contact times of two beads, and critical speeds of draft gears."""
+    for name, law in (
+        ("alpha 1/10", power_law(1.0, 0.1)),
+        ("Hertz", hertz(1.0)),
+        ("draft gear", GEAR),
+        ("step force", step_force(1.0)),
+    ):
+        stroke = one_on_one(law, 0.5, 1.0)
+        yield KnownNumber(
+            f"contact time of two beads, {name} [s]",
+            stroke.contact_time,
+            "beta function or arctangent",
+            partial(_contact_time, law),
+            1e-7,
+        )
+    for n in (3, 5):
+        mass = [GEAR_MASS] * (n + 1)
+        known = critical_speed(GEAR, mass, 1)
+        yield KnownNumber(
+            f"critical speed of one gear on {n} [m/s]",
+            known,
+            "w D sqrt(2N-1)/(N-1), rigid clusters",
+            partial(_measured_critical_speed, n),
+            1e-4,
+        )
+
+
+def _loss_rows() -> Iterator[KnownNumber]:
+    """What a contact with loss gives back, and how far a bead slides."""
+    yield KnownNumber("restitution at loss 0.36", 0.8, "sqrt(1 - loss)", _restitution, 1e-7)
+    yield KnownNumber("way of a bead on a bed, friction 0.3 [m]", 1.0 / (0.6 * GRAVITY), "v**2 / (2 mu g)", _way, 1e-7)
+
+
+def _gap_rows() -> Iterator[KnownNumber]:
+    """Balls that collide in pairs."""
+    yield KnownNumber(
+        "Newton's cradle with gaps: last of five [m/s]",
+        1.0,
+        "elastic collisions of two equal balls",
+        lambda: _with_gaps([1.0] * 5),
+        1e-7,
+    )
+    yield KnownNumber(
+        "ball 4 to 1 through 2, with gaps [m/s]",
+        16 / 9,
+        "elastic collisions of two balls, 2 m / (m + M) each",
+        lambda: _with_gaps([4.0, 2.0, 1.0]),
+        1e-7,
+    )
+    tapered = [TAPER ** (3 * k) for k in range(10)]  # each diameter 0.95 of the one before
+    yield KnownNumber(
+        "tapered chain of ten, with gaps: last [m/s]",
+        math.prod(2.0 * m / (m + after) for m, after in pairwise(tapered)),
+        "elastic collisions of two balls each",
+        lambda: _with_gaps(tapered),
+        1e-7,
+    )
+
+
+def _striker(n: int, law: Contact) -> float:
+    found = simulate(one_on(n, law), [1.0] + [0.0] * n, samples=2, tolerance=TOLERANCE)
+    return float(found.final_velocity[0])
+
+
+def _contact_time(law: Contact) -> float:
+    closed, opened = simulate(one_on(1, law), [1.0, 0.0], samples=2, tolerance=TOLERANCE).contact_intervals[0][0]
+    return opened - closed
+
+
+def _measured_critical_speed(n: int) -> float:
+    """Speed at which an inner gear first yields while the struck one is pressed in, by halving."""
+    chain = one_on(n, GEAR, GEAR_MASS)
+    low, high = 0.1, 3.0
+    while high - low > 1e-5 * high:
+        speed = 0.5 * (low + high)
+        pressed_in = 0.55 * rigid_stroke(GEAR, chain.mass, 1, speed).contact_time
+        deepest = simulate(chain, [speed] + [0.0] * n, pressed_in, samples=401, tolerance=1e-8).overlap[:, 1:].max()
+        low, high = (low, speed) if deepest > 0.0 else (speed, high)
+    return 0.5 * (low + high)
+
+
+def _restitution() -> float:
+    final = simulate(one_on(1, hertz(1.0, 0.36), [1.0, 3.0]), [1.0, 0.0], samples=2, tolerance=TOLERANCE).final_velocity
+    return float(final[1] - final[0])
+
+
+def _way() -> float:
+    chain = Chain([1.0, 1.0], hertz(1.0), gap=10.0, friction=0.3)
+    return float(simulate(chain, [1.0, 0.0], 1.0, samples=2, tolerance=TOLERANCE).position[-1, 0])
+
+
+def _with_gaps(mass: list[float]) -> float:
+    chain = Chain(mass, hertz(1e6), gap=0.5)
+    return float(simulate(chain, [1.0] + [0.0] * (len(mass) - 1), samples=2, tolerance=TOLERANCE).final_velocity[-1])
+
+
+def _two_on_two() -> float:
+    found = simulate(
+        cluster_on_cluster(2, 2, power_law(1.0, 0.1)), [1.0, 1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE
+    )
+    return float(found.final_velocity[3])
+
+
+ALLOWED = 1e-7
+RESTITUTION = 0.8  # with gaps the striker then follows, while it is thrown back by balls that touch
+BALLS = ("striker", "middle", "last")
+
+
+def three_ball_rows() -> Iterator[KnownNumber]:
+    """All three_ball_rows of this file."""
+    modes = "normal modes up to each opening"
+    for ball, known in enumerate(touching_springs()):
+        name = f"three balls that touch, Hooke: {BALLS[ball]} [m/s]"
+        yield KnownNumber(name, known, modes, partial(_touching, ball), ALLOWED)
+    undone = "collisions of two balls; Donahue et al., Phys. Fluids 20, 113301 (2008)"
+    for ball, known in enumerate(with_gaps(RESTITUTION)):
+        name = f"three balls with gaps, restitution {RESTITUTION:g}: {BALLS[ball]} [m/s]"
+        yield KnownNumber(name, known, undone, partial(_lossy_with_gaps, ball), ALLOWED)
+    magic = "1 / cos(pi / n) - 1; Ee and Lee, arXiv:1310.5200"
+    for n in (5, 7, 9):
+        name = f"ball of {magic_mass(n):.4g} between two of 1, with gaps"
+        yield KnownNumber(f"{name}: last [m/s]", 1.0, magic, partial(_last_of_magic_masses, n), ALLOWED)
+        yield KnownNumber(f"{name}: its collisions", n - 1.0, magic, partial(_collisions_of_magic_masses, n), 0.0)
+
+
+def magic_mass(n: int) -> float:
+    """Mass of a ball that passes all momentum of a ball of mass 1 on to another of mass 1, in n - 1 collisions; n is odd.
+
+    In coordinates of equal inertia the two gaps are the sides of a wedge of angle pi / n, whose cosine is 1 / (1 + mass).
+    """
+    return 1.0 / math.cos(math.pi / n) - 1.0
+
+
+def touching_springs() -> tuple[float, float, float]:
+    """Velocities after one at 1 m/s has hit two, on unit masses and springs: modes of frequency 1 and sqrt(3), then of sqrt(2).
+
+    The overlaps are ``(sin t +- sin(sqrt(3) t) / sqrt(3)) / 2``: the first contact opens first, the energy left in the
+    second then drives its two balls apart.
+    """
+    root3 = math.sqrt(3.0)
+    opened = brentq(lambda t: math.sin(t) + math.sin(root3 * t) / root3, math.pi / root3, math.pi, xtol=1e-15)
+    slow, fast = 0.5 * math.cos(opened), math.cos(root3 * opened)
+    striker, middle, last = 1.0 / 3.0 + slow + fast / 6.0, 1.0 / 3.0 - fast / 3.0, 1.0 / 3.0 - slow + fast / 6.0
+    overlap = 0.5 * (math.sin(opened) - math.sin(root3 * opened) / root3)
+    mean, apart = 0.5 * (middle + last), 0.5 * math.hypot(middle - last, math.sqrt(2.0) * overlap)
+    return striker, mean - apart, mean + apart
+
+
+def with_gaps(restitution: float) -> tuple[float, float, float]:
+    """Velocities of equal balls after one at 1 m/s has hit two with gaps: pairs collide while a ball is faster than the next."""
+    velocity = [1.0, 0.0, 0.0]
+    while faster := [i for i in (0, 1) if velocity[i] > velocity[i + 1]]:
+        i = faster[0]
+        mean, apart = 0.5 * (velocity[i] + velocity[i + 1]), 0.5 * restitution * (velocity[i] - velocity[i + 1])
+        velocity[i : i + 2] = [mean - apart, mean + apart]
+    return velocity[0], velocity[1], velocity[2]
+
+
+def _touching(ball: int) -> float:
+    return float(simulate(one_on(2, hooke(1.0)), [1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE).final_velocity[ball])
+
+
+def _lossy_with_gaps(ball: int) -> float:
+    chain = Chain([1.0] * 3, hertz(1e6, 1.0 - RESTITUTION**2), gap=0.5)
+    return float(simulate(chain, [1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE).final_velocity[ball])
+
+
+def _through_magic_mass(n: int) -> Trajectory:
+    chain = Chain([1.0, magic_mass(n), 1.0], hertz(1e6), gap=0.5)
+    return simulate(chain, [1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE)
+
+
+def _last_of_magic_masses(n: int) -> float:
+    return float(_through_magic_mass(n).final_velocity[2])
+
+
+def _collisions_of_magic_masses(n: int) -> float:
+    return float(sum(len(intervals) for intervals in _through_magic_mass(n).contact_intervals))
+
+
+ROW_MASS = (1.0, 2.0, 0.5, 1.5, 1.0)
+ROW_LAWS = (power_law(1.0, 0.3), hertz(5.0), draft_gear(10.0, 0.05), hertz(2.0))
+ROW_START = (1.0, 0.2, 0.0, 0.0, -0.4)
+
+
+def symmetry_rows() -> Iterator[KnownNumber]:
+    """All symmetry_rows of this file."""
+    source = "symmetry of the equations"
+    yield KnownNumber("change by a moving observer [m/s]", 0.0, source, _galilean, ALLOWED)
+    yield KnownNumber("change by a mirror [m/s]", 0.0, source, _mirrored, ALLOWED)
+    yield KnownNumber("change by other units", 0.0, source, _rescaled, ALLOWED)
+    yield KnownNumber("start found again backwards [m/s]", 0.0, source, _reversed, ALLOWED)
+
+
+def _end(chain: Chain, start: Array, duration: float | None = None) -> Array:
+    return simulate(chain, start, duration, samples=2, tolerance=TOLERANCE).final_velocity
+
+
+def _apart(one: Array, other: Array) -> float:
+    return float(np.abs(one - other).max())
+
+
+def _galilean() -> float:
+    chain, start = Chain(ROW_MASS, ROW_LAWS), np.array(ROW_START)
+    return _apart(_end(chain, start + 3.0) - 3.0, _end(chain, start))
+
+
+def _mirrored() -> float:
+    image = Chain(ROW_MASS[::-1], ROW_LAWS[::-1])
+    return _apart(-_end(image, -np.array(ROW_START)[::-1])[::-1], _end(Chain(ROW_MASS, ROW_LAWS), np.array(ROW_START)))
+
+
+def _rescaled() -> float:
+    """Lengths, times and masses in other units: forces as M L / T**2."""
+    length, time, mass = 1e-3, 1e-4, 7.0
+    force = mass * length / time**2
+    laws = [Contact(c.preload * force, c.stiffness * force / length**c.exponent, c.exponent) for c in ROW_LAWS]
+    image = Chain(np.array(ROW_MASS) * mass, laws)
+    speed = length / time
+    return _apart(
+        _end(image, np.array(ROW_START) * speed) / speed, _end(Chain(ROW_MASS, ROW_LAWS), np.array(ROW_START))
+    )
+
+
+def _reversed() -> float:
+    """The collision run back from its end: the beads at the places where they were, with velocities turned about."""
+    forward = simulate(Chain(ROW_MASS, hertz(5.0)), ROW_START, samples=2, tolerance=TOLERANCE)
+    back = Chain(ROW_MASS, hertz(5.0), gap=-forward.overlap[-1])
+    return _apart(-_end(back, -forward.final_velocity), np.array(ROW_START))
+
+
+LENGTH = 60  # beads behind the striker
+FIRST, LAST = 20, 45  # contacts between which the pulse has its shape
+DEPTH = 500  # beads of a column
+WEAK = 1e-4  # [m/s] of its uppermost bead, small beside its velocity of sound
+SAMPLES = 1201  # of a run: a top of the overlap, through three of them, is found to a few 1e-6
+SOURCE = "long chains of unit spheres, K = 1, struck by one at 1 m/s"
+
+
+def pulse_rows() -> Iterator[KnownNumber]:
+    """All rows of this file."""
+    yield KnownNumber("Hertz pulse: contacts a second", 0.840509, SOURCE, _speed, 1e-4)
+    yield KnownNumber("Hertz pulse: largest overlap [m]", 0.742309, SOURCE, _overlap, 1e-4)
+    yield KnownNumber(
+        "width of the Hertz pulse in diameters", 4.967, "pi sqrt(10) / 2, Nesterenko's compacton", _width, 0.1
+    )
+    for m in (2, 3, 5):
+        yield KnownNumber(f"pulses that {m} strikers send", float(m), "one each", partial(_pulses_as_number, m), 0.0)
+    hong = "Hong, Ji and Kim, Phys. Rev. Lett. 82, 3058 (1999): weak pulses, great depths"
+    yield KnownNumber("Hertz chain under its weight: peak velocity as depth to the power", -0.25, hong, _weighted, 0.02)
+
+
+def _pulses_as_number(strikers: int) -> float:
+    return float(_pulses(strikers))
+
+
+@cache
+def _struck(strikers: int) -> Trajectory:
+    chain = Chain([1.0] * (LENGTH + strikers), hertz(1.0))
+    velocity = [1.0] * strikers + [0.0] * LENGTH
+    time = np.linspace(0.0, 1.15 * LENGTH, SAMPLES)
+    return simulate(chain, velocity, float(time[-1]), samples=time, tolerance=1e-8)
+
+
+def _weighted() -> float:
+    """Slope of the logarithm of the peak velocity of each bead over that of its depth, in the lower half of a column.
+
+    Unit masses under unit gravity on unit contacts: contact i carries i + 1, so its overlap is that to the power 2/3.
+    """
+    carried = np.arange(1.0, DEPTH + 1.0)
+    chain = Chain([1.0] * DEPTH + [math.inf], hertz(1.0), gap=-(carried ** (2.0 / 3.0)), drive=[1.0] * DEPTH + [0.0])
+    passed = 0.97 * float((1.0 / np.sqrt(1.5 * carried ** (1.0 / 3.0))).sum())  # before it comes back from the ground
+    velocity = [WEAK] + [0.0] * DEPTH
+    found = simulate(chain, velocity, passed, "verlet", 0.03, samples=round(passed / 0.1))
+    peak, lower = found.velocity.max(axis=0), slice(DEPTH // 2, round(0.85 * DEPTH))
+    return float(np.polyfit(np.log(carried[lower]), np.log(peak[:-1][lower]), 1)[0])
+
+
+def _peak(found: Trajectory, contact: int) -> tuple[float, float]:
+    """Time and overlap of the crest of a contact."""
+    return crest(found.time, found.overlap[:, contact])
+
+
+def _speed() -> float:
+    found = _struck(1)
+    return (LAST - FIRST) / (_peak(found, LAST)[0] - _peak(found, FIRST)[0])
+
+
+def _overlap() -> float:
+    return _peak(_struck(1), LAST)[1]
+
+
+def _width() -> float:
+    """That of a squared cosine's fourth power in velocity, from the second moment of the force along the chain."""
+    found = _struck(1)
+    k = int(np.argmax(found.overlap[:, LAST]))
+    velocity: NDArray[np.float64] = np.maximum(found.velocity[k, FIRST:], 0.0)
+    place = np.arange(velocity.size)
+    mean = velocity @ place / velocity.sum()
+    spread = float(np.sqrt(velocity @ (place - mean) ** 2 / velocity.sum()))
+    return spread / _COSINE_SPREAD
+
+
+_X = np.linspace(-0.5, 0.5, 20001)
+_COSINE_SPREAD = float(np.sqrt((np.cos(np.pi * _X) ** 4 * _X**2).sum() / (np.cos(np.pi * _X) ** 4).sum()))  # of width 1
+
+
+def _pulses(strikers: int) -> int:
+    """Maxima of the force in a contact far from the strikers, of at least a twentieth of the largest."""
+    force = _struck(strikers).force[:, LENGTH // 2 + strikers]
+    inner = force[1:-1]
+    tops = (inner > force[:-2]) & (inner >= force[2:]) & (inner > 0.05 * force.max())
+    return int(tops.sum())
+
+
+def known_numbers() -> list[KnownNumber]:
+    """Every row, in the order of the table."""
+    return [
+        *closed_form_rows(),
+        *three_ball_rows(),
+        *pulse_rows(),
+        *symmetry_rows(),
+    ]
+
+
+def verified(report: Callable[[Checked], None] = lambda _: None) -> list[Checked]:
+    """Every row computed; `report` is called after each."""
+    found = []
+    for known in known_numbers():
+        found.append(check(known))
+        report(found[-1])
+    return found

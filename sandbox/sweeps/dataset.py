@@ -1,0 +1,152 @@
+"""The Dataset of a sweep: variables with dimensions and units, written as Zarr or NetCDF, and what is in it in a few lines."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.atomic_files import output_file, output_folder
+from softcradle.physics.extras import needed_for
+from softcradle.sandbox.sweeps.chunk_work import Chunk, PointStatus
+from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
+from softcradle.sandbox.sweeps.sample_points import Points
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+KINDS = (".zarr", ".nc")  # endings of files
+COMPRESSION = 4  # of numbers in NetCDF, 1 to 9
+NO_NUMBERS = (2, 3, 5, 6)  # values of status: the point has no numbers, or not those of its end
+
+
+def dataset_of(
+    chunk: Chunk, points: Points, lanes: Sequence[str], measures: Sequence[Measure], units: Mapping[str, str],
+    attributes: Mapping[str, str],
+) -> xr.Dataset:  # fmt: skip
+    """The Dataset of all points.
+
+    Arguments:
+        chunk: their numbers.
+        lanes: the labels of a scene's lanes; with more than one, each measure has a number for each of them.
+        measures: those that are not of the table.
+        units: of the numbers that a function returns.
+    """
+    import xarray as xr
+
+    known = MEASURE_BY_NAME | {measure.name: measure for measure in measures}
+    inner = {
+        name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
+        for name, column in chunk.columns.items()
+    }
+    sizes: dict[str, int] = {}
+    for name, dimensions in inner.items():
+        for dimension, length in zip(dimensions, chunk.columns[name].shape[1:], strict=True):
+            sizes[dimension] = max(length, sizes.get(dimension, 0))
+    reasons = np.array([chunk.reasons.get(k, "") for k in range(points.count)], dtype=object)
+    variables = {"reason": (points.dimensions, _shaped(reasons, points), {"long_name": REASON})}
+    for name, column in chunk.columns.items():
+        whole = _padded(column, [sizes[dimension] for dimension in inner[name]])
+        told = _attributes(name, known.get(name), units)
+        variables[name] = (*points.dimensions, *inner[name]), _shaped(whole, points), told
+    coordinates: dict[str, Any] = {name: np.arange(sizes[name]) for name in ("bead", "contact") if name in sizes}
+    if "lane" in sizes:
+        coordinates["lane"] = np.array([*lanes], dtype=object)
+    return xr.Dataset(variables, coordinates | _axis_coordinates(points), dict(attributes))
+
+
+REASON = 'what went wrong; "" where nothing did'
+
+
+def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -> tuple[str, ...]:
+    """Names of the dimensions that a column has beside those of the points."""
+    first = ("lane",) * (own is not None and lanes)
+    return first + tuple(
+        own.each or f"{name}_item" if own else f"{name}_item{k or ''}" for k in range(count - len(first))
+    )
+
+
+def _attributes(name: str, own: Measure | None, units: Mapping[str, str]) -> dict[str, Any]:
+    if name == "status":  # by the conventions for flags
+        codes = np.array([status.value for status in PointStatus], dtype=np.int8)
+        words = " ".join(status.name.lower() for status in PointStatus)
+        return {"long_name": "what became of the point", "flag_values": codes, "flag_meanings": words}
+    if name == "warned":
+        return {"long_name": "number of warnings"}
+    return {"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")}
+
+
+def _padded(column: NDArray[Any], inner: Sequence[int]) -> NDArray[Any]:
+    """(N, ...) the column with nan beyond the numbers that there are."""
+    if column.shape[1:] == tuple(inner):
+        return column
+    whole = np.full((len(column), *inner), np.nan)
+    whole[(slice(None), *(slice(0, length) for length in column.shape[1:]))] = column
+    return whole
+
+
+def _shaped(column: NDArray[Any], points: Points) -> NDArray[Any]:
+    return column.reshape(*points.shape, *column.shape[1:])
+
+
+def _axis_coordinates(points: Points) -> dict[str, Any]:
+    """The parameters that vary: along their own dimension in a grid, else along the points."""
+    columns = points.columns(0, points.count) if points.design != "grid" else {}
+    found = {}
+    for axis in points.axes:
+        values = columns[axis.path] if columns else points.axis_values(axis)
+        dimension = "point" if columns else axis.coordinate
+        found[axis.coordinate] = dimension, values, {"long_name": axis.path}
+    return found
+
+
+def write_dataset(found: xr.Dataset, path: Path) -> None:
+    """Write a Dataset whole or not at all. Raises OSError."""
+    if path.suffix == ".zarr":
+        with output_folder(path) as temporary:  # in the second format: the third has no texts that other programs read
+            found.to_zarr(temporary, mode="w", zarr_format=2, consolidated=True)
+        return
+    packed = {"zlib": True, "complevel": COMPRESSION}
+    encoding = {name: packed for name, variable in found.data_vars.items() if variable.dtype.kind in "fi"}
+    with output_file(path) as temporary:
+        found.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
+
+
+def open_dataset(path: Path) -> xr.Dataset:
+    """The Dataset in a file; its numbers are read when they are asked for."""
+    with needed_for("a sweep", "sweep"):
+        import xarray as xr
+    if path.suffix == ".zarr":
+        return xr.open_zarr(path, chunks=None, consolidated=True, decode_timedelta=False)
+    return xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False)
+
+
+def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
+    """Name with unit, least, mean, greatest number and how many points have none, of every measure."""
+    rows = []
+    for name, variable in found.data_vars.items():
+        if name in ("status", "warned", "reason") or variable.dtype.kind != "f":
+            continue
+        values = variable.to_numpy()
+        known = values[np.isfinite(values)]
+        own = [variable.get_axis_num(dimension) for dimension in variable.dims if dimension not in found["status"].dims]
+        without = int((~np.isfinite(values)).all(axis=tuple(own)).sum())
+        unit = variable.attrs.get("units", "")
+        numbers = (known.min(), known.mean(), known.max()) if known.size else ()
+        least, mean, greatest = (f"{number:.4g}" for number in numbers) if numbers else ("-", "-", "-")
+        rows.append((f"{name} [{unit}]" if unit else str(name), least, mean, greatest, str(without)))
+    return rows
+
+
+def reasons_of(found: xr.Dataset) -> list[tuple[str, int]]:
+    """Why points have no numbers, the most frequent reason first."""
+    without = np.isin(found["status"].to_numpy(), NO_NUMBERS)
+    return Counter(str(text) for text in found["reason"].to_numpy()[without]).most_common()
+
+
+def lost_points(found: xr.Dataset) -> int:
+    """Points at which every process died."""
+    return int((found["status"].to_numpy() == PointStatus.LOST).sum())

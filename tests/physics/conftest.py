@@ -1,0 +1,11 @@
+"""Files of tests that run as plain Python are collected there alone, by `test_plain_kernels.py`; by name, anywhere."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+
+from tests.helpers.paths import plain_files
+
+COMPILED = os.environ.get("NUMBA_DISABLE_JIT") != "1" and find_spec("numba") is not None
+collect_ignore = list(map(str, plain_files())) if COMPILED else []

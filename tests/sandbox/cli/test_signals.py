@@ -1,0 +1,125 @@
+"""Ctrl+C and SIGTERM are heard by whatever takes long, compiled or compiling: one line, the right exit code, no traceback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from softcradle.physics.numerics.float_bits import COMPILED
+
+from tests.helpers.paths import ROOT
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name != "posix", reason="signals are others there")]
+# s: far more than an answer takes on a loaded machine, and far less than the work, which would take from half an hour to years
+ANSWER = 180.0
+LONG_RUN = """
+import sys
+from softcradle import one_on, power_law, simulate
+chain = one_on(400, power_law(1.0, 0.1))
+simulate(chain, [1] + [0] * 400, method=sys.argv[1], step=1e-3, duration=1.0)
+print("begun", flush=True)
+simulate(chain, [1] + [0] * 400, method=sys.argv[1], step=1e-9, duration=0.09)
+"""
+MANY_CHAINS = """
+import numpy as np
+from softcradle import ChainBatch, ensemble_ends
+batch = ChainBatch(np.ones((200_000, 5)), 0.0, 1.0, 0.1)
+ensemble_ends(ChainBatch(np.ones((9, 5)), 0.0, 1.0, 0.1), [1, 0, 0, 0, 0], 0.1, "conserving", 1e-3)
+print("begun", flush=True)
+ensemble_ends(batch, [1, 0, 0, 0, 0], 1.0, "conserving", 1e-6)
+"""
+STUDY = """
+scene = "one-on-four"
+measures = ["final_velocity"]
+[set]
+method = "conserving"
+step = 1e-7
+[grid]
+"lanes.0.contact.alpha" = {between = [0.05, 1], count = 2000}
+"""
+
+
+def begin(*words: str, folder: Path, **environment: str) -> subprocess.Popen[str]:
+    """A process with Python's own handler of Ctrl+C, which a shell takes from those that it begins behind."""
+    return subprocess.Popen(
+        [sys.executable, *words],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)} | environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # noqa: PLW1509
+    )
+
+
+def told(process: subprocess.Popen[str], number: int) -> list[str]:
+    """What a process says after a signal."""
+    process.send_signal(number)
+    try:
+        return process.communicate(timeout=ANSWER)[1].splitlines()
+    finally:
+        process.kill()
+
+
+def until(condition: Callable[[], object], process: subprocess.Popen[str]) -> None:
+    end = time.monotonic() + ANSWER
+    while not condition():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+@pytest.mark.skipif(not COMPILED, reason="plain Python hears everything")
+@pytest.mark.parametrize("program", [LONG_RUN, MANY_CHAINS])
+@pytest.mark.parametrize("method", ["verlet", "conserving"])
+def test_a_compiled_run_hears_it(program, method, tmp_path):
+    if program == MANY_CHAINS and method == "verlet":
+        program = program.replace('"conserving"', '"verlet"')
+    process = begin("-c", program, method, folder=tmp_path)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(0.5)  # so that it is in a kernel
+    assert told(process, signal.SIGINT)[-1] == "KeyboardInterrupt"
+    assert process.returncode == -signal.SIGINT
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
+)
+@pytest.mark.parametrize("command", ["warm", "sweep", "figures"])
+def test_a_command_hears_it_while_kernels_are_compiled(command, number, code, word, tmp_path):
+    pytest.importorskip("numba")
+    (tmp_path / "study.toml").write_text(STUDY)
+    words = {
+        "warm": ["warm", "verlet"],
+        "sweep": ["sweep", "study.toml"],
+        "figures": ["figures", "softness", "-o", "out"],
+    }
+    cache = tmp_path / "cache"
+    process = begin("-m", "softcradle", *words[command], folder=tmp_path, NUMBA_CACHE_DIR=str(cache))
+    until(lambda: list(cache.rglob("*.compiling")), process)
+    lines = told(process, number)
+    assert process.returncode == code, lines
+    assert lines[-1] == f"softcradle: {word}"
+    assert all(line.startswith("softcradle: ") for line in lines)
+    for lock in cache.rglob("*.compiling"):  # what goes on behind has nobody to compile for
+        os.kill(int(lock.read_text().split()[0]), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("executor", [[], ["--threads"]])
+def test_a_sweep_keeps_its_points_and_says_so(executor, tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY.replace("step = 1e-7", "step = 1e-3"))
+    process = begin("-m", "softcradle", "sweep", "study.toml", "--chunk", "0.1", *executor, folder=tmp_path)
+    kept = tmp_path / "out" / "study.zarr.partial"
+    until(lambda: list(kept.glob("[0-9]*.npz")), process)
+    lines = told(process, signal.SIGINT)
+    assert process.returncode == 130, lines
+    assert lines[-1] == "softcradle: interrupted"
+    assert "points are kept in out/study.zarr.partial" in lines[-2]
+    assert not [line for line in lines if "Traceback" in line]

@@ -1,0 +1,126 @@
+"""The first level of the window: few controls, alpha of the whole row, and the same blow among steel balls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pygame
+import pytest
+from softcradle.physics import power_law
+from softcradle.sandbox.session.contact_conversion import impact_energy
+from softcradle.sandbox.window.scene.pick import Pick
+
+from tests.helpers.drawn_text import drawn_texts
+from tests.helpers.windows import Driver
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+MOST_CONTROLS = 16
+
+
+@pytest.fixture
+def explorer() -> Iterator[Driver]:
+    made = Driver("one-on-four", lab=False)
+    yield made
+    made.close()
+
+
+def typed(driver: Driver, key: str, text: str) -> None:
+    entry = driver.page.explore.controls[key].entry
+    driver.click(entry.rect.center)
+    entry.set_text("")
+    driver.type(text)
+    driver.key(pygame.K_RETURN)
+
+
+def laws(driver: Driver, lane: int = 0) -> list:
+    return list(driver.session.lanes[lane].chain.contact)
+
+
+def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driver) -> None:
+    assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
+    places = explorer.page.view.places
+    assert places.lanes[0].height > 0.45 * explorer.app.size[1]
+    assert [len(row) for row in places.plots] == [1]
+    assert not places.insets.height
+
+
+def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
+    explorer.click(explorer.page.toolbar.buttons["level"].rect.center)
+    explorer.frames(2)
+    assert explorer.page.cards.menus
+    assert not explorer.page.explore.controls
+    assert len(explorer.app.focus.controls()) > MOST_CONTROLS
+    explorer.close()
+    explorer.app = Driver("one-on-four", lab=False).app
+    assert explorer.page.cards.menus
+    explorer.key(pygame.K_F3)
+    assert explorer.page.explore.controls
+
+
+def test_alpha_is_that_of_the_whole_row_and_the_blow_goes_as_deep(explorer: Driver) -> None:
+    lane = explorer.session.lanes[0]
+    before = impact_energy(lane.chain, 1, lane.setup.speed)
+    explorer.key(pygame.K_SPACE)
+    explorer.frames(60)
+    typed(explorer, "alpha", "1")
+    assert explorer.session.frame == 0  # begun anew
+    assert [law.exponent for law in laws(explorer)] == [1.0] * 4
+    lane = explorer.session.lanes[0]
+    assert impact_energy(lane.chain, 1, lane.setup.speed) == pytest.approx(before)
+    explorer.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert laws(explorer) == [power_law(1.0, 0.1)] * 4
+
+
+def test_one_slider_changes_the_row_unless_one_contact_is_selected(explorer: Driver) -> None:
+    place = explorer.page.view.lanes[0].handles()[1]
+    explorer.click(place)
+    assert explorer.page.editor.selection == Pick(0, "contact", 1)
+    typed(explorer, "alpha", "0.5")
+    assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
+
+
+def test_speed_and_number_of_beads(explorer: Driver) -> None:
+    typed(explorer, "speed", "2")
+    assert explorer.session.lanes[0].velocity.tolist() == [2.0, 0.0, 0.0, 0.0, 0.0]
+    for button, count in (("+", 6), ("\N{MINUS SIGN}", 5)):
+        found = next(one for one in explorer.page.explore.buttons if one.text == button)
+        explorer.click(found.rect.center)
+        explorer.frames(2)
+        assert len(explorer.session.lanes[0].chain.mass) == count
+
+
+def test_the_text_of_a_scene_is_not_said_of_another(explorer: Driver) -> None:
+    def said() -> str:
+        explorer.page.view.redraw()
+        with drawn_texts(explorer.app.size) as texts:
+            explorer.app.paint()
+        return " ".join(one.text for one in texts)
+
+    assert "nearly as one" in said()
+    typed(explorer, "alpha", "1")
+    explorer.frames(2)
+    assert "nearly as one" not in said()
+    assert "You have changed this scene" in said()
+
+
+def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
+    button = next(one for one in explorer.page.explore.buttons if "steel" in one.text)
+    explorer.click(button.rect.center)
+    explorer.frames(2)
+    assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
+    assert explorer.session.playing
+    assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
+    explorer.frames(330)
+    soft, steel = explorer.session.lanes
+    assert steel.velocity[4] > 0.9
+    assert soft.velocity[4] < 0.6
+
+
+@pytest.mark.parametrize("level", ["good", "bad"])
+def test_the_badge_speaks_where_all_is_not_well(explorer: Driver, level: str) -> None:
+    state = replace(explorer.session.health(0), level=level, sentence="beads are off")
+    explorer.page.explore.health = lambda: [state]
+    with drawn_texts(explorer.app.size) as texts:
+        explorer.app.paint()
+    assert ("beads are off" in [one.text for one in texts]) == (level == "bad")
