@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,8 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.numerics.coupler_kernels import Joints
 from softcradle.physics.numerics.own_contacts import OwnLaws
-from softcradle.physics.numerics.own_law_functions import functions_of
 from softcradle.physics.numerics.records import COUNTERS, SWITCH, Dissipation, SwitchLog
+from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 FIRST_LOG = 4096  # rows of the log of contact switches at first
 ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
+KEPT_TABLES = 64  # combinations of laws of one's own
 NOTHING = np.zeros(0)
 NO_FLAGS = np.zeros(0, dtype=np.int8)
 
@@ -43,12 +45,23 @@ def _own_laws(chain: Chain) -> OwnLaws | None:
     """The record of the laws of one's own; None for a chain without."""
     if not chain.own_laws:
         return None
-    number = {law: k for k, law in enumerate(chain.own_laws)}
     numbers = np.full(chain.contacts, -1, dtype=np.int64)
     for i, law in chain.own_contacts:
-        numbers[i] = number[law]
-    functions = functions_of(chain.own_laws)
-    return OwnLaws(numbers, functions.force, functions.energy)
+        numbers[i] = chain.own_laws.index(law)
+    return OwnLaws(numbers, *_tables(chain.own_laws))
+
+
+@lru_cache(maxsize=KEPT_TABLES)
+def _tables(laws: tuple[OwnLaw, ...]) -> tuple[Any, ...]:
+    """The tables of `laws` as the fields of OwnLaws, made once for each combination of laws."""
+    tables = [law.table for law in laws]
+    return (
+        np.cumsum([0, *(len(table.force) for table in tables)]),
+        np.concatenate([table.edge[:-1] for table in tables]),
+        np.array([table.edge[-1] for table in tables]),
+        np.concatenate([table.force for table in tables]),
+        np.concatenate([table.energy for table in tables]),
+    )
 
 
 def _joints(chain: Chain) -> Joints | None:
@@ -64,11 +77,8 @@ def _joints(chain: Chain) -> Joints | None:
 
 
 def require_finite_motion(chain: Chain, state: State) -> None:
-    """Raise what a law of one's own has raised in a kernel, or ValueError where one has given no number."""
-    if not chain.own_laws:
-        return
-    functions_of(chain.own_laws).raise_again()
-    if not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
+    """ValueError where a contact has been pressed beyond what a law of one's own has a number for."""
+    if chain.own_laws and not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
         names = " or ".join(repr(law.name) for law in chain.own_laws)
         raise ValueError(
             f"contact law {names} gave no number in the course of the motion, which ended at t = {state.time:.6g} s: "

@@ -54,6 +54,7 @@ from softcradle.physics.numerics.records import (
     SwitchLog,
 )
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS
+from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -66,8 +67,6 @@ MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does n
 # Steps of a contact between two looks at signals, which Python hears between two calls of a kernel: some 0.1 s.
 PAUSE = 2_000_000
 PLAIN_STEPS = 20_000  # of a run without a duration, times its contacts: how far plain Python tries, in about a second
-
-_loaded: set[bool] = set()  # whether with friction or loss: kernels for laws of one's own that are in memory
 
 
 @dataclass
@@ -99,12 +98,7 @@ class Scratch:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
-    chain_records(problem.chain, problem.state)  # compiles laws of one's own
-    if not problem.chain.own_laws:
-        _kernels(problem.chain).load_made()  # so that the cost measured is that of the motion
-    elif problem.chain.dissipative not in _loaded:
-        _pass(problem, problem.state.time, NO_TIMES, False)
-        _loaded.add(problem.chain.dissipative)
+    _kernels(problem.chain).load_made()  # so that the cost measured is that of the motion
     return run_to_end(problem, _pass)
 
 
@@ -117,7 +111,7 @@ def advance(problem: Problem) -> Status:
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
-    kernel = march if problem.chain.own_laws else _kernels(problem.chain).of_frame(march)
+    kernel = _kernels(problem.chain).of_frame(march)
     status, state.time = _march_chain(kernel, MOST_STEPS, problem, state, end, False, scratch)
     state.switches += int(log.counter[SWITCH])
     return Status(status)
@@ -168,7 +162,7 @@ class _KeptRun:
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
         again = min(found.steps, times.size * int(scratch.checkpoints.plan[SPACING])) + late / problem.step
         work = again * chain.contacts
-        kernel = sample_between if chain.own_laws else _kernels(chain).of(sample_between, work)
+        kernel = _kernels(chain).of(sample_between, work)
         if kernel is not sample_between:
             _kernels(chain).spent += work
         none = tuple(empty_checkpoints(chain.contacts, False))
@@ -183,16 +177,15 @@ class _KeptRun:
 
 
 def _kernels(chain: Chain) -> KernelTiers:
-    """The kernels for a chain of power laws."""
-    if chain.couplers:
-        return TIERS["fixed-step-couplers"]
-    return TIERS["fixed-step-dissipative" if chain.dissipative else "fixed-step"]
+    """The kernels for such a chain: they are compiled for what they need not ask for."""
+    what = "-couplers" if chain.couplers else "-dissipative" if chain.dissipative else ""
+    return TIERS[f"fixed-step{what}{'-own-laws' if chain.own_laws else ''}"]
 
 
 def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[Any, int]:
     """The tier of the kernel for a run of `duration` [s], and the steps that it may take."""
     chain, most = problem.chain, problem.most_steps or MOST_STEPS
-    if chain.own_laws or _kernels(chain).in_memory:
+    if _kernels(chain).in_memory:
         return march, most
     ends = np.isfinite(duration)
     steps = duration / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
@@ -248,9 +241,9 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _call_kernels(contact: Contact | Coupler, friction: float) -> None:
+def _call_kernels(first: Contact | Coupler, second: Contact | OwnLaw, friction: float) -> None:
     """Call every kernel once for such contacts, with friction or without."""
-    chain = Chain([1.0, 1.0, 1.0], contact, friction=friction)
+    chain = Chain([1.0, 1.0, 1.0], [first, second], friction=friction)
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))
     run(Problem(chain, state, "conserving", 1e-3, 1e-3))
@@ -259,11 +252,13 @@ def _call_kernels(contact: Contact | Coupler, friction: float) -> None:
         found.kept.record(found, np.array([5e-4]))
 
 
+OWN = OwnLaw(lambda overlap: overlap)
 TIERS = {
-    name: KernelTiers(name, __name__, partial(_call_kernels, contact, friction))
+    name + ending: KernelTiers(name + ending, __name__, partial(_call_kernels, contact, other, friction))
     for name, contact, friction in (
         ("fixed-step", power_law(1.0, 0.1), 0.0),
         ("fixed-step-dissipative", power_law(1.0, 0.1), 0.1),
         ("fixed-step-couplers", Coupler(hooke(1.0), hooke(1.0)), 0.0),
     )
+    for ending, other in (("", power_law(1.0, 0.1)), ("-own-laws", OWN))
 }

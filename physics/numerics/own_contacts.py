@@ -1,13 +1,11 @@
-"""Contacts with laws of one's own inside kernels: force, mean force and resolvent from functions that are called by address.
+"""Contacts with laws of one's own inside kernels: force, mean force and resolvent from the tables of these laws.
 
-The functions take the number of the law and an overlap > 0. A kernel gets them as a record, or None in its place where all
-contacts are power laws; it is compiled once for all records, whatever their laws are.
+A kernel gets the tables as a record, or None in its place where all contacts are power laws.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,8 +24,6 @@ from softcradle.physics.numerics.resolvent import (
 
 Array = NDArray[np.float64]
 
-LawFunction = Callable[[int, float], float]  # (number of the law, overlap > 0)
-
 NEAR = 0.05  # of the overlap at the start: nearer ends take the mean of forces, for the difference of energies cancels
 SAME = 1e-9  # of the overlap: from there to an end so near the force is a straight line
 DOUBT = 8.0 * EPSILON  # of the energy: round-off of its difference; the mean of forces must agree to that
@@ -39,18 +35,55 @@ WEIGHTS: Array = 0.5 * _weights
 
 
 class OwnLaws(NamedTuple):
-    """Which contacts have laws of their own, and these laws."""
+    """Which contacts have laws of their own, and the tables of these laws, one after another: see `own_law_table`."""
 
     number: NDArray[np.int64]  # (n,) number of the law of each contact; -1: its row of the law table
-    force: LawFunction  # force [N]
-    energy: LawFunction  # energy [J]
+    first: NDArray[np.int64]  # (laws+1,) first piece of each law
+    edge: Array  # (pieces,) overlaps [m] at which pieces begin; 0 where a law does
+    end: Array  # (laws,) overlaps [m] beyond which there is no number
+    force: Array  # (pieces, degree+1) coefficients
+    energy: Array  # (pieces, degree+2)
+
+
+@jit
+def table_value(own, coefficients, number, overlap):
+    """The polynomial of the piece of law `number` in which an overlap > 0 lies; nan beyond its table."""
+    if not overlap <= own.end[number]:
+        return math.nan
+    low, high = own.first[number], own.first[number + 1]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if own.edge[middle] <= overlap:
+            low = middle
+        else:
+            high = middle
+    begin = own.edge[low]
+    end = own.edge[low + 1] if low + 1 < own.first[number + 1] else own.end[number]
+    place = (2.0 * overlap - begin - end) / (end - begin)
+    last = coefficients.shape[1] - 1
+    value = coefficients[low, last]
+    for k in range(last - 1, -1, -1):
+        value = value * place + coefficients[low, k]
+    return value
+
+
+@inlined
+def own_force(own, number, overlap):
+    """Force of law `number` at an overlap > 0."""
+    return table_value(own, own.force, number, overlap)
+
+
+@inlined
+def own_energy(own, number, overlap):
+    """Energy of law `number` at an overlap > 0."""
+    return table_value(own, own.energy, number, overlap)
 
 
 @inlined
 def force_at(law, own, i, overlap):
     """Force of contact i at `overlap`, 0 where it is open."""
     if own is not None and own.number[i] >= 0:
-        return own.force(own.number[i], overlap) if overlap > 0.0 else 0.0
+        return own_force(own, own.number[i], overlap) if overlap > 0.0 else 0.0
     return power_force(law[i, 0], law[i, 1], law[i, 2], overlap)
 
 
@@ -60,18 +93,18 @@ def own_mean_force(own, number, start, overlap):
     distance = overlap - start
     if start > 0.0 and abs(distance) < SAME * start:
         middle, width = 0.5 * (start + overlap), SLOPE_WIDTH * start
-        rise = own.force(number, middle + width) - own.force(number, middle - width)
-        return own.force(number, middle), max(0.25 * rise / width, 0.0)
-    end = own.energy(number, overlap)
-    begin = own.energy(number, start) if start > 0.0 else 0.0
+        rise = own_force(own, number, middle + width) - own_force(own, number, middle - width)
+        return own_force(own, number, middle), max(0.25 * rise / width, 0.0)
+    end = own_energy(own, number, overlap)
+    begin = own_energy(own, number, start) if start > 0.0 else 0.0
     mean = (end - begin) / distance
     if start > 0.0 and abs(distance) < NEAR * start:
         smooth = 0.0
         for q in range(NODES.size):
-            smooth += WEIGHTS[q] * own.force(number, start + distance * NODES[q])
+            smooth += WEIGHTS[q] * own_force(own, number, start + distance * NODES[q])
         if abs(smooth - mean) * abs(distance) <= DOUBT * max(begin, end):
             mean = smooth
-    return mean, max((own.force(number, overlap) - mean) / distance, 0.0)
+    return mean, max((own_force(own, number, overlap) - mean) / distance, 0.0)
 
 
 @jit
@@ -108,7 +141,7 @@ def own_resolvent(own, number, preload, start, weight, s, guess):
     if abs(start) < SMALLEST:
         start = 0.0
     if start > 0.0:
-        energy = own.energy(number, start)
+        energy = own_energy(own, number, start)
         if s <= weight * (energy / start):  # the contact opens within the step: g = E(d0) / (d0 - d1)
             if weight * energy < SMALLEST:
                 return touching(weight, s)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from softcradle.physics.numerics.own_law_functions import COMPILES, functions_of
+from softcradle.physics.kernel_records import chain_records
+from softcradle.physics.numerics.own_contacts import own_energy, own_force
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.html_view import html_of
 
@@ -58,7 +59,7 @@ class Toda:
 
 
 def called_as_python(overlap: float) -> float:
-    """A law that numba cannot compile: it looks up a dictionary of functions."""
+    """A law that is no formula of numbers: it looks up a dictionary of functions."""
     return {"grows": math.expm1}["grows"](overlap)
 
 
@@ -75,9 +76,10 @@ def gear(overlap: float) -> float:
     ("own", "built_in"), [(Power(2.0, 1.5), hertz(2.0)), (Power(1.0, 0.1), power_law(1.0, 0.1))], ids=["hertz", "soft"]
 )
 def test_a_power_law_of_ones_own_moves_as_the_built_in_does(method, own, built_in):
-    settings = {"duration": 2.5, "method": method, "step": 0.01, "samples": 51}
+    chatters = own.alpha < 1.0 and method != "conserving"  # round-off grows there a thousand times a bounce
+    settings = {"duration": 0.3 if chatters else 2.5, "method": method, "step": 0.01, "samples": 51}
     found, wanted = (solve(Chain([1.0] * 5, law), START, **settings) for law in (own, built_in))
-    apart = 1e-12 if own.alpha > 1.0 or method == "conserving" else 1e-7  # round-off grows where soft contacts chatter
+    apart = 1e-12
     assert found.final_velocity == pytest.approx(wanted.final_velocity, abs=apart)
     assert found.overlap == pytest.approx(wanted.overlap, abs=apart)
     assert found.steps == wanted.steps
@@ -172,30 +174,48 @@ def test_live_steps_go_where_the_whole_run_goes():
     assert state.velocity(chain) == pytest.approx(whole.final_velocity, abs=1e-13)
 
 
-@pytest.mark.skipif(not COMPILES, reason="numba is not installed, or switched off")
-def test_laws_are_compiled_where_numba_can():
-    assert functions_of(
-        (OwnLaw(Toda(3.0)), OwnLaw(lambda overlap: 3.0 * np.sqrt(overlap), lambda overlap: 2.0 * overlap**1.5))
-    ).compiled
-    assert not functions_of((OwnLaw(called_as_python), OwnLaw(Toda(3.0)))).compiled
+LAWS = {
+    "hertz": (lambda d: d**1.5, lambda d: d**2.5 / 2.5),
+    "soft": (lambda d: d**0.05, lambda d: d**1.05 / 1.05),
+    "a bend": (two_slopes, lambda d: 1.5 * min(d, 0.1) ** 2 + (d > 0.1) * (0.3 * (d - 0.1) + 10.0 * (d - 0.1) ** 2)),
+    "singular at 1": (lambda d: -math.log1p(-d), lambda d: (1.0 - d) * math.log1p(-d) + d),
+    "gear": (gear, lambda d: 2.0 * d + 1.5 * d * d + 1.25 * d**4),
+}
 
 
-def test_each_law_of_a_chain_is_called_by_its_number():
-    laws = (OwnLaw(Toda(3.0)), OwnLaw(two_slopes), OwnLaw(Toda(2.0)))
-    functions = functions_of(laws)
+@pytest.mark.parametrize(("force", "energy"), LAWS.values(), ids=LAWS)
+def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, energy):
+    table = OwnLaw(force).table
+    overlaps = 10.0 ** np.random.default_rng(1).uniform(-9.0, -1e-3, 2000)
+    errors = np.abs(table.values(table.force, overlaps) - [force(d) for d in overlaps.tolist()])
+    assert (errors <= 1e-13 * table.values(table.force, np.minimum(1.5 * overlaps, 0.999))).all()
+    large = overlaps[overlaps > 1e-2]  # below, the closed forms lose digits
+    assert table.values(table.energy, large) == pytest.approx([energy(d) for d in large.tolist()], rel=2e-12)
+    assert (np.diff(table.edge) > 0.0).all()
+
+
+def test_kernels_take_each_law_of_a_chain_from_its_own_table():
+    laws = (OwnLaw(Toda(3.0)), OwnLaw(two_slopes), OwnLaw(lambda d: d if d < 1.0 else math.nan))
+    own = chain_records(
+        Chain([1.0] * 5, [laws[0], laws[1], hertz(1.0), laws[2]]), State.at_start(Chain([1.0] * 5, gear), START)
+    )[0][5]
+    assert own.number.tolist() == [0, 1, -1, 2]
     for number, law in enumerate(laws):
-        for overlap in (1e-3, 0.2, 1.5):
-            assert functions.force(number, overlap) == pytest.approx(law.force(overlap), rel=1e-15)
-            assert functions.energy(number, overlap) == pytest.approx(law.energy(overlap), rel=1e-14)
+        for overlap in (1e-200, 1e-3, 0.1, 0.2, 0.999):
+            assert own_force(own, number, overlap) == pytest.approx(law.force(overlap), rel=1e-14)
+            assert own_energy(own, number, overlap) == pytest.approx(law.energy(overlap), rel=1e-9)
+    assert math.isnan(own_force(own, 2, 1.5))
+
+
+def test_a_law_without_digits_is_taken_as_it_is():
+    """sqrt(1 + d) - 1 has none below 1e-16: the table does not refine what is round-off."""
+    table = OwnLaw(lambda d: math.sqrt(1.0 + d) - 1.0).table
+    assert len(table.force) < 5000
+    assert table.values(table.force, np.array([0.5])) == pytest.approx(math.sqrt(1.5) - 1.0, rel=1e-14)
 
 
 def test_a_missing_energy_is_the_integral_of_the_force():
-    for law, energy in (
-        (lambda d: d**1.5, lambda d: d**2.5 / 2.5),
-        (lambda d: d**0.05, lambda d: d**1.05 / 1.05),
-        (two_slopes, lambda d: 1.5 * min(d, 0.1) ** 2 + (d > 0.1) * (0.3 * (d - 0.1) + 10.0 * (d - 0.1) ** 2)),
-        (lambda d: -math.log1p(-d), lambda d: (1.0 - d) * math.log1p(-d) + d),
-    ):
+    for law, energy in LAWS.values():
         overlaps = np.array([1e-3, 0.05, 0.1, 0.11, 0.3, 0.99])
         assert OwnLaw(law).energy(overlaps) == pytest.approx([energy(d) for d in overlaps], rel=2e-14)
 
