@@ -198,6 +198,7 @@ def build(out: Path) -> None:
         sizes = ["-z", f"stack-size={STACK}", f"--initial-memory={MEMORY}"]
         linked = [*map(str, objects), "-o", str(out)]
         subprocess.run([*LINKER, "--no-entry", *exports, "--gc-sections", "--strip-all", *sizes, *linked], check=True)
+    out.chmod(0o644)
 
 
 def main() -> None:
