@@ -71,20 +71,20 @@ def hit_in_words(contact: int, time: float, speed: float) -> str:
     )
 
 
-def clusters_in_words(velocities: Sequence[float], scale: float) -> str:
-    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]."""
+def clusters_in_words(velocities: Sequence[float], scale: float, brief: bool = False) -> str:
+    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. A `brief` speed is read, not spoken."""
     clusters: list[list[int]] = [[0]]
     for bead in range(1, len(velocities)):
         if abs(velocities[bead] - velocities[clusters[-1][0]]) < ALIKE * scale:
             clusters[-1].append(bead)
         else:
             clusters.append([bead])
-    said = [_cluster(cluster, velocities, scale) for cluster in clusters[:MOST_CLUSTERS]]
+    said = [_cluster(cluster, velocities, scale, brief) for cluster in clusters[:MOST_CLUSTERS]]
     rest = len(clusters) - MOST_CLUSTERS
     return " ".join([*said, *([ngettext("And {n} more group.", "And {n} more groups.", rest)] if rest > 0 else [])])
 
 
-def _cluster(cluster: list[int], velocities: Sequence[float], scale: float) -> str:
+def _cluster(cluster: list[int], velocities: Sequence[float], scale: float, brief: bool) -> str:
     mean = math.fsum(velocities[bead] for bead in cluster) / len(cluster)
     one, still = len(cluster) == 1, abs(mean) < STILL * scale
     between = N_("{first} and {last}") if len(cluster) == 2 else N_("{first} to {last}")
@@ -103,7 +103,8 @@ def _cluster(cluster: list[int], velocities: Sequence[float], scale: float) -> s
             if one
             else N_("Beads {beads} go together to the left at {speed}.")
         )
-    return _(text, beads=beads, speed=speed_in_words(abs(mean)))
+    speed = localized(f"{abs(mean):.2g} m/s") if brief else speed_in_words(abs(mean))
+    return _(text, beads=beads, speed=speed)
 
 
 def seconds_in_words(time: float) -> str:

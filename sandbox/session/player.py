@@ -106,7 +106,9 @@ class Player:
         self.pacer.restart()
 
     def pause(self) -> None:
-        """Stop the clock."""
+        """Stop the clock, which is late no more."""
+        if self.playing:
+            self.pacer.restart()
         self.playing = False
 
     def tick(self, wall_seconds: float) -> int:

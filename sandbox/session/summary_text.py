@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
@@ -17,7 +18,7 @@ def summary_text(session: Session) -> str:
 
 def outcome_text(session: Session) -> str:
     """Who goes where, in each lane, at the frame shown."""
-    return _of_lanes(session, _clusters)
+    return _of_lanes(session, partial(_clusters, brief=True))
 
 
 def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
@@ -29,9 +30,9 @@ def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
     return " ".join(parts)
 
 
-def _clusters(session: Session, lane: int) -> str:
+def _clusters(session: Session, lane: int, brief: bool = False) -> str:
     live = session.lanes[lane]
-    return clusters_in_words(live.velocity.tolist(), live.setup.speed)
+    return clusters_in_words(live.velocity.tolist(), live.setup.speed, brief)
 
 
 def _lane(session: Session, lane: int) -> str:

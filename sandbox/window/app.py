@@ -220,7 +220,7 @@ class App:
         if not self.page.unsaved:
             go_on()
             return
-        choices = {
+        choices: Choices = {
             _("Save ..."): self.page.actions["save_scene"],
             _("Discard them"): partial(self._discard, go_on),
             _("Stay"): lambda: None,

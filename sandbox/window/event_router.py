@@ -56,7 +56,7 @@ class EventRouter:
             return  # its key has opened what would take it
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.focus.handle(event)
-            self.app.focus.hide_tooltips()
+            self.app.focus.hide_tooltip(event.pos)
         if event.type in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP) and event.button == 1:
             self._pressed = event.type == pygame.MOUSEBUTTONDOWN
         if self.app.help:

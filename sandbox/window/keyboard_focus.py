@@ -82,15 +82,12 @@ class KeyboardFocus:
             return False
         return True
 
-    def hide_tooltips(self) -> None:
-        """Take away what a control says of itself, until the pointer comes to it again: it has been pressed."""
+    def hide_tooltip(self, point: tuple[int, int]) -> None:
+        """Take away what the control at `point` says of itself: it is pressed, so that is known."""
         for one in self.controls():
-            tooltip = getattr(one, "tool_tip", None)
-            if tooltip is not None:
-                tooltip.kill()
-                one.tool_tip = None
-            if one.hovered:
-                one.hover_time = -math.inf
+            if one.rect.collidepoint(point):
+                one.tool_tip_delay = math.inf
+                one.on_unhovered()
 
     def close_list(self) -> bool:
         """Close the list of a menu; whether one was open."""

@@ -98,9 +98,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("copy_scene", _keys((pygame.K_c, CTRL)), N_("Tools"), N_("copy the scene as text, to share it")),
     Binding("paste", _keys((pygame.K_v, CTRL)), N_("Tools"), N_("open a scene that was copied as text")),
     Binding("compare", _keys((pygame.K_d, CTRL)), N_("Tools"), N_("the scene beside a copy, to compare")),
-    Binding(
-        "compare_balls", _keys((pygame.K_d, SHIFT)), N_("Tools"), N_("the scene beside steel balls, or soft beads")
-    ),
+    Binding("compare_balls", _keys((pygame.K_d, SHIFT)), N_("Tools"), N_("beside steel balls, or soft beads")),
     Binding("stopwatch", _keys(pygame.K_k), N_("Tools"), N_("stopwatch: start, stop, put away")),
     Binding("ruler", _keys(pygame.K_u), N_("Tools"), N_("ruler, on or off")),
     Binding("data", _keys(pygame.K_x), N_("Tools"), N_("measured data over a plot, or off")),

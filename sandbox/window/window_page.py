@@ -157,8 +157,8 @@ class Focus(Protocol):
     def typed(self) -> UIElement | None:
         """The line in which is being typed."""
 
-    def hide_tooltips(self) -> None:
-        """Take away what controls say of themselves, until the pointer comes to them again."""
+    def hide_tooltip(self, point: tuple[int, int]) -> None:
+        """Take away what the control at `point` says of itself."""
 
     def close_list(self) -> bool:
         """Close the list of a menu; whether one was open."""
