@@ -16,7 +16,7 @@ const play = (seed, count) => {
     pick = (list) => list[Math.floor(random() * list.length)];
   const send = (target, kind, more = {}) => target.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 7, button: 0, ...more}));
   const input = (id, value, kind) => { const e = document.getElementById(id); e.value = value; e.dispatchEvent(new Event(kind)); };
-  const pressed = () => window.down;
+  const pressed = () => (window.down?.stage.canvas.isConnected ? window.down : (window.down = null));
   const deeds = [
     [0.02, () => { const stage = pick(page.stages), box = stage.canvas.getBoundingClientRect();
       if (pressed()) return; const bead = Math.floor(random() * stage.edges.length);

@@ -17,6 +17,7 @@ function canvasOf(page, lane, parent) {
     if (source.live) page.grab(lane, bead, x); else wound = { x, time: source.time };
   });
   canvas.addEventListener("pointermove", (event) => {
+    if (page.stages[lane]?.canvas !== canvas) return;
     const { source } = page, x = across(event);
     if (source.hand && source.hand.lane === lane && canvas.hasPointerCapture(event.pointerId)) { source.hand.across = x; page.follow(); }
     else if (wound && Math.abs(x - wound.x) > 4) page.go(wound.time + (source.last - source.begun) * (x - wound.x) / canvas.clientWidth);

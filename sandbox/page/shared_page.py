@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from softcradle.physics import Trajectory
-from softcradle.sandbox.motion_words import describe
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.page_controls import heading, keys, numbers, player
 from softcradle.sandbox.page.page_data import can_be_computed, page_data
