@@ -2,7 +2,7 @@
 
 const CHART_LEFT = 44, CHART_RIGHT = 34, CHART_TOP = 26, CHART_BOTTOM = 24;
 const CHART_HEIGHT = 190, MOST_POINTS = 420; // points of a curve; rows of many beads have fewer
-const MOST_LABELLED = 12, LABEL_PITCH = 13; // curves with a number at their end, and pixels between two of these
+const MOST_LABELLED = 7, LABEL_PITCH = 13; // curves with a number at their end, and pixels between two of these
 
 class Chart {
   /** @param {HTMLCanvasElement} canvas @param {number} lane @param {string} channel "velocity" or "force" */

@@ -149,7 +149,7 @@ def _speeds(values: list[float]) -> str:
 
 
 def main() -> None:
-    kinds = (("steel", STEP), ("soft", STEP), ("soft", STEP / 10))
+    kinds = (("steel", STEP), ("soft", STEP))
     done = subprocess.run(
         ["node", "engines.mjs"],
         cwd=HERE,
@@ -160,7 +160,7 @@ def main() -> None:
     )
     packages = json.loads((HERE / "package.json").read_text(encoding="utf-8"))["dependencies"]
     print(
-        f"softcradle {version('softcradle')}, pymunk {version('pymunk')}, "
+        f"Versions: softcradle {version('softcradle')}, pymunk {version('pymunk')}, "
         + ", ".join(f"{k} {v}" for k, v in packages.items())
         + "\n"
     )

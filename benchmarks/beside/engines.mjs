@@ -6,7 +6,7 @@ import RAPIER from "@dimforge/rapier2d-compat";
 import Matter from "matter-js";
 import * as planck from "planck";
 
-const PIXELS = 100; // of matter-js to a metre: its tolerances are in pixels
+const PIXELS = 1000; // of matter-js to a metre: contacts slower than 2 pixels a step do not bounce in it
 const WALL = 0.5; // half the width of a wall
 
 function box2d({ places, speeds, walls, radius, step, rigid }) {

@@ -176,7 +176,7 @@ def test_alpha_changes_while_beads_touch(pages, browser):
 def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     browser.visit(pages("one-on-four").output, "#a=1")
     assert browser.run("document.getElementById('alpha-value').textContent") == "1"
-    assert browser.run("page.looks[0].label") == "springs, \u03b1 = 1"
+    assert browser.run("page.looks[0].label") == "springs, alpha = 1"
     browser.run(SET.format("alpha", 0, "input"))
     assert browser.run("document.getElementById('alpha-value').textContent") == "1/40"
     assert browser.run("page.source.rows[0].kernel.law[2]") == 1 / 40
