@@ -3,10 +3,10 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test test-all check release-check coverage docs links play screenshots charts languages wasm bench over-time clean help
+.PHONY: demo test test-all check scripts release-check coverage docs links play screenshots charts languages wasm bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
-	@echo "make check  format, types, layers, links: a minute at the most"
+	@echo "make check  format, types (of the scripts of pages too, where node is installed), layers, links: a minute at the most"
 	@echo "make test   every behaviour: five minutes"
 	@echo "make test-all   both, and browsers, wheel, documentation, layouts in every language, Dask, other processors"
 	@echo "make coverage   branches of the kernels that the tests take"
@@ -61,6 +61,16 @@ check: .venv/.installed
 	$(BIN)/mypy
 	cd .venv/typed && ../bin/lint-imports --config ../../pyproject.toml --no-cache --no-logo
 	$(BIN)/python -m pytest -q -n 0 -p no:cacheprovider tests/house/test_links.py
+	@if command -v npm > /dev/null; then $(MAKE) --no-print-directory scripts; else \
+		echo "the scripts of pages are not checked: that needs node and npm"; fi
+
+scripts: node_modules # linter and types of the scripts of pages
+	npx eslint assets/page
+	npx tsc
+
+node_modules: package.json
+	npm install --no-package-lock --no-audit --no-fund --silent
+	@touch $@
 
 .venv/.docs: .venv/.installed
 	$(BIN)/python -m pip install --quiet --editable '.[docs]'

@@ -1,4 +1,4 @@
-"""What softcradle writes for its documentation: the lists of methods, scenes and commands, measured tables, a page that plays."""
+"""What softcradle writes for its documentation: lists of methods, scenes and commands, measured tables, pages of scenes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from softcradle.physics.analysis.collision_measures import CollisionMeasures, Co
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
 from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.page.motion_family import render_page
+from softcradle.sandbox.page import render_page
 from softcradle.sandbox.studies.verify import verified
 from softcradle.scenes.contact_kinds import KINDS
 
@@ -41,7 +41,10 @@ def write_all(folder: Path) -> None:
         text, path = "\n".join(lines) + "\n", folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
-    render_page(scenes.load("one-on-four"), folder / "static" / "one-on-four.html", live="alpha")
+    live = folder / "static" / "live"
+    live.mkdir(exist_ok=True)
+    for scene in scenes.names():
+        render_page(scenes.load(scene), live / f"{scene}.html")
 
 
 def table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -71,8 +74,13 @@ def catalogue() -> Iterator[str]:
     """The scenes."""
     loaded = [(name, scenes.load(name)) for name in scenes.names()]
     return table(
-        ["scene", "title", "where in the paper"], [[f"`{name}`", scene.title, scene.source] for name, scene in loaded]
+        ["scene", "title", "where in the paper"], [[_live(name), scene.title, scene.source] for name, scene in loaded]
     )
+
+
+def _live(name: str) -> str:
+    """The name of a scene as a link to its page."""
+    return f'<a href="_static/live/{name}.html"><code>{name}</code></a>'
 
 
 def laws() -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from dataclasses import dataclass
+from html import escape
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
@@ -34,6 +35,25 @@ class InlineFilm:
         Path(path).write_bytes(self.data)
 
 
+@dataclass(frozen=True, repr=False)
+class InlinePage:
+    """A page in which beads live, in a cell of a notebook: a frame of its own, `text` is all that is in it."""
+
+    text: str
+    height: int = 760  # pixels of the cell
+
+    def __repr__(self) -> str:
+        return f"InlinePage of {len(self.text) / 1e3:.0f} kB"
+
+    def _repr_html_(self) -> str:
+        frame = f'style="width: 100%; height: {self.height}px; border: 0" sandbox="allow-scripts"'
+        return f'<iframe {frame} srcdoc="{escape(self.text)}"></iframe>'
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the page to the .html file `path`."""
+        Path(path).write_text(self.text, encoding="utf-8")
+
+
 def figure_of(shown: object) -> Figure:
     """The figure of a Trajectory or a Scene."""
     with needed_for("plot()", "figures"):
@@ -49,9 +69,14 @@ def film_of(shown: object, slow: float | None, size: tuple[int, int]) -> InlineF
 
 
 def write_page(shown: object, path: str | PathLike[str], slow: float | None) -> None:
-    """Write the page of a Trajectory."""
-    with needed_for("to_page()", "film"):
-        _module("page_view").write_trajectory(shown, path, slow)
+    """Write the page of a Trajectory or a Scene."""
+    _module("page_view").write_page_of(shown, path, slow)
+
+
+def live_of(shown: object, slow: float | None) -> InlinePage:
+    """The page of a Scene, which a notebook shows in a cell."""
+    text: str = _module("page_view").page_text(shown, slow)
+    return InlinePage(text)
 
 
 def html_of(shown: object) -> str:

@@ -211,7 +211,7 @@ class Trajectory:
         return notebook_views.film_of(self, slow, size)
 
     def to_page(self, path: trajectory_file.Path, slow: float | None = None) -> None:
-        """Write an HTML page that plays the samples, `slow` seconds for one of motion, else six in all. Extra [film].
+        """Write an HTML page that plays the samples, `slow` seconds for one of motion, else six in all.
 
         Raises
         ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
@@ -262,3 +263,11 @@ class Scene(Table):
     def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> notebook_views.InlineFilm:
         """The film, which a notebook plays: `slow` seconds for one of motion, None as the scene says. Extra [film]."""
         return notebook_views.film_of(self, slow, size)
+
+    def to_page(self, path: str | PathLike[str], slow: float | None = None) -> None:
+        """Write an HTML page in which the scene lives, `slow` seconds for one of motion, None as the scene says."""
+        notebook_views.write_page(self, path, slow)
+
+    def live(self, slow: float | None = None) -> notebook_views.InlinePage:
+        """The page in which the scene lives, in a cell of a notebook."""
+        return notebook_views.live_of(self, slow)

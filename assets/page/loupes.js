@@ -21,12 +21,12 @@ function loupes(pen, row, view, now, top) {
     const magnify = roundDown(GREATEST_DEPTH * row.radius / (view.scale * (motion.deepest[k] || largest || 1)));
     leader(pen, view, now.contacts[k], x, y - row.radius);
     loupe(pen, view, k, now.overlap[k] * view.scale * magnify, x, y, row.radius);
-    const depth = now.overlap[k];
-    const text = overlapText(depth, now.state[k]) + (depth > 0 ? " m" : "");
-    const lines = [[`overlap δ${contactName(k)}`, theme.muted, false], [text, depth > 0 ? theme.ink : theme.muted, depth > 0],
-      [`seen at ${factorText(magnify)}`, theme.muted, false]];
+    const depth = now.overlap[k], text = depth > 0 ? `${scientific(depth)} m` : say(now.state[k] === "open" ? "open" : "touching");
+    const lines = [[say("overlap of", { contact: contactName(k) }), theme.muted, false], [text, depth > 0 ? theme.ink : theme.muted, depth > 0],
+      [say("seen at", { factor: factorText(magnify) }), theme.muted, false]];
+    if (row.narrow) { lines[0][0] = `δ${contactName(k)}`; lines[2][0] = factorText(magnify); }
     lines.forEach(([line, colour, bold], n) => {
-      if (row.narrow) write(pen, line.replace("overlap ", "").replace("seen at ", ""), x, y + row.radius + 16 + 15 * n, 12, colour, "center", bold);
+      if (row.narrow) write(pen, line, x, y + row.radius + 16 + 15 * n, 12, colour, "center", bold);
       else write(pen, line, x + row.radius + 11, y - 15 + 20 * n, bold ? 15 : 13, colour, "left", bold);
     });
   }

@@ -3,9 +3,11 @@
 const raised = (text) => text.replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
 const lowered = (text) => text.replace(/[-0-9]/g, (sign) => "₋₀₁₂₃₄₅₆₇₈₉"["-0123456789".indexOf(sign)]);
 
+const numberForm = { mark: "." }; // of the reader's language
+
 function fixed(value, decimals) {
   const text = value.toFixed(decimals);
-  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−").replace(".", numberForm.mark);
 }
 
 // `value` with `digits` decimals times a power of ten; without the power between 0.01 and 1000.
@@ -14,18 +16,21 @@ function scientific(value, digits = 1) {
   const size = Math.abs(value);
   if (size >= 0.01 && size < 1000) return fixed(value, Math.max(0, digits - Math.floor(Math.log10(size))));
   const [mantissa, power] = value.toExponential(digits).split("e");
-  return `${mantissa.replace("-", "−")}·10${raised(String(Number(power)))}`;
+  return `${mantissa.replace("-", "−").replace(".", numberForm.mark)}·10${raised(String(Number(power)))}`;
 }
 
 function factorText(value) {
-  if (value >= 0.01 && value < 1) return `×${Number(value.toPrecision(2))}`;
+  if (value >= 0.01 && value < 1) return `×${plain(value, 2)}`;
   if (value >= 1 && value < 1e5) return `×${Math.round(value)}`;
   const [mantissa, power] = value.toExponential(0).split("e");
   return `×${mantissa === "1" ? "" : `${mantissa}·`}10${raised(String(Number(power)))}`;
 }
 
-// An overlap; where the contact has closed but presses by less than the samples tell, it touches.
-const overlapText = (depth, state) => (depth > 0 ? scientific(depth) : state === "open" && depth < 0 ? "apart" : "touching");
+// `value` with so many digits and no zeros at its end.
+const plain = (value, digits) => String(Number(value.toPrecision(digits))).replace("-", "−").replace(".", numberForm.mark);
+
+// A small exponent as the fraction that it is nearly.
+const alphaText = (alpha) => (alpha < 0.7 ? `1/${plain(1 / alpha, 3)}` : plain(alpha, 3));
 
 const contactName = (k) => lowered(k + 1 > 9 ? `${k}-${k + 1}` : `${k}${k + 1}`);
 

@@ -5,49 +5,88 @@ const GROUND = 30; // from the ground line to the lower edge of the drawing
 const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
 const PULL_RIM = 2.5; // pixels of the rim of the hollow bar of a force that pulls
 const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
+const LEAST_GAP = 1e-9; // of a bead's length: neighbours that are nearer touch
 const BARS_HEIGHT = 46; // of one row of energy and momentum
-const RIGID = "if clusters were rigid";
 const LEAST_WIDTH = 200; // also while the page has none, as when it is hidden
 
 class Stage {
-  constructor(canvas, data) {
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
     this.canvas = canvas;
-    this.data = data;
     this.pen = canvas.getContext("2d");
   }
 
-  // Take another motion, size or theme.
-  fit(motion, theme) {
-    const { data, canvas } = this, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH), density = window.devicePixelRatio || 1;
-    const narrow = width < 640, tall = narrow ? 214 : Math.min(290, Math.max(230, 0.24 * width));
-    const [low, high] = data.scales.window;
-    const scale = Math.min(width / (high - low), TALLEST_BEAD * tall / (data.height * data.length));
-    const loupeFit = loupeRow(motion, width), size = data.length * scale;
-    const height = tall + loupeFit.height + (narrow ? 2 : 1) * BARS_HEIGHT;
+  /**
+   * Take another motion, size or theme.
+   * @param {any} motion what does not move: label, mass, massLabels, gears, solid, pulls, dissipative, contacts, deepest
+   * @param {any} data of the page, with its `scales` @param {any} theme
+   * @param {{tall: number, shown: string[], force: number}} options height of the drawing of the beads, what is shown, and its axis of forces
+   */
+  fit(motion, data, theme, { tall, shown, force }) {
+    const { canvas } = this, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH), density = window.devicePixelRatio || 1;
+    const narrow = width < 640, [low, high] = data.scales.window;
+    const scale = Math.min(width / (high - low), TALLEST_BEAD * tall / (data.height * data.length)), size = data.length * scale;
+    const loupeFit = shown.includes("loupes") ? loupeRow(motion, width) : { height: 0, count: 0 };
+    const balance = shown.includes("balance") ? (narrow ? 2 : 1) * BARS_HEIGHT : 0, height = tall + loupeFit.height + balance;
     canvas.width = Math.round(width * density);
     canvas.height = Math.round(height * density);
     canvas.style.height = `${height}px`;
     const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
-    const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8;
-    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale);
-    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions,
+    const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8, forces = shown.includes("forces");
+    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale, forces);
+    this.data = data;
+    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions, forces, force, balance,
       contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
       barRoom: base - captions.bottom - 20, origin: width / 2 - scale * (low + high) / 2 };
   }
 
-  draw(now) {
+  /** @param {Now} now @param {{bead: number, across?: number}|null} held the bead in the hand, and where the hand is */
+  draw(now, held) {
     const { pen, view, data } = this;
     pen.setTransform(view.density, 0, 0, view.density, 0, 0);
     pen.clearRect(0, 0, view.width, this.canvas.height);
     backdrop(pen, view, data);
-    const edges = leftEdges(now, view, data), faces = edges.slice(0, -1).map((x) => x + view.size);
+    const edges = this.edges = leftEdges(now, view, data), faces = edges.slice(0, -1).map((x) => x + view.size);
     now.contacts = faces.map((face, k) => (face + edges[k + 1]) / 2);
     bodies(pen, view, data, edges, faces);
-    forceBars(pen, view, data, now);
+    if (view.forces) forceBars(pen, view, data, now);
     arrows(pen, view, data, edges, now);
-    loupes(pen, view.loupeFit, view, now, view.tall);
-    balances(pen, view, data, now, view.tall + view.loupeFit.height);
+    if (held) hold(pen, view, edges[held.bead], held.across);
+    if (view.loupeFit.count) loupes(pen, view.loupeFit, view, now, view.tall);
+    if (view.balance) balances(pen, view, data, now, view.tall + view.loupeFit.height);
   }
+
+  // The bead under a point of the canvas, or the nearest one within a finger's width; -1 where there is none.
+  beadAt(x, y) {
+    const { view, edges } = this;
+    if (y < view.ground - 1.6 * view.size - 24 || y > view.ground + 30) return -1;
+    let found = -1, least = view.size / 2 + 22;
+    edges.forEach((edge, k) => {
+      const away = Math.abs(x - edge - view.size / 2);
+      if (away < least && view.motion.mass[k] !== null) { found = k; least = away; }
+    });
+    return found;
+  }
+
+  middle(bead) { return this.edges[bead] + this.view.size / 2; }
+}
+
+// A ring around the bead that is held or chosen, and the string to the hand.
+function hold(pen, view, edge, across) {
+  const x = edge + view.size / 2, y = view.ground - view.size / 2;
+  pen.strokeStyle = pen.fillStyle = view.theme.ink;
+  pen.lineWidth = 2;
+  pen.beginPath();
+  pen.arc(x, y, view.size / 2 + 4, 0, 2 * Math.PI);
+  pen.stroke();
+  if (across === undefined) return;
+  pen.beginPath();
+  pen.moveTo(x, y);
+  pen.lineTo(across, y);
+  pen.stroke();
+  pen.beginPath();
+  pen.arc(across, y, 5, 0, 2 * Math.PI);
+  pen.fill();
 }
 
 // Where the left edge of each bead is drawn, overlaps as many times too large as the scene says; their mean is not moved.
@@ -55,18 +94,18 @@ function leftEdges(now, view, data) {
   const shift = [0];
   now.overlap.forEach((depth, k) => shift.push(shift[k] + (1 - data.scales.magnify) * Math.max(depth, 0)));
   const mean = shift.reduce((sum, x) => sum + x, 0) / shift.length;
-  return now.position.map((x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
+  return Array.from(now.position, (x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
 }
 
 // Where the captions of the bars stand: after the label, or below it where there is no room; bars end below the captions.
-function captionPlaces(pen, motion, data, room) {
+function captionPlaces(pen, motion, data, room, forces) {
   const words = (text, weight, size) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
-  const stops = motion.solid.flat().some((force) => force !== null);
-  const force = `contact force (${data.forceUnit.name})${motion.pulls ? "   hollow: pulls" : ""}${stops ? "   dark: solid" : ""}`;
+  const stops = motion.solid.flat().some((force) => force !== null), name = say("force", { unit: data.forceUnit.name });
+  const force = `${name}${motion.pulls ? `   ${say("hollow")}` : ""}${stops ? `   ${say("dark")}` : ""}`;
   const label = 8 + (motion.label ? words(motion.label, 600, 15) + 14 : 0), after = label + words(force, 400, 12.5);
-  const named = after < room ? force : "", rigid = motion.marks;
-  const beside = after + 36 + words(RIGID, 400, 12.5) < room;
-  return { label, force: named, rigid: rigid && (beside ? [after + 16, 20] : [8, 39]), bottom: rigid && !beside ? 40 : 22 };
+  const rigid = forces && motion.marks;
+  const beside = after + 36 + words(say("rigid"), 400, 12.5) < room;
+  return { label, force: forces && after < room ? force : "", rigid: rigid && (beside ? [after + 16, 20] : [8, 39]), bottom: rigid && !beside ? 40 : 22 };
 }
 
 function backdrop(pen, view, data) {
@@ -74,7 +113,7 @@ function backdrop(pen, view, data) {
   pen.fillStyle = theme.card;
   rounded(pen, 0, 0, width, view.tall, 8);
   const unit = data.forceUnit, most = Math.max(1, Math.min(4, Math.floor(view.barRoom / 26)));
-  for (const { value, text } of roundValues(data.scales.force / FORCE_MARGIN / unit.size, most)) {
+  for (const { value, text } of view.forces ? roundValues(view.force / FORCE_MARGIN / unit.size, most) : []) {
     const y = barTop(view, data, value * unit.size);
     pen.fillStyle = theme.line;
     pen.fillRect(0, Math.round(y), width, 1);
@@ -86,7 +125,7 @@ function backdrop(pen, view, data) {
   if (rigid) {
     pen.fillStyle = theme.ink;
     pen.fillRect(rigid[0], rigid[1] - 5, 14, 1.5);
-    write(pen, RIGID, rigid[0] + 20, rigid[1], 12.5, theme.muted);
+    write(pen, say("rigid"), rigid[0] + 20, rigid[1], 12.5, theme.muted);
   }
   pen.fillStyle = theme.strong;
   pen.fillRect(0, Math.round(ground), width, 1.5);
@@ -103,7 +142,7 @@ function ruler(pen, view, data) {
   for (const x of [left, right]) pen.fillRect(x - 0.75, 16, 1.5, 9);
   write(pen, `${scientific(length, 0)} m`, (left + right) / 2, 13, 12, theme.muted, "center");
   const magnify = data.scales.magnify;
-  write(pen, magnify === 1 ? "drawn to scale" : `overlaps drawn ${factorText(magnify)}`, right, 39, 12.5, theme.muted, "right");
+  write(pen, magnify === 1 ? say("to scale") : say("magnified", { factor: factorText(magnify) }), right, 39, 12.5, theme.muted, "right");
 }
 
 function bodies(pen, view, data, edges, faces) {
@@ -130,19 +169,22 @@ function bodies(pen, view, data, edges, faces) {
   });
 }
 
-const barTop = (view, data, force) => view.base - view.barRoom * force / (data.scales.force / FORCE_MARGIN);
+const barTop = (view, data, force) => view.base - view.barRoom * force / (view.force / FORCE_MARGIN);
 
-// The force that each contact would have if clusters were rigid, as in rigid_clusters.py: those at the ends of a cluster, each
-// carried on by the share of the mass beyond; 0 where clusters end.
-function rigidForces(motion, now, length) {
-  const apart = now.overlap.map((depth, k) => motion.ends[k] || depth < -1e-9 * length), found = now.force.map(() => 0);
-  const ends = [...apart.keys()].filter((k) => apart[k]), sum = (masses) => masses.reduce((total, mass) => total + mass, 0);
+/**
+ * The force that each contact would have if clusters were rigid, as in rigid_clusters.py: those at the ends of a cluster, each
+ * carried on by the share of the mass beyond; 0 where clusters end.
+ * @param {(number|null)[]} masses @param {Now} now @param {number} length of a bead
+ */
+function rigidForces(masses, now, length) {
+  const n = now.force.length, found = new Float64Array(n), sum = (list) => list.reduce((total, mass) => total + mass, 0);
   let first = 0;
-  for (const last of [...ends, motion.contacts]) {
-    const mass = motion.mass.slice(first, last + 1), whole = sum(mass);
+  for (let last = 0; last <= n; last++) {
+    if (last < n && !now.ends[last] && now.overlap[last] >= -LEAST_GAP * length) continue;
+    const mass = masses.slice(first, last + 1), whole = sum(mass);
     for (let k = first; k < last && !mass.includes(null); k++) {
       const beyond = sum(mass.slice(k - first + 1)) / whole;
-      found[k] = (first > 0 ? now.force[first - 1] : 0) * beyond + (last < motion.contacts ? now.force[last] : 0) * (1 - beyond);
+      found[k] = (first > 0 ? now.force[first - 1] : 0) * beyond + (last < n ? now.force[last] : 0) * (1 - beyond);
     }
     first = last + 1;
   }
@@ -151,10 +193,9 @@ function rigidForces(motion, now, length) {
 
 // A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5).
 function forceBars(pen, view, data, now) {
-  const { motion, size, theme } = view, visible = VISIBLE_FORCE * data.scales.force;
+  const { motion, size, theme } = view, visible = VISIBLE_FORCE * view.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
-  const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.scales.force / unit)));
-  const rigid = rigidForces(motion, now, data.length);
+  const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit))), rigid = rigidForces(motion.mass, now, data.length);
   now.contacts.forEach((x, k) => {
     const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
     pen.fillStyle = view.contactColours[k];
@@ -192,10 +233,9 @@ function balances(pen, view, data, now, top) {
   const second = narrow ? { x: 0, y: top + BARS_HEIGHT } : { x: wide + 24, y: top };
   const mass = motion.mass.map((m) => m ?? 0);
   const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
-  const taken = motion.dissipative ? ", taken by friction" : "", whole = `energy: motion of each bead, stored in contacts (grey)${taken}`;
+  const whole = say(motion.dissipative ? "energy lossy" : "energy bar"), brief = say(motion.dissipative ? "energy lossy brief" : "energy brief");
   pen.font = `400 12px ${FONT}`;
-  const room = pen.measureText(whole).width < wide;
-  write(pen, room ? whole : `energy of beads, contacts (grey)${motion.dissipative ? ", friction" : ""}`, 0, top + 16, 12, theme.muted);
+  write(pen, pen.measureText(whole).width < wide ? whole : brief, 0, top + 16, 12, theme.muted);
   let x = frame(pen, theme, 0, top + 23, wide);
   [...kinetic, now.stored, now.absorbed].forEach((value, k) => {
     const part = Math.max(0, value / data.scales.energy * wide);
@@ -203,7 +243,7 @@ function balances(pen, view, data, now, top) {
     pen.fillRect(x, top + 23, part, 11);
     x += part;
   });
-  write(pen, "momentum of each bead; marks: zero and total", second.x, second.y + 16, 12, theme.muted);
+  write(pen, say("momentum bar"), second.x, second.y + 16, 12, theme.muted);
   frame(pen, theme, second.x, second.y + 23, wide);
   const [low, high] = data.scales.momentum, unit = wide / (high - low), zero = second.x - low * unit, ends = [zero, zero];
   momentum.forEach((value, k) => {

@@ -36,6 +36,7 @@ COMMANDS = (
     Command("check", "check scene files and report every problem"),
     Command("run", "compute a scene: tables of results, .npz or .csv"),
     Command("render", "write a film, pictures or a kymograph of a scene"),
+    Command("page", "write a page in which the beads of a scene live, for any browser"),
     Command("compare", "compare chains side by side: a film, a report and numbers"),
     Command("figures", "draw the paper's figures, and write their numbers"),
     Command("chart", "chart cost against error, beside other integrators"),

@@ -7,13 +7,16 @@ draw(surface, scene, motions, row)
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
-import pygame
 from softcradle.sandbox.draw.drawable_trajectory import longest_lead, motion_of
-from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
+
+if TYPE_CHECKING:
+    import pygame
+    from softcradle.sandbox.draw.scene_picture import Picture
 
 __all__ = ["Picture", "Scales", "draw", "longest_lead", "motion_of", "scales_of"]
 
@@ -22,4 +25,15 @@ def draw(
     surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], row: int, scales: Scales | None = None
 ) -> None:
     """Draw row `row` of the motions of `scene` on `surface`; for many rows, a :class:`Picture` is faster."""
+    from softcradle.sandbox.draw.scene_picture import Picture
+
     Picture(scene, motions, surface.get_size(), scales=scales).paint(surface, row)
+
+
+def __getattr__(name: str) -> Any:
+    """Picture needs pygame; pages, which need scales and motions alone, do without."""
+    if name != "Picture":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from softcradle.sandbox.draw.scene_picture import Picture
+
+    return Picture

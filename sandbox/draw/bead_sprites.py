@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 import pygame
+from softcradle.sandbox.draw.bodies import CYLINDER_HEIGHT, CYLINDER_LENGTH
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, make_sprites
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import write
 
 BEAD_OPACITY = 212  # of 255: where two beads overlap, both outlines show and the lens between them is darker
-CYLINDER_LENGTH = 0.80  # of a draft gear's length; the rest is its piston
-CYLINDER_HEIGHT = 0.66  # of a draft gear's length
 PLATE_LENGTH = 0.055  # of a draft gear's length: the plate at the end of its piston
 
 

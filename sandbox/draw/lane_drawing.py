@@ -8,17 +8,17 @@ from typing import Protocol
 
 import numpy as np
 import pygame
-from softcradle.physics import Chain, Contact, Coupler
-from softcradle.physics.chain import Joint
+from softcradle.physics import Chain
 from softcradle.sandbox.draw.bead_arrows import ARROWS
-from softcradle.sandbox.draw.bead_sprites import (
+from softcradle.sandbox.draw.bead_sprites import bead_sprite, cylinder_sprite, number_sprite, piston_sprite, wall_sprite
+from softcradle.sandbox.draw.bodies import (
     CYLINDER_HEIGHT,
     CYLINDER_LENGTH,
-    bead_sprite,
-    cylinder_sprite,
-    number_sprite,
-    piston_sprite,
-    wall_sprite,
+    EQUAL_MASSES,
+    body_height,
+    is_gear,
+    mass_labels,
+    solid_force,
 )
 from softcradle.sandbox.draw.number_format import LARGEST_PLAIN, factor, fixed, prefixed, round_down, scientific, ticks
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
@@ -26,7 +26,7 @@ from softcradle.sandbox.draw.rigid_clusters import cluster_ends, has_marks, rigi
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
 from softcradle.sandbox.draw.text import width, write
-from softcradle.sandbox.languages import _, label_words, localized
+from softcradle.sandbox.languages import _, label_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import View
 
@@ -43,8 +43,6 @@ SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts 
 VISIBLE_FORCE = 0.01  # of the force axis: lower bars have neither a number nor a line for rigid clusters
 ARROW_TONE = 0.35  # share of the foreground in the colour of an arrow: it stands out from the ground in both themes
 PULL_RIM = 2.5  # design pixels: the rim of the hollow bar of a force that pulls
-HEAVY = 1e4  # [kg] masses from here on are written in tonnes
-EQUAL_MASSES = 1.02  # ratio of masses up to which beads look alike and no masses are written
 
 
 class DrawnLane(Protocol):
@@ -93,7 +91,7 @@ class LaneDrawing:
         self.contact_colours = palette[1:]  # of the bead on the right, which the contact pushes
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
-        height = body_height(scene)
+        height = body_height(lane.chain() for lane in scene.lanes)
         self.scale = min(rect.width / (high - low), _tallest(rect, unit) / (height * self.length))  # pixels a metre
         self.bead = self.length * self.scale  # pixels
         self.number_size = (0.31 if height < 1.0 else 0.36) * height * self.bead
@@ -303,32 +301,3 @@ def _tallest(rect: pygame.Rect, unit: float) -> float:
     """Pixels of the tallest bead: what bars of LEAST_BAR leave to it in a low drawing, but not less than LEAST_BEAD."""
     room = rect.height - (KEY + FORCE_LABEL + LEAST_BAR + BAR_LIFT + GROUND) * unit
     return min(TALLEST_BEAD * rect.height, max(room, LEAST_BEAD * rect.height))
-
-
-def is_gear(joint: Joint) -> bool:
-    """Whether the contact is drawn as a piston: a preloaded spring, in a coupler or by itself."""
-    contact = joint.push if isinstance(joint, Coupler) else joint
-    return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
-
-
-def solid_force(joint: Joint, force: float) -> float:
-    """Size of the force [N] from which on the gear of a coupler that pushes, or pulls with `force` < 0, is solid; inf: never."""
-    if not isinstance(joint, Coupler) or math.isinf(joint.travel):
-        return math.inf
-    gear = joint.push if force >= 0.0 else joint.pull
-    return math.inf if gear is None else gear.force(joint.travel)
-
-
-def body_height(scene: DrawnScene) -> float:
-    """Height of the tallest body in lengths of a bead; that of all lanes, so that they have one scale."""
-    all_gears = all(is_gear(contact) for lane in scene.lanes for contact in lane.chain().contact)
-    return CYLINDER_HEIGHT if all_gears else 1.0
-
-
-def mass_labels(chain: Chain) -> tuple[str, ...]:
-    """A label for each bead where masses differ visibly, else none."""
-    finite = [mass for mass in chain.mass if math.isfinite(mass)]
-    if max(finite) <= EQUAL_MASSES * min(finite):
-        return ()
-    unit, size = ("t", 1e3) if max(finite) >= HEAVY else ("kg", 1.0)
-    return tuple(localized(f"{mass / size:.3g} {unit}") if math.isfinite(mass) else _("wall") for mass in chain.mass)

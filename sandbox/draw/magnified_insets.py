@@ -6,7 +6,8 @@ import math
 
 import pygame
 from softcradle.sandbox.draw.bead_sprites import BEAD_OPACITY, outline_colour
-from softcradle.sandbox.draw.lane_drawing import LaneDrawing, is_gear
+from softcradle.sandbox.draw.bodies import is_gear
+from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import factor, round_down, scientific, subscript
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites

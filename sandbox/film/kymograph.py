@@ -11,8 +11,8 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw import scales_of
-from softcradle.sandbox.draw.bead_sprites import CYLINDER_LENGTH
-from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing, is_gear
+from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
+from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
 from softcradle.sandbox.draw.number_format import round_down, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales

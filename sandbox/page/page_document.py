@@ -1,22 +1,35 @@
-"""The document of a page: one HTML file with its style and script inside, which may load nothing."""
+"""The document of a page: one HTML file with its style, scripts and kernels inside, which may load nothing."""
 
 from __future__ import annotations
 
+import base64
+import gzip
+import re
 from collections.abc import Sequence
 from html import escape
 
 from softcradle.physics.version import version
+from softcradle.sandbox.page.page_data import json_text
 from softcradle.sandbox.resources import resource
 
-SCRIPTS = ("motion", "numbers", "bodies", "loupes", "stage", "charts", "contact_strip", "player")
+SCRIPTS = (
+    "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
+    "ending", "page", "controls",
+)  # fmt: skip
 # A browser refuses whatever is not inside the file.
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; img-src data:; "
+    "base-uri 'none'; form-action 'none'"
+)
 
 
-def document(title: str, parts: Sequence[str]) -> str:
-    """The whole page; empty `parts` of its main content are left out."""
+def document(title: str, parts: Sequence[str], data: object, computed: bool = False) -> str:
+    """The whole page with the `data` of its player; empty `parts` of its main content are left out.
+
+    A page that is `computed` carries the kernels.
+    """
     style = resource("page/page.css").read_text(encoding="utf-8")
-    script = "\n".join(resource(f"page/{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
+    script = "\n".join(_script(name) for name in SCRIPTS)
     body = "\n".join(part for part in parts if part)
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -24,18 +37,27 @@ def document(title: str, parts: Sequence[str]) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<meta name="generator" content="softcradle {escape(version())}">\n'
         f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n<style>\n{style}</style>\n</head>\n'
-        f'<body>\n<main>\n{body}\n</main>\n<script>\n"use strict";\n{script}</script>\n</body>\n</html>\n'
+        f"<body>\n<main>\n{body}\n</main>\n"
+        f'<script type="application/json" id="data">{json_text(data)}</script>\n{_kernels() if computed else ""}'
+        f'<script>\n"use strict";\n{script}</script>\n</body>\n</html>\n'
     )
 
 
-def heading(title: str, source: str) -> str:
-    """The title, and where it is in the paper."""
-    return f'<h1>{escape(title)}</h1>\n<p class="source">{escape(source)}</p>'
+def _script(name: str) -> str:
+    """A script without lines of comment and indentation, a sixth of its length."""
+    text = resource(f"page/{name}.js").read_text(encoding="utf-8")
+    return re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?", "", text, flags=re.MULTILINE)
+
+
+def _kernels() -> str:
+    """The kernels of fixed steps, as text that the page's script unpacks."""
+    packed = gzip.compress(resource("page/kernels.wasm").read_bytes(), 9, mtime=0)
+    return f'<script type="application/octet-stream" id="kernels">{base64.b64encode(packed).decode()}</script>\n'
 
 
 def paragraph(text: str) -> str:
-    """What happens, in a few sentences."""
-    return f'<p class="text">{escape(text)}</p>' if text else ""
+    """What happens, in a few sentences; the script shows them in the reader's language."""
+    return f'<p class="text" id="text">{escape(text)}</p>'
 
 
 def note(text: str, warning: bool = False) -> str:
@@ -44,15 +66,12 @@ def note(text: str, warning: bool = False) -> str:
 
 
 def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hints: Sequence[str] = ()) -> str:
-    """A table; the first cell of each row is its heading, `hints` explain these.
-
-    Cells are text, or markup of :func:`live_cell`.
-    """
+    """A table; the first cell of each row is its heading, `hints` explain these."""
     head = "".join(f'<th scope="col">{escape(title)}</th>' if title else "<td></td>" for title in titles)
     lines = []
     for k, (first, *cells) in enumerate(rows):
         hint = f' title="{escape(hints[k])}"' if hints and hints[k] else ""
-        body = "".join(cell if isinstance(cell, LiveCell) else f"<td>{escape(cell)}</td>" for cell in cells)
+        body = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
         lines.append(f'<tr><th scope="row"{hint}>{escape(first)}</th>{body}</tr>')
     name = escape(caption)
     return (
@@ -61,15 +80,6 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
     )
 
 
-class LiveCell(str):
-    """Markup of a cell that the page's script fills with a value at the time shown."""
-
-
-def live_cell(lane: int, channel: str, index: int) -> LiveCell:
-    """A cell for value number `index` of a `channel`: "velocity", "force", "overlap" or "state"."""
-    return LiveCell(f'<td class="now" data-now="{channel}" data-lane="{lane}" data-index="{index}"></td>')
-
-
-def footer(lines: Sequence[str]) -> str:
-    """The last lines of the page, the version among them."""
-    return f"<footer>{' · '.join(escape(line) for line in (*lines, f'made with softcradle {version()}'))}</footer>"
+def footer() -> str:
+    """The last line of the page, with the version."""
+    return f"<footer>{escape(f'made with softcradle {version()}')}</footer>"

@@ -1,44 +1,43 @@
-"""The tables of a played motion: what every bead and contact did in exact numbers, beside its values at the time shown."""
+"""The tables of a played motion: what every bead and contact did in exact numbers, and how they were computed."""
 
 from __future__ import annotations
 
 from softcradle.physics import Trajectory
 from softcradle.sandbox.draw.number_format import number_text, scientific
-from softcradle.sandbox.page.page_document import live_cell, note, table
-from softcradle.sandbox.page.played_motion import Member
+from softcradle.sandbox.page.page_document import note, table
+from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.trajectory_summary import Summary, summarise
 from softcradle.scenes.contact_text import contact_text
 
-BEAD_TITLES = ("bead", "now (m/s)", "at the start (m/s)", "at the end (m/s)", "mass (kg)")
+BEAD_TITLES = ("bead", "at the start (m/s)", "at the end (m/s)", "mass (kg)")
 CONTACT_TITLES = (
-    "contact", "now", "force now (N)", "greatest force (N)", "overlap now (m)", "greatest overlap (m)",
-    "first closed (s)", "last opened (s)", "times", "law",
+    "contact", "greatest force (N)", "greatest overlap (m)", "first closed (s)", "last opened (s)", "times", "law",
 )  # fmt: skip
 
 
-def member_tables(member: Member) -> str:
+def result_tables(played: PlayedMotion) -> str:
     """Two tables for each lane."""
     parts = []
-    for lane, trajectory in enumerate(member.trajectories):
-        summary = summarise(member.labels[lane], trajectory)
-        parts.append(table(BEAD_TITLES, _bead_rows(lane, summary), _named(member, lane, "Velocities")))
-        parts.append(table(CONTACT_TITLES, _contact_rows(lane, summary, trajectory), _named(member, lane, "Contacts")))
+    for lane, trajectory in enumerate(played.trajectories):
+        summary = summarise(played.labels[lane], trajectory)
+        parts.append(table(BEAD_TITLES, _bead_rows(summary), _named(played, lane, "Velocities")))
+        parts.append(table(CONTACT_TITLES, _contact_rows(summary, trajectory), _named(played, lane, "Contacts")))
     return "".join(parts)
 
 
-def member_notes(member: Member) -> str:
+def result_notes(played: PlayedMotion) -> str:
     """How the motion of each lane was computed, and what may be wrong with it."""
     parts = []
-    for lane, trajectory in enumerate(member.trajectories):
-        parts.append(note(_named(member, lane, recorded_sentence(trajectory))))
-        parts += [note(_named(member, lane, str(warning)), warning=True) for warning in trajectory.warnings]
+    for lane, trajectory in enumerate(played.trajectories):
+        parts.append(note(_named(played, lane, recorded_sentence(trajectory))))
+        parts += [note(_named(played, lane, str(warning)), warning=True) for warning in trajectory.warnings]
     return "".join(parts)
 
 
-def _named(member: Member, lane: int, text: str) -> str:
+def _named(played: PlayedMotion, lane: int, text: str) -> str:
     """`text` behind the label of the lane, where there are several."""
-    label = member.labels[lane]
-    return f"{label}: {text[0].lower()}{text[1:]}" if label and len(member.labels) > 1 else text
+    label = played.labels[lane]
+    return f"{label}: {text[0].lower()}{text[1:]}" if label and len(played.labels) > 1 else text
 
 
 def recorded_sentence(trajectory: Trajectory) -> str:
@@ -56,11 +55,10 @@ def recorded_sentence(trajectory: Trajectory) -> str:
     return f"Recorded motion, computed by {summary.method}, {fineness}; {', '.join(errors + cost)}"
 
 
-def _bead_rows(lane: int, summary: Summary) -> list[list[str]]:
+def _bead_rows(summary: Summary) -> list[list[str]]:
     return [
         [
             str(k),
-            live_cell(lane, "velocity", k),
             number_text(bead.start_velocity),
             number_text(bead.final_velocity),
             "wall" if bead.mass is None else f"{bead.mass:g}",
@@ -69,14 +67,11 @@ def _bead_rows(lane: int, summary: Summary) -> list[list[str]]:
     ]
 
 
-def _contact_rows(lane: int, summary: Summary, trajectory: Trajectory) -> list[list[str]]:
+def _contact_rows(summary: Summary, trajectory: Trajectory) -> list[list[str]]:
     return [
         [
             f"{k}-{k + 1}",
-            live_cell(lane, "state", k),
-            live_cell(lane, "force", k),
             number_text(contact.largest_force),
-            live_cell(lane, "overlap", k),
             scientific(contact.largest_overlap, 3) if contact.largest_overlap > 0.0 else "0",
             "-" if contact.closed is None else f"{contact.closed:.6g}",
             "-" if contact.opened is None else f"{contact.opened:.6g}",

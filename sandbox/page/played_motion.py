@@ -1,4 +1,4 @@
-"""The played motion: recorded trajectories as the player of a page shows them, one or a family of them on the same axes."""
+"""The played motion: recorded trajectories as the player of a page shows them, on the same axes."""
 
 from __future__ import annotations
 
@@ -19,47 +19,24 @@ JUST_BEFORE = 1e-6  # of the lead: the last moment of free flight, so that a for
 
 
 @dataclass(frozen=True)
-class Member:
-    """One motion: its name on the slider of a family, and for each lane a trajectory and a label."""
+class PlayedMotion:
+    """What a page plays: a scene, which gives title and view, and a trajectory and a label for each of its lanes."""
 
-    name: str
+    scene: Scene
     trajectories: tuple[Trajectory, ...]
     labels: tuple[str, ...]
 
-
-def scene_member(scene: Scene, trajectories: Sequence[Trajectory], name: str = "") -> Member:
-    """The Member with the labels of the lanes of `scene`."""
-    return Member(name, tuple(trajectories), tuple(lane.label for lane in scene.lanes))
-
-
-@dataclass(frozen=True)
-class PlayedMotion:
-    """What a page plays.
-
-    Attributes:
-        scene: gives title, lanes and view.
-        members: one, or several that differ in one `parameter`.
-        parameter: its name; "" for a single member.
-        first: number of the member that is shown first.
-    """
-
-    scene: Scene
-    members: tuple[Member, ...]
-    parameter: str = ""
-    first: int = 0
-
     @cached_property
-    def motions(self) -> list[list[Motion]]:
-        """The motion of every lane of every member, with free flight before a start at t = 0 and after its end."""
-        motions = [_drawable(member.trajectories, _shown_end(self.scene, member)) for member in self.members]
-        for lanes in motions:
-            require_finite(lanes)
+    def motions(self) -> list[Motion]:
+        """The motion of every lane, with free flight before a start at t = 0 and after its end."""
+        motions = _drawable(self.trajectories, _shown_end(self.scene, self.trajectories))
+        require_finite(motions)
         return motions
 
     @cached_property
     def scales(self) -> Scales:
-        """The axes, which hold all members."""
-        return scales_of(self.scene, [motion for lanes in self.motions for motion in lanes])
+        """The axes of all lanes."""
+        return scales_of(self.scene, self.motions)
 
     @cached_property
     def time_unit(self) -> tuple[float, str]:
@@ -71,17 +48,16 @@ class PlayedMotion:
         """(newtons in the unit of the force axis, its name)."""
         return force_unit(self.scales.force)
 
-    @cached_property
-    def strongest_time(self) -> float:
-        """Time of the greatest force of the member shown first [s]: the moment of a still picture."""
-        strongest = max(self.motions[self.first], key=lambda motion: float(np.abs(motion.force).max()))
-        return float(strongest.time[int(np.argmax(np.abs(strongest.force).max(axis=1)))])
+
+def played_motion(scene: Scene, trajectories: Sequence[Trajectory]) -> PlayedMotion:
+    """The PlayedMotion with the labels of the lanes of `scene`."""
+    return PlayedMotion(scene, tuple(trajectories), tuple(lane.label for lane in scene.lanes))
 
 
-def _shown_end(scene: Scene, member: Member) -> float:
-    """Until when a member is shown [s]: with some free flight where all its lanes have come apart."""
-    end = max(float(found.time[-1]) for found in member.trajectories)
-    apart = all(found.status is Status.SEPARATED for found in member.trajectories)
+def _shown_end(scene: Scene, trajectories: Sequence[Trajectory]) -> float:
+    """Until when a motion is shown [s]: with some free flight where all its lanes have come apart."""
+    end = max(float(found.time[-1]) for found in trajectories)
+    apart = all(found.status is Status.SEPARATED for found in trajectories)
     return end + after_time(scene, end) if apart else end
 
 

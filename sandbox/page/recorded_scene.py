@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics import Trajectory
+from softcradle.physics.default_step import default_step
 from softcradle.sandbox.film.quiet_end import quiet_end
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.scenes import Scene
 
+COARSE = 16.0  # default steps to one of a page
+COARSE_SAMPLES = 401
 EVEN_SAMPLES = 2001  # over the whole motion, and again while contacts are closed
 ONSET_SAMPLES = 48  # after each switch, closer and closer to it: overlaps begin as powers of the time since
 SHORTEST_ONSET = 1e-9  # of the whole motion: the first of them
@@ -35,6 +38,20 @@ def recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
         alone = scene.model_copy(update={"lanes": (lane,), **cut})
         found += run_scene(alone, samples=sample_times(whole, end), **settings)
     return found
+
+
+def recorded_coarsely(scene: Scene) -> list[Trajectory]:
+    """The trajectory of every lane of `scene` in the steps that a page takes: for what it shows where it may not compute.
+
+    Raises:
+        UserError: the scene cannot be simulated.
+    """
+    steps = [COARSE * default_step(lane.chain(), lane.velocity) for lane in scene.lanes]
+    scene = scene.model_copy(update={"method": "conserving", "step": min(steps), "tolerance": None})
+    found = run_scene(scene, samples=COARSE_SAMPLES)
+    end = math.inf if scene.duration else quiet_end(found)[0]
+    late = any(trajectory.time[-1] > end for trajectory in found)
+    return run_scene(scene, samples=COARSE_SAMPLES, duration=end) if late else found
 
 
 def sample_times(trajectory: Trajectory, latest: float = math.inf) -> Array:

@@ -1,31 +1,34 @@
-"""The page to share of a scene: player, charts and tables of what was recorded."""
+"""The page to share: one HTML file in which a scene is played, computed in the browser, or as it was recorded."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from softcradle.physics import Trajectory
-from softcradle.sandbox.motion_words import describe
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.page.motion_charts import chart_row, force_chart, overlap_chart, velocity_chart
-from softcradle.sandbox.page.page_document import document, footer, heading, paragraph
-from softcradle.sandbox.page.page_tables import member_notes, member_tables
-from softcradle.sandbox.page.played_motion import Member, PlayedMotion, scene_member
-from softcradle.sandbox.page.player_section import player_section
+from softcradle.sandbox.page.page_controls import heading, keys, numbers, player
+from softcradle.sandbox.page.page_data import can_be_computed, page_data
+from softcradle.sandbox.page.page_document import document, footer, paragraph
+from softcradle.sandbox.page.page_tables import result_notes, result_tables
+from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion
+from softcradle.sandbox.page.recorded_scene import recorded, recorded_coarsely
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 
 @dataclass(frozen=True)
 class PageReport:
-    """What was written: where, and how long it is [bytes]."""
+    """What was written: where, how long it is [bytes], and whether it computes its motion."""
 
     output: Path
     size: int
+    computed: bool
 
 
 def write_page(
@@ -42,52 +45,83 @@ def write_page(
     if len(found) != len(scene.lanes):
         raise UserError(f"a page needs a trajectory for each lane: {len(scene.lanes)}, not {len(found)}")
     with output_file(path) as temporary:
-        size = write_text(PlayedMotion(scene, (scene_member(scene, found),)), temporary)
-    return PageReport(Path(path), size)
+        size = temporary.write_bytes(_recorded_text(scene, found).encode())
+    return PageReport(Path(path), size, computed=False)
 
 
-def write_text(played: PlayedMotion, path: Path) -> int:
-    """Write the page of `played` to `path`; its length in bytes. Raises UserError where the motion is too long for a page."""
-    return path.write_bytes(page_text(played).encode())
+def render_page(scene: Scene, output: str | os.PathLike[str], slow: float | None = None, **settings: Any) -> PageReport:
+    """Write the page of `scene`: computed in the browser where it can be, else recorded here.
+
+    `slow` are seconds for one of motion, None takes the scene's. With `settings`, keywords of `physics.simulate`, the
+    motion is recorded by them. What may be wrong with the motion is a RuntimeWarning.
+
+    Raises:
+        UserError: it cannot be written or simulated; nothing is left behind.
+    """
+    with output_file(output) as temporary:  # before the runs, so that an unwritable place is refused at once
+        text, computed = scene_text(scene, slow, **settings)
+        return PageReport(Path(output), temporary.write_bytes(text.encode()), computed)
 
 
-def page_text(played: PlayedMotion) -> str:
-    """The whole page as text."""
-    scene, lanes = played.scene, range(len(played.scene.lanes))
-    charts = [chart(played, lane) for lane in lanes for chart in (velocity_chart, force_chart, overlap_chart)]
+def scene_text(scene: Scene, slow: float | None = None, **settings: Any) -> tuple[str, bool]:
+    """The page of :func:`render_page` as text, and whether it computes its motion. Raises UserError likewise."""
+    if slow is not None:
+        scene = scene.model_copy(update={"view": scene.view.model_copy(update={"slow": slow})})
+    if can_be_computed(scene) and all(value is None for value in settings.values()):
+        return _computed_text(scene), True
+    return _recorded_text(scene, _recorded(scene, **settings)), False
+
+
+def _recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
+    trajectories = recorded(scene, **settings)
+    for sentence in dict.fromkeys(str(warning) for found in trajectories for warning in found.warnings):
+        warnings.warn(sentence, RuntimeWarning, stacklevel=3)
+    return trajectories
+
+
+def _recorded_text(scene: Scene, trajectories: Sequence[Trajectory]) -> str:
+    played = played_motion(scene, trajectories)
+    tables = result_notes(played) + result_tables(played)
+    return recorded_page(played, [_scene_file(played), footer()], tables=tables)
+
+
+def _computed_text(scene: Scene) -> str:
+    """The page of a scene that :func:`can_be_computed`, as text; what it plays where kernels are refused is in it as well."""
+    played = played_motion(scene, recorded_coarsely(scene))
+    data = page_data(played, computed=True)
     parts = [
         heading(scene.title, scene.source),
-        player_section(played),
-        each_member(played, lambda member: _what_happened(played, member)),
-        each_member(played, member_notes),
-        "<h2>In curves</h2>",
-        chart_row(charts),
-        "<h2>In numbers</h2>",
-        each_member(played, member_tables),
+        player(
+            data["uniform"] is not None, len(scene.lanes) == 1, any(map(any, (lane.velocity for lane in scene.lanes)))
+        ),
+        paragraph(scene.text),
+        numbers(""),
+        keys(),
         _scene_file(played),
-        footer([]),
+        footer(),
     ]
-    return document(scene.title, parts)
+    return document(scene.title, parts, data, computed=True)
 
 
-def _what_happened(played: PlayedMotion, member: Member) -> str:
-    """The text of the scene; of another member of a family, for which it was not written, what was recorded, in words."""
-    if member is played.members[played.first]:
-        return paragraph(played.scene.text)
-    return "".join(map(paragraph, map(describe, member.labels, member.trajectories)))
-
-
-def each_member(played: PlayedMotion, part: Callable[[Member], str]) -> str:
-    """`part` of every member, of which the script shows that of the one that plays."""
-    return "".join(
-        f'<div class="member" data-member="{k}"{"" if k == played.first else " hidden"}>{part(member)}</div>'
-        for k, member in enumerate(played.members)
-    )
+def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", tables: str = "") -> str:
+    """The page that plays a recorded motion, as text; `parts` follow below it, `tables` are among its numbers."""
+    scene, title = played.scene, title or played.scene.title
+    first = [
+        heading(title, scene.source),
+        player(uniform=False, alone=False, moving=False),
+        paragraph(scene.text),
+        numbers(tables),
+        keys(),
+    ]
+    data = page_data(played, computed=False)
+    for texts in data["texts"].values():
+        texts["title"] = title if title != scene.title else texts["title"]
+    return document(title, [*first, *parts], data)
 
 
 def _scene_file(played: PlayedMotion) -> str:
     """The scene as text; nothing where a chain has a law of one's own, which no scene file can hold."""
-    if any(found.chain.own_laws for member in played.members for found in member.trajectories):
+    if any(found.chain.own_laws for found in played.trajectories):
         return ""
     return (
         "<details><summary>The scene as a file: softcradle play FILE lets you change it</summary>"

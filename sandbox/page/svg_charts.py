@@ -1,18 +1,15 @@
-"""Charts as inline SVG: curves against time or overlap, and bars of contact states; the page gives the colours.
-
-Curves of a motion are empty here: the page's script draws them from the packed motion, and moves a line to the time shown.
-"""
+"""Charts as inline SVG: curves against time or overlap, and bars of contact states; the page gives the colours."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.number_format import decades, power_of_ten, ticks
+from softcradle.sandbox.draw.number_format import power_of_ten, ticks
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
@@ -27,8 +24,6 @@ BAR_PITCH = 24.0  # height of a bar and the space below it
 BAR_SPACE = 7.0  # the space below a bar
 MOST_POINTS = 500  # of a drawn curve, jumps not counted
 JUMP = 0.01  # of the axis: a larger change from one sample to the next is drawn at its own samples
-MARKERS = 5  # shapes of the marks on the curves of a motion
-MOST_NAMES = 10  # a longer legend would not be read
 PLAIN_NUMBERS = (1e-2, 1e4)  # an axis whose largest number lies between these shows no power of ten
 
 
@@ -43,36 +38,13 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class MotionCurves:
-    """Curves that the page's script draws: which lane, what of it ("velocity", "force" or "overlap"), and their names.
-
-    Attributes:
-        first: number of the bead that gives the first curve its colour.
-    """
-
-    lane: int
-    channel: str
-    names: Sequence[str]
-    first: int
-
-
-@dataclass(frozen=True)
 class Axes:
-    """Ranges and labels of both axes.
-
-    Attributes:
-        unit: [s] of a time axis, in which a line shows the time of the player; 0 for an axis of something else.
-        y_unit: of the vertical axis, in SI units.
-        logarithmic: whether `y` are exponents of ten.
-    """
+    """Ranges and labels of both axes."""
 
     x: Range
     y: Range
     x_label: str
     y_label: str
-    unit: float = 0.0
-    y_unit: float = 1.0
-    logarithmic: bool = False
 
     def across(self, value: Array) -> Array:
         """Horizontal positions of `value`."""
@@ -99,19 +71,7 @@ def line_chart(title: str, curves: Sequence[Curve], axes: Axes) -> str:
         for curve in reversed(curves)
     ]
     legend = _legend([(curve.name, curve.css_class) for curve in curves]) if len(curves) > 1 else ""
-    return _figure(title, _grid(axes) + "".join(lines), HEIGHT, legend, axes)
-
-
-def motion_chart(title: str, curves: MotionCurves, axes: Axes) -> str:
-    """A figure with a grid, in which the page's script draws the curves, and a legend where it is short enough to be read.
-
-    The `title` says what its vertical axis shows.
-    """
-    data = f'data-lane="{curves.lane}" data-channel="{curves.channel}" data-first="{curves.first}"'
-    body = _grid(replace(axes, y_label="")) + f'<g class="motion" {data} data-count="{len(curves.names)}"></g>'
-    marks = [f"c{k + curves.first} m{k % MARKERS}" for k in range(len(curves.names))]
-    few = len(curves.names) <= MOST_NAMES
-    return _figure(title, body, HEIGHT, _legend(list(zip(curves.names, marks, strict=True))) if few else "", axes)
+    return _figure(title, _grid(axes) + "".join(lines), HEIGHT, legend)
 
 
 def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: Axes) -> str:
@@ -129,7 +89,7 @@ def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, f
             )
     parts.append(_x_axis(axes, height))
     legend = _legend([(state, state) for state in ("open", "touching", "loaded")])
-    return _figure(title, "".join(parts), height, legend, axes)
+    return _figure(title, "".join(parts), height, legend)
 
 
 def _path(curve: Curve, axes: Axes) -> str:
@@ -156,7 +116,7 @@ def _grid(axes: Axes) -> str:
     parts = []
     for value, text in marks:
         y = float(axes.down(np.array(value)))
-        line = "zero" if value == 0.0 and not axes.logarithmic else "grid"
+        line = "zero" if value == 0.0 else "grid"
         parts.append(f'<path class="{line}" d="M{LEFT:.1f},{y:.1f}H{WIDTH - RIGHT:.1f}"/>')
         parts.append(f'<text x="{LEFT - 6:.1f}" y="{y + 4:.1f}" class="end">{text}</text>')
     middle = (TOP + HEIGHT - BOTTOM) / 2
@@ -169,8 +129,6 @@ def _grid(axes: Axes) -> str:
 
 def _value_ticks(axes: Axes) -> tuple[list[tuple[float, str]], int]:
     """Places and labels of the vertical axis, and the power of ten by which its labels are too small."""
-    if axes.logarithmic:
-        return decades(round(axes.y[0]), round(axes.y[1]), 5), 0
     largest = max(abs(end) for end in axes.y)
     power = 0 if PLAIN_NUMBERS[0] < largest < PLAIN_NUMBERS[1] else math.floor(math.log10(largest))
     marks = ticks(axes.y[0] / 10.0**power, axes.y[1] / 10.0**power, 5)
@@ -188,27 +146,19 @@ def _x_axis(axes: Axes, height: float) -> str:
     return "".join(parts) + f'<text x="{middle:.1f}" y="{height - 5:.1f}" class="middle">{escape(axes.x_label)}</text>'
 
 
-def _cursor(axes: Axes, foot: float) -> str:
-    """The line at the time of the player, and the veil over what lies ahead of it."""
-    if not axes.unit:
-        return ""
-    veil = f'<rect class="veil" y="{TOP:.1f}" width="{WIDTH - RIGHT - LEFT:.1f}" height="{foot - TOP:.1f}" visibility="hidden"/>'
-    return veil + f'<path class="cursor" d="M0,{TOP:.1f}V{foot:.1f}" visibility="hidden"/>'
-
-
 def _legend(entries: Sequence[tuple[str, str]]) -> str:
     items = "".join(f'<span><i class="{css_class}"></i>{escape(name)}</span>' for name, css_class in entries)
     return f'<div class="legend">{items}</div>'
 
 
-def _figure(title: str, body: str, height: float, legend: str, axes: Axes) -> str:
-    name, foot = escape(title), height - BOTTOM
-    low, high = (axes.y_unit * end for end in axes.y)
-    area = f'data-area="{LEFT} {TOP} {WIDTH - RIGHT} {foot}" data-value="{low:.9g} {high:.9g}"'
-    time = f' data-time="{axes.x[0] * axes.unit:.9g} {axes.x[1] * axes.unit:.9g}"' if axes.unit else ""
-    data = area + time + (" data-logarithmic" if axes.logarithmic else "")
+def _figure(title: str, body: str, height: float, legend: str) -> str:
+    name = escape(title)
     return (
         f"<figure><figcaption>{name}</figcaption>"
-        f'<svg viewBox="0 0 {WIDTH:.0f} {height:.0f}" role="img" aria-label="{name}" {data}>{body}{_cursor(axes, foot)}</svg>'
-        f"{legend}</figure>"
+        f'<svg viewBox="0 0 {WIDTH:.0f} {height:.0f}" role="img" aria-label="{name}">{body}</svg>{legend}</figure>'
     )
+
+
+def chart_row(charts: list[str]) -> str:
+    """Charts side by side, or below each other where there is no room."""
+    return f'<div class="charts">{"".join(charts)}</div>'

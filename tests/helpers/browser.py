@@ -138,6 +138,8 @@ class Browser:
         code = {
             " ": 32,
             "Tab": 9,
+            "Enter": 13,
+            "Escape": 27,
             "PageUp": 33,
             "PageDown": 34,
             "End": 35,
@@ -159,11 +161,22 @@ class Browser:
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def visit(self, path: Path, fragment: str) -> None:
-        """Open a file at `fragment`, which begins with #."""
+        """Open a page at `fragment`, which is empty or begins with #; the script's Page is then `page`."""
         self.open(path)
         self.run(f"history.replaceState(null, '', '{fragment}')")
         self.call("Page.reload")
         until = time.monotonic() + PATIENCE
-        while self.run("document.readyState") != "complete" or not self.run("typeof player === 'object'"):
+        while self.run("document.readyState") != "complete" or not self.run("typeof started === 'object'"):
             assert time.monotonic() < until, "the page was not loaded in time"
             time.sleep(0.02)
+        self.run("started.then((found) => { window.page = found; return 0; })")
+
+    def mouse(self, kind: str, x: float, y: float) -> None:
+        """Press, move or release the left button of the mouse: `kind` is "Pressed", "Moved" or "Released"."""
+        held = 0 if kind == "Released" else 1
+        self.call("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button="left", buttons=held, clickCount=1)
+
+    def finger(self, kind: str, x: float = 0.0, y: float = 0.0) -> None:
+        """Put a finger down, move it or lift it: `kind` is "Start", "Move" or "End"."""
+        points = [] if kind == "End" else [{"x": x, "y": y}]
+        self.call("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)

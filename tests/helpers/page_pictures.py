@@ -8,25 +8,25 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
-from softcradle.sandbox.page.motion_family import render_page
+from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
 
 from tests.helpers.browser import Browser
 
-PICTURES = (("desk", 1280, 800, "light"), ("telephone", 390, 844, "dark"))
-MOMENT = 1.883  # s, of the greatest force of one on four
+PICTURES = (("desk", 1280, 800, "light", "&with=steel"), ("telephone", 390, 844, "dark", ""))
+MOMENT = 1.9  # s, of the greatest force of one on four
 
 
 def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as made:
         page = Path(made) / "page.html"
-        render_page(load_scene("one-on-four"), page, live="alpha")
-        for name, width, height, scheme in PICTURES:
+        render_page(load_scene("one-on-four"), page)
+        for name, width, height, scheme, also in PICTURES:
             with Browser(Path(made) / name) as browser:
                 browser.device(width, height)
                 browser.media("screen", scheme)
-                browser.visit(page, f"#t={MOMENT}")
+                browser.visit(page, f"#t={MOMENT}{also}")
                 browser.picture(folder / f"{name}.png")
             with Image.open(folder / f"{name}.png") as picture:
                 picture.convert("RGB").save(folder / f"{name}.png", optimize=True)

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT",
         help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, .kymograph.png for "
-        "the beads over time: a line of pixels of each frame of a camera, or .html for a page that plays the motion",
+        "the beads over time: a line of pixels of each frame of a camera, or .html for a page in which the beads live",
     )  # fmt: skip
     parser.add_argument(
         "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"
@@ -37,9 +37,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--slow", type=positive_number, help="seconds of film for a second of motion (default: the scene's)"
     )
     parser.add_argument("--pixel-format", metavar="FORMAT", help="of an .mp4: yuv420p (plays everywhere) or yuv444p")
-    parser.add_argument(
-        "--live", metavar="PARAMETER", help="of a page .html: a slider over a family of motions, alpha or speed"
-    )
     add_method(parser)
     add_open(parser)
 
@@ -51,8 +48,6 @@ def main(args: argparse.Namespace) -> int:
         return _kymograph(scene, args, written)
     if args.output.lower().endswith((".html", ".htm")):
         return _page(scene, args, written)
-    if args.live is not None:
-        raise UserError(f"--live is for a page: the name must end in .html, not {args.output!r}")
     from softcradle.sandbox.film.scene_film import render_scene
 
     report = render_scene(
@@ -86,8 +81,7 @@ def _page(scene: Scene, args: argparse.Namespace, written: WrittenFiles) -> int:
     for option in ("fps", "pixel_format"):
         if getattr(args, option) is not None:
             raise UserError(f"a page has no frames: --{option.replace('_', '-')} is for films")
-    from softcradle.sandbox.page.motion_family import render_page
+    from softcradle.sandbox.cli.commands.page import write_scene_page
 
-    report = render_page(scene, args.output, slow=args.slow, live=args.live, method=args.method, step=args.step)
-    written.report([report.output], f", a page of {report.size / 1000:.0f} kB that plays in a browser", args.open)
+    write_scene_page(scene, args.output, written, args.open, slow=args.slow, method=args.method, step=args.step)
     return 0

@@ -20,12 +20,11 @@ from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, f
 from softcradle.sandbox.film.film_kinds import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.page.motion_charts import chart_row, force_chart, velocity_chart
-from softcradle.sandbox.page.page_document import document, footer, heading, note, table
-from softcradle.sandbox.page.page_tables import member_notes
-from softcradle.sandbox.page.played_motion import Member, PlayedMotion
-from softcradle.sandbox.page.player_section import player_section
-from softcradle.sandbox.page.svg_charts import Axes, Curve, Range, axis_range, bar_chart, line_chart
+from softcradle.sandbox.page.page_document import footer, note, table
+from softcradle.sandbox.page.page_tables import result_notes
+from softcradle.sandbox.page.played_motion import PlayedMotion
+from softcradle.sandbox.page.shared_page import recorded_page
+from softcradle.sandbox.page.svg_charts import Axes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
 from softcradle.sandbox.studies.compare.results import (
     MeasureRow,
     SideResult,
@@ -54,7 +53,7 @@ class TimeAxis:
 
     def axes(self, values: Range, label: str) -> Axes:
         """Axes of `values` over time."""
-        return Axes((self.begin / self.unit, self.end / self.unit), values, self.label, label, self.unit)
+        return Axes((self.begin / self.unit, self.end / self.unit), values, self.label, label)
 
     def times(self, result: SideResult) -> Array:
         """(T+2,) sample times, then the end of the motion and of the axis, in the unit; see :func:`_extended`."""
@@ -158,26 +157,21 @@ def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float)
 def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Sequence[str] = ()) -> str:
     """The whole page as text; `scene` has a lane for each of `results`, `notes` are sentences that stand below the numbers."""
     names = [result.side.name for result in results]
-    member = Member("", tuple(result.trajectory for result in results), tuple(names))
-    played = PlayedMotion(scene, (member,))
-    lanes, axis = range(len(results)), TimeAxis(played)
+    played = PlayedMotion(scene, tuple(result.trajectory for result in results), tuple(names))
+    axis = TimeAxis(played)
     parts = [
-        heading(title, scene.source),
-        player_section(played),
-        member_notes(member),
+        result_notes(played),
         "<h2>In numbers</h2>",
         _measures(["", *names], collision_rows(results) + velocity_rows(results), "The collision"),
         *(note(text) for text in notes),
         "<h2>On top of each other</h2>", overlays(results, axis),
-        "<h2>Velocities</h2>", chart_row([velocity_chart(played, lane) for lane in lanes]),
-        "<h2>Forces</h2>", chart_row([force_chart(played, lane) for lane in lanes]),
         "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
         "<h2>Contact by contact</h2>",
         *(_measures(["contact", *(t for t, _ in contact_titles())], contact_rows(r), r.side.name) for r in results),
         "<h2>What the numbers mean</h2>", _meanings(),
-        footer([]),
+        footer(),
     ]  # fmt: skip
-    return document(title, parts)
+    return recorded_page(played, parts, title)
 
 
 def _measures(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str) -> str:

@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 import pytest
-from softcradle.sandbox.page.motion_family import render_page
+from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
 
 
@@ -36,14 +36,15 @@ def unpacked(packed, beads, scales):
 
 @pytest.fixture(scope="session")
 def pages(tmp_path_factory):
-    """A function: the page of a scene, written once, and what `render_page` reports of it."""
+    """A function: the page of a scene, written once, and what `render_page` reports of it; keywords are settings of the run."""
     written = {}
     folder = tmp_path_factory.mktemp("pages")
 
-    def page(name, live=None):
-        if (name, live) not in written:
-            path = folder / f"{name}-{live}.html"
-            written[name, live] = render_page(load_scene(name), path, live=live)
-        return written[name, live]
+    def page(name, **settings):
+        key = (name, *settings.values())
+        if key not in written:
+            path = folder / f"{'-'.join(key)}.html"
+            written[key] = render_page(load_scene(name), path, **settings)
+        return written[key]
 
     return page

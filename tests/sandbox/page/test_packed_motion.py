@@ -7,7 +7,7 @@ import pytest
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.page.adaptive_samples import LINE_ERROR, SAME_DEPTH
 from softcradle.sandbox.page.packed_motion import packed_lanes
-from softcradle.sandbox.page.played_motion import PlayedMotion, scene_member
+from softcradle.sandbox.page.played_motion import played_motion
 from softcradle.sandbox.page.recorded_scene import recorded
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
@@ -21,14 +21,14 @@ SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "m
 
 def played(name):
     scene = load_scene(name)
-    return PlayedMotion(scene, (scene_member(scene, recorded(scene)),))
+    return played_motion(scene, recorded(scene))
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_lines_between_samples_follow_the_recorded_motion(name):
     motion = played(name)
     scales = motion.scales
-    for found, packed in zip(motion.motions[0], packed_lanes(motion.motions[0], scales), strict=True):
+    for found, packed in zip(motion.motions, packed_lanes(motion.motions, scales), strict=True):
         values = unpacked(packed, found.chain.contacts + 1, scales)
         position = from_anchor(values["overlap"], values["anchor"], found.chain.anchor)
         window, speeds = np.ptp(scales.window), np.ptp(scales.velocity)
@@ -53,7 +53,7 @@ def _jumps(values, error):
 @pytest.mark.parametrize("name", SCENES[:4])
 def test_deep_overlaps_keep_their_digits(name):
     motion = played(name)
-    for found, packed in zip(motion.motions[0], packed_lanes(motion.motions[0], motion.scales), strict=True):
+    for found, packed in zip(motion.motions, packed_lanes(motion.motions, motion.scales), strict=True):
         values = unpacked(packed, found.chain.contacts + 1, motion.scales)
         smallest = 10.0 ** (motion.scales.decades[0] - 1)  # a decade below the axis of overlaps
         for k in range(found.chain.contacts):
@@ -67,7 +67,7 @@ def test_free_flight_leads_to_the_start_and_follows_the_end():
     contact = 'contact = {law = "power", f0 = 1.0, alpha = 0.2}'
     scene = parse(f'title = "In touch"\n[[lanes]]\nbeads = [1, 2]\nvelocity = 1.0\n{contact}\n')
     (end,) = recorded(scene)
-    (motion,) = PlayedMotion(scene, (scene_member(scene, [end]),)).motions[0]
+    (motion,) = played_motion(scene, [end]).motions
     assert motion.time[0] < 0.0
     assert (motion.velocity[0] == [1.0, 0.0, 0.0]).all()
     assert motion.time[-1] > end.time[-1]
@@ -79,7 +79,7 @@ def test_free_flight_leads_to_the_start_and_follows_the_end():
 def test_what_rests_is_at_rest():
     """A number that is 0 stays 0 however few digits are kept: no bead creeps."""
     motion = played("one-on-four")
-    (packed,) = packed_lanes(motion.motions[0], motion.scales)
+    (packed,) = packed_lanes(motion.motions, motion.scales)
     values = unpacked(packed, 5, motion.scales)
     before = values["time"] < 0.99
     assert (values["velocity"][before, 1:] == 0.0).all()
@@ -91,14 +91,14 @@ def test_what_is_too_much_for_a_page_is_a_sentence(monkeypatch):
     monkeypatch.setattr("softcradle.sandbox.page.packed_motion.MOST_BYTES", 500)
     motion = played("one-on-four")
     with pytest.raises(UserError, match="5 beads is too much for one page"):
-        packed_lanes(motion.motions[0], motion.scales)
+        packed_lanes(motion.motions, motion.scales)
 
 
 def test_a_motion_that_needs_too_many_samples_gets_coarser_ones(monkeypatch):
     motion = played("one-on-four")
-    (fine,) = packed_lanes(motion.motions[0], motion.scales)
+    (fine,) = packed_lanes(motion.motions, motion.scales)
     monkeypatch.setattr("softcradle.sandbox.page.packed_motion.USUAL_BYTES", 8000)
-    (coarse,) = packed_lanes(motion.motions[0], motion.scales)
+    (coarse,) = packed_lanes(motion.motions, motion.scales)
     assert coarse["rows"] < fine["rows"]
     assert len(coarse["data"]) <= 8000 * 4 / 3 + 4
 
@@ -107,6 +107,5 @@ def test_a_trajectory_of_few_samples_is_played_as_it_is():
     scene = load_scene("one-on-four")
     chain = one_on(4, power_law(1.0, 0.1))
     found = simulate(chain, [1, 0, 0, 0, 0], duration=1.0, samples=3)
-    motion = PlayedMotion(scene, (scene_member(scene, [found]),))
-    assert motion.motions[0][0].time[-3:].tolist() == [0.0, 0.5, 1.0]
-    assert motion.strongest_time in (0.5, 1.0)
+    motion = played_motion(scene, [found])
+    assert motion.motions[0].time[-3:].tolist() == [0.0, 0.5, 1.0]

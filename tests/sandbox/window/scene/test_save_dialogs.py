@@ -83,11 +83,11 @@ def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> 
     assert f"saved {page}" in driver.messages
     assert "default-src 'none'" in text  # it loads nothing
     assert page.stat().st_size < 1_000_000
-    (lane,) = page_data(text)["members"][0]["lanes"]
+    (lane,) = page_data(text)["lanes"]
     recorded = driver.session.trajectory(0)
     assert recorded.time[-1] == driver.session.time > 0.0
     assert f"{recorded.chain.contacts + 1}" in text
-    assert 2 <= lane["rows"] <= recorded.time.size + 2  # and free flight before the start
+    assert 2 <= lane["recorded"]["rows"] <= recorded.time.size + 2  # and free flight before the start
 
 
 def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> None:

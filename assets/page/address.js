@@ -1,0 +1,112 @@
+// The experiment: what a person can set, its limits, and its place in the address of the page.
+
+/**
+ * What a person can set. Lengths of lists and ranges of numbers come from the scene; nothing from an address is ever markup or code.
+ * @typedef {{law: string, alpha: number, strikers: number, targets: number, speed: number, friction: number, loss: number, pace: number,
+ *   beside: string, shown: string[]}} Experiment
+ */
+
+const LAWS = ["scene", "soft", "gear", "steel"];
+const BESIDE = ["none", "steel", "soft", "gear"];
+const PACES = [0.05, 0.1, 0.25, 0.5, 1, 2, 4];
+const SHOWN = ["forces", "loupes", "balance", "charts"];
+const LEAST_ALPHA = 1 / 40, MOST_ALPHA = 1.5;
+const MOST_STRIKERS = 10, MOST_TARGETS = 49;
+const KEYS = { law: "law", alpha: "a", strikers: "m", targets: "n", speed: "v", friction: "mu", loss: "loss", pace: "pace", beside: "with" };
+
+// Limits of each number for a scene that begins as `own`.
+function limitsOf(data, own) {
+  const slides = data.speed ** 2 / (2 * GRAVITY * data.length);
+  return {
+    alpha: [LEAST_ALPHA, MOST_ALPHA], strikers: [1, MOST_STRIKERS], targets: [1, MOST_TARGETS],
+    speed: [0.2 * own.speed, 1.4 * own.speed], friction: [0, Math.max(slides, 1.5 * own.friction)], loss: [0, 0.9], pace: [PACES[0], PACES.at(-1)],
+  };
+}
+
+/** @param {number} value @param {number[]} limits */
+const clamped = (value, [low, high]) => Math.min(Math.max(value, low), high);
+
+/**
+ * The experiment in the fragment of an address; what is missing, no number or unknown stays as in `own`.
+ * @param {string} fragment @param {Experiment} own @param {Record<string, number[]>} limits @returns {Experiment}
+ */
+function readAddress(fragment, own, limits) {
+  const given = new URLSearchParams(fragment.replace(/^#/, "").slice(0, 400)), found = { ...own };
+  for (const name of ["alpha", "strikers", "targets", "speed", "friction", "loss", "pace"]) {
+    const text = given.get(KEYS[name]);
+    if (text === null || !/^\d{1,9}(\.\d{1,17})?(e-?\d{1,2})?$/.test(text)) continue;
+    const value = clamped(Number(text), limits[name]);
+    found[name] = name === "strikers" || name === "targets" ? Math.round(value) : value;
+  }
+  const law = given.get(KEYS.law), beside = given.get(KEYS.beside), shown = given.get("show");
+  if (law !== null && LAWS.includes(law)) found.law = law;
+  if (beside !== null && BESIDE.includes(beside)) found.beside = beside;
+  if (shown !== null) found.shown = SHOWN.filter((name) => shown.split(".").includes(name));
+  return found;
+}
+
+/**
+ * The fragment of an experiment: only what differs from `own`.
+ * @param {Experiment} experiment @param {Experiment} own
+ */
+function writeAddress(experiment, own) {
+  const text = new URLSearchParams();
+  for (const [name, key] of Object.entries(KEYS)) {
+    const value = experiment[name];
+    if (value !== own[name]) text.set(key, typeof value === "number" ? String(Number(value.toPrecision(6))) : value);
+  }
+  if (String(experiment.shown) !== String(own.shown)) text.set("show", experiment.shown.join(".") || "nothing");
+  return text.toString();
+}
+
+// A language and a moment may stand in an address as well.
+const addressLanguage = (fragment) => new URLSearchParams(fragment.replace(/^#/, "")).get("lang");
+function addressMoment(fragment) {
+  const text = new URLSearchParams(fragment.replace(/^#/, "")).get("t");
+  return text !== null && /^-?\d{1,9}(\.\d{1,17})?(e-?\d{1,2})?$/.test(text) ? Number(text) : null;
+}
+
+const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // bead lengths that two beads overlap at the scene's speed
+const STEEL_SHARE = 0.3; // of the overlap of soft beads: steel is harder than they are
+const GEAR_STIFFNESS = 0.5; // of preload² / (mass speed²): rows of up to five yield at their struck contact alone
+
+// Preload, stiffness and exponent of a law for the masses, speeds and lengths of a scene.
+function lawRow(data, law, alpha) {
+  const { mass, speed, length, strength } = data.matter, energy = 0.25 * mass * speed ** 2;
+  const force = strength ?? energy / (SOFT_DEPTH * length);
+  if (law === "gear") return [force, GEAR_STIFFNESS * force ** 2 / (mass * speed ** 2), 1];
+  if (law === "steel") return [0, 2.5 * energy / Math.min(STEEL_DEPTH * length, STEEL_SHARE * energy / force) ** 2.5, 1.5];
+  return [0, strength ?? (1 + alpha) * energy / (SOFT_DEPTH * length) ** (1 + alpha), alpha];
+}
+
+/**
+ * What a lane of the scene starts from in an experiment.
+ * @param {any} data of the page @param {number} lane @param {Experiment} experiment @param {Experiment} own @returns {Spec}
+ */
+function specOf(data, lane, experiment, own) {
+  const given = data.lanes[lane].spec, { strikers, targets, law, alpha } = experiment;
+  const spec = structuredClone(given);
+  if (data.uniform && (strikers !== own.strikers || targets !== own.targets)) {
+    const n = strikers + targets - 1, { mass, law: row, approach } = data.uniform;
+    Object.assign(spec, { mass: Array(n + 1).fill(mass), gap: Array(n).fill(0), velocity: Array(n + 1).fill(0), loss: Array(n).fill(own.loss) });
+    spec.gap[strikers - 1] = approach;
+    spec.velocity.fill(own.speed, 0, strikers);
+    spec.law = Array(n).fill(row).flat();
+  }
+  const n = spec.gap.length;
+  if (data.uniform && law !== "scene") spec.law = Array(n).fill(lawRow(data, law, alpha)).flat();
+  else if (lane === 0 && alpha !== own.alpha) for (let i = 0; i < n; i++) if (isSoft(spec.law, i)) spec.law[3 * i + 2] = alpha;
+  spec.velocity = spec.velocity.map((v) => v * experiment.speed / own.speed);
+  if (experiment.friction !== own.friction) spec.friction = experiment.friction;
+  if (experiment.loss !== own.loss) spec.loss = Array(n).fill(experiment.loss);
+  spec.speed = data.speed * experiment.speed / own.speed;
+  return spec;
+}
+
+const isSoft = (law, i) => law[3 * i] === 0 && law[3 * i + 1] > 0 && law[3 * i + 2] !== 1.5;
+
+// The row that is shown beside the first one: the same masses, places and speeds, another law, nothing lost.
+function besideSpec(data, first, kind) {
+  const n = first.gap.length, row = kind === "soft" ? lawRow(data, "soft", 0.1) : lawRow(data, kind, 0);
+  return { ...first, law: Array(n).fill(row).flat(), loss: Array(n).fill(0) };
+}

@@ -1,0 +1,102 @@
+// The recorded source: packed samples of a motion, and its values at any time, by straight lines between two samples.
+
+const LARGEST_CODE = 32767; // of velocities and forces
+const SHOWN_RATE = 240; // steps to a whole motion
+
+class Recorded {
+  /** @param {any} data of the page, each of whose lanes has a `recorded` motion */
+  constructor(data) {
+    /** @type {false} */ this.live = false;
+    this.scales = { ...data.scales, force: data.lanes.map(() => data.scales.force), deepest: data.lanes.map(() => []) };
+    this.motions = data.lanes.map((lane) => decoded(lane, data.scales));
+    this.nows = this.motions.map((motion) => emptyNow(motion.contacts));
+    this.motions.forEach((motion, k) => {
+      this.scales.deepest[k] = motion.overlap.map((column) => column.reduce((most, depth) => Math.max(most, depth), 0));
+    });
+    this.begun = Math.min(...this.motions.map(({ time }) => time[0]));
+    this.last = Math.max(...this.motions.map(({ time }) => time.at(-1)));
+    const closed = this.motions.flatMap((motion) => motion.closed.flat()).map(([time]) => time).filter((time) => time > this.begun);
+    const hit = closed.length ? Math.min(...closed) : this.begun;
+    this.begun = Math.max(this.begun, hit - BEFORE_HIT * (this.last - hit));
+    this.slowest = data.slow;
+    this.setPace(1);
+    this.time = this.begun;
+    this.touched = false;
+    this.hand = null;
+  }
+
+  setPace(pace) { this.slow = this.slowest / pace; }
+
+  get over() { return this.time >= this.last; }
+
+  get apart() { return this.over && this.motions.every((motion) => motion.closed.flat().every((span) => span[1] !== null)); }
+
+  advance(seconds) { this.go(this.time + Math.min(seconds, LONGEST) / this.slow); }
+
+  go(time) { this.time = Math.min(Math.max(time, this.begun), this.last); }
+
+  step(direction) { this.go(this.time + direction * (this.last - this.begun) / SHOWN_RATE); }
+
+  values(lane) { return valuesAt(this.motions[lane], this.time, this.nows[lane]); }
+
+  // Times and values of a lane up to the moment shown, as of a live source; samples are few enough.
+  trace(lane, channel, _most, visit) {
+    const { time, [channel]: columns } = this.motions[lane], row = new Float64Array(columns.length);
+    visit(this.begun, valuesAt(this.motions[lane], this.begun, this.nows[lane])[channel], 0);
+    for (let k = 0; k < time.length && time[k] < this.time; k++) {
+      if (time[k] <= this.begun) continue;
+      columns.forEach((column, j) => { row[j] = column[k]; });
+      visit(time[k], row, 0);
+    }
+    visit(this.time, this.values(lane)[channel], 0);
+  }
+}
+
+function decoded(lane, scales) {
+  const { data, rows, depth, anchor, closed } = lane.recorded;
+  const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+  const beads = lane.spec.mass.length, contacts = beads - 1;
+  const floats = new Float32Array(bytes.buffer, 0, rows * (4 + contacts));
+  const codes = new Int16Array(bytes.buffer, floats.byteLength, rows * (beads + contacts));
+  const column = (values, k) => values.subarray(k * rows, (k + 1) * rows);
+  const fastest = Math.max(...scales.velocity.map(Math.abs));
+  const scaled = (values, largest) => Float64Array.from(values, (code) => largest * code / LARGEST_CODE);
+  const each = (count, make) => Array.from({ length: count }, (_, k) => make(k));
+  return { contacts, anchor, closed, time: column(floats, 0), position: column(floats, 1), stored: column(floats, 2),
+    absorbed: column(floats, 3), ends: lane.ends.map(Number),
+    overlap: each(contacts, (k) => Float64Array.from(column(floats, 4 + k), (part) => part * depth[k])),
+    force: each(contacts, (k) => scaled(column(codes, beads + k), scales.force)),
+    velocity: each(beads, (k) => scaled(column(codes, k), fastest)) };
+}
+
+/** Values of a recorded lane at `time`, into `now`. @param {any} motion @param {number} time @param {Now} now */
+function valuesAt(motion, time, now) {
+  const { row, share } = placeOf(motion.time, time);
+  const at = (column) => column[row] + share * (column[Math.min(row + 1, column.length - 1)] - column[row]);
+  const { contacts, anchor } = motion, place = at(motion.position);
+  for (let k = 0; k < contacts; k++) {
+    now.overlap[k] = at(motion.overlap[k]);
+    now.force[k] = at(motion.force[k]);
+    const closed = motion.closed[k].some(([begin, end]) => time >= begin && (end === null || time < end));
+    now.state[k] = now.overlap[k] > 0 && closed ? "loaded" : closed || now.overlap[k] === 0 ? "touching" : "open";
+  }
+  for (let k = 0; k <= contacts; k++) now.velocity[k] = at(motion.velocity[k]);
+  now.position[anchor] = place;
+  for (let k = anchor - 1; k >= 0; k--) now.position[k] = now.position[k + 1] + now.overlap[k];
+  for (let k = anchor; k < contacts; k++) now.position[k + 1] = now.position[k] - now.overlap[k];
+  now.stored = at(motion.stored);
+  now.absorbed = at(motion.absorbed);
+  now.ends.set(motion.ends);
+  return now;
+}
+
+// The row at or before `time`, and how far `time` lies on the way to the next one, from 0 to 1.
+function placeOf(times, time) {
+  let low = 0, high = times.length - 1;
+  if (time >= times[high]) return { row: high, share: 0 };
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time) low = middle; else high = middle;
+  }
+  return { row: low, share: Math.max(0, (time - times[low]) / (times[low + 1] - times[low])) };
+}

@@ -1,0 +1,208 @@
+// A row of beads that moves: its law, its energy and what that must be, and the hand that pulls at a bead.
+
+const GRAVITY = 9.80665; // m/s²
+const CONTACT_STEPS = 64; // steps to the shortest contact, as in the window
+const STEP_COST = 0.3, FRAME_COST = 1500; // microseconds of a contact and step, and of a frame: long rows take fewer steps
+const HAND_FREQUENCY = 12; // 1/s of wall time, of the spring from the hand to a bead
+const HAND_SPEED = 2; // closing speeds that the hand's pull can give: with more, soft beads would pass through each other
+const STRUCK = 0.2; // of the closing speed: at contacts that close faster clusters are struck, and end
+const ALIKE = 1e-6; // of the closing speed: neighbours whose velocities differ by less at the start go together
+const AT_REST = 1e-9; // of the closing speed: slower rates are round-off
+
+/**
+ * What a row starts from; masses, gaps and velocities from left to right.
+ * @typedef {{mass: (number|null)[], gap: number[], velocity: number[], law: number[], loss: number[], friction: number,
+ *   drive: number[]|null, speed: number}} Spec
+ */
+
+class Row {
+  /** @param {WebAssembly.Instance} instance @param {any} sizes @param {Spec} spec */
+  constructor(instance, sizes, spec) {
+    const n = spec.gap.length, weights = spec.mass.map((mass) => mass ?? Infinity);
+    this.spec = spec;
+    this.kernel = new Kernel(instance, sizes, n, weights.indexOf(Math.max(...weights)));
+    this.kernel.inverseMass.set(weights.map((mass) => 1 / mass));
+    this.mass = weights.map((mass) => (mass === Infinity ? 0 : mass));
+    this.walls = spec.mass.includes(null);
+    this.position = new Float64Array(n + 1);
+    this.velocity = new Float64Array(n + 1);
+    this.before = new Float64Array(n + 1);
+    this.rateBefore = new Float64Array(n);
+    this.wasClosed = new Uint8Array(n);
+    this.ends = new Uint8Array(n); // contacts at which a cluster ends: it was struck there
+    this.begin();
+  }
+
+  // At the start of the scene, with the laws of `spec`.
+  begin() {
+    const { kernel, spec, mass } = this, { n, anchorBead } = kernel;
+    kernel.law.set(spec.law);
+    kernel.loss.set(spec.loss);
+    this.setFriction(spec.friction);
+    const place = new Float64Array(n + 1);
+    for (let i = 0; i < n; i++) {
+      place[i + 1] = place[i] + spec.gap[i];
+      kernel.overlap[i] = -spec.gap[i] || 0;
+      kernel.rate[i] = spec.velocity[i] - spec.velocity[i + 1];
+      kernel.force[i] = spec.gap[i] < 0 ? this.lawForce(i) : 0;
+    }
+    kernel.anchor.set([place[anchorBead], spec.velocity[anchorBead]]);
+    kernel.absorbed.fill(0);
+    kernel.time = 0;
+    for (let i = 0; i < n; i++) this.ends[i] = Math.abs(kernel.rate[i]) > ALIKE * spec.speed ? 1 : 0;
+    this.begun = this.energy();
+    this.given = 0;
+    this.lightest = Math.min(...mass.filter((m) => m > 0));
+  }
+
+  setFriction(friction) { this.kernel.bed.set(this.mass.map((mass) => (mass > 0 ? friction * GRAVITY : 0))); }
+
+  // What changes energy without a force over a way, as another law of loaded contacts, is booked as given.
+  booked(change) {
+    const before = this.energy();
+    change();
+    this.given += this.energy() - before;
+  }
+
+  lawForce(i) {
+    const { law, overlap } = this.kernel;
+    return overlap[i] > 0 ? law[3 * i] + law[3 * i + 1] * overlap[i] ** law[3 * i + 2] : 0;
+  }
+
+  stored(i) {
+    const { law, overlap } = this.kernel, d = overlap[i];
+    return d > 0 ? (law[3 * i] + law[3 * i + 1] * d ** law[3 * i + 2] / (1 + law[3 * i + 2])) * d : 0;
+  }
+
+  energy() {
+    const { kernel, mass } = this, { n, absorbed } = kernel, velocity = kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity);
+    let sum = absorbed[0] + absorbed[1];
+    for (let j = 0; j <= n; j++) sum += 0.5 * mass[j] * velocity[j] ** 2;
+    for (let i = 0; i < n; i++) sum += this.stored(i);
+    return sum;
+  }
+
+  // Relative error of the energy, of what was there and was given since.
+  energyError() {
+    const wanted = this.begun + this.given;
+    return Math.abs(this.energy() - wanted) / Math.max(Math.abs(wanted), this.begun, Number.MIN_VALUE);
+  }
+
+  // Steps to a frame of `duration` for this law at the closing speed, as the window chooses them.
+  stepsOf(duration) {
+    const { n, law, inverseMass } = this.kernel, { speed } = this.spec;
+    let shortest = Infinity;
+    for (let i = 0; i < n; i++) {
+      const [F, K, a] = law.subarray(3 * i, 3 * i + 3), energy = 0.5 * speed ** 2 / (inverseMass[i] + inverseMass[i + 1]);
+      shortest = Math.min(shortest, 2 * Math.min(energy / F, ((1 + a) * energy / K) ** (1 / (1 + a))) / speed);
+    }
+    const most = Math.max(1, Math.floor(FRAME_COST / (STEP_COST * n)));
+    return Math.max(1, Math.min(Math.ceil(duration * CONTACT_STEPS / shortest - 1e-9), most));
+  }
+
+  /**
+   * One frame; a hand pulls with a force that stays the same within it.
+   * @param {number} duration of the frame [s]
+   * @param {number} steps to the frame
+   * @param {{bead: number, place: number, slow: number}|null} hand at `place` [m], where the motion is `slow` times slower than the wall
+   */
+  frame(duration, steps, hand) {
+    const { kernel } = this, { n, force, rate } = kernel, { drive, speed } = this.spec;
+    for (let i = 0; i < n; i++) this.wasClosed[i] = force[i] > 0 ? 1 : 0;
+    this.rateBefore.set(rate);
+    const pushed = drive !== null || hand !== null;
+    if (pushed) {
+      this.before.set(kernel.rebuilt(kernel.overlap, kernel.anchor[0], this.position));
+      if (drive) kernel.push.set(drive); else kernel.push.fill(0);
+      if (hand) kernel.push[hand.bead] += this.pull(hand);
+    }
+    kernel.advance(duration, duration / steps, pushed);
+    if (pushed) {
+      kernel.rebuilt(kernel.overlap, kernel.anchor[0], this.position);
+      for (let j = 0; j <= n; j++) this.given += kernel.push[j] * (this.position[j] - this.before[j]);
+    }
+    for (let i = 0; i < n; i++) {
+      if (this.wasClosed[i] && !(force[i] > 0)) this.ends[i] = 0;
+      else if (!this.wasClosed[i] && force[i] > 0) this.ends[i] = this.rateBefore[i] > STRUCK * speed ? 1 : 0;
+    }
+  }
+
+  // Force of the hand's spring, damped critically.
+  pull({ bead, place, slow }) {
+    const { kernel } = this, frequency = HAND_FREQUENCY * slow, reach = 2 * HAND_SPEED * this.spec.speed / frequency;
+    kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity);
+    const stretch = Math.min(Math.max(place - this.position[bead], -reach), reach);
+    return (frequency * frequency * stretch - 2 * frequency * this.velocity[bead]) * this.mass[bead];
+  }
+
+  // Throw a bead: give it another velocity at once.
+  throwBead(bead, velocity) {
+    const { kernel } = this;
+    this.booked(() => {
+      const change = velocity - kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity)[bead];
+      if (bead > 0) kernel.rate[bead - 1] -= change;
+      if (bead < kernel.n) kernel.rate[bead] += change;
+      if (bead === kernel.anchorBead) kernel.anchor[1] += change;
+    });
+  }
+
+  // Whether no contact is closed and none can close.
+  get apart() {
+    const { n, overlap, rate, force } = this.kernel, least = AT_REST * this.spec.speed;
+    if (this.spec.drive) return false;
+    for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || (rate[i] > least && overlap[i] < 0)) return false;
+    return true;
+  }
+
+  /** What is drawn, into `now`. @param {Now} now */
+  read(now) {
+    const { kernel } = this, { n, overlap, force, absorbed } = kernel;
+    kernel.rebuilt(overlap, kernel.anchor[0], now.position);
+    kernel.rebuilt(kernel.rate, kernel.anchor[1], now.velocity);
+    now.overlap.set(overlap);
+    now.force.set(force);
+    now.stored = 0;
+    for (let i = 0; i < n; i++) {
+      now.state[i] = overlap[i] > 0 ? "loaded" : overlap[i] === 0 ? "touching" : "open";
+      now.stored += this.stored(i);
+    }
+    now.absorbed = absorbed[0] + absorbed[1];
+    now.ends.set(this.ends);
+    return now;
+  }
+
+  // Numbers of a kept state: time, energy given, exponent, anchor, absorbed, overlaps, rates, forces, velocities, ends of clusters.
+  get width() { return 5 * this.kernel.n + 8; }
+
+  keep(into, at) {
+    const { kernel } = this, { n } = kernel;
+    into.set([kernel.time, this.given, kernel.law[2], ...kernel.anchor, ...kernel.absorbed], at);
+    into.set(kernel.overlap, at + 7);
+    into.set(kernel.rate, at + 7 + n);
+    into.set(kernel.force, at + 7 + 2 * n);
+    into.set(kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity), at + 7 + 3 * n);
+    into.set(this.ends, at + 8 + 4 * n);
+  }
+
+  // Go back to a kept state, whose energy is counted by the laws that hold now.
+  restore(from, at) {
+    const { kernel } = this, { n } = kernel;
+    kernel.time = from[at];
+    kernel.anchor.set(from.subarray(at + 3, at + 5));
+    kernel.absorbed.set(from.subarray(at + 5, at + 7));
+    kernel.overlap.set(from.subarray(at + 7, at + 7 + n));
+    kernel.rate.set(from.subarray(at + 7 + n, at + 7 + 2 * n));
+    kernel.force.set(from.subarray(at + 7 + 2 * n, at + 7 + 3 * n));
+    this.ends.set(from.subarray(at + 8 + 4 * n, at + 8 + 5 * n));
+    this.given = from[at + 1];
+    if (kernel.law[2] !== from[at + 2]) this.given += this.energy() - this.begun - this.given;
+  }
+}
+
+/**
+ * The values of a row at a moment.
+ * @typedef {{position: Float64Array, velocity: Float64Array, overlap: Float64Array, force: Float64Array, state: string[], stored: number,
+ *   absorbed: number, ends: Uint8Array, contacts?: number[]}} Now
+ */
+const emptyNow = (n) => ({ position: new Float64Array(n + 1), velocity: new Float64Array(n + 1), overlap: new Float64Array(n),
+  force: new Float64Array(n), state: new Array(n).fill("open"), stored: 0, absorbed: 0, ends: new Uint8Array(n) });

@@ -1,0 +1,83 @@
+"""Random play with a page of a scene: an hour of its own time by its own events, and what it costs.
+
+    python -m benchmarks.page_play [MINUTES] [SCENE]
+
+Beads are pressed, pulled and let go, keys typed, every slider, list, box and button used, links opened. It fails where a
+number is not finite, where the energy is off what it was and was given by more than BOOKED, where the script throws, or where
+memory grows.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+from softcradle.sandbox.page import render_page
+from softcradle.sandbox.scene_runs import load_scene
+
+from tests.helpers.browser import Browser
+
+BOOKED = 1e-10  # relative error of the energy
+PICTURES = 60  # a second of the page's time
+CHUNK = 1800  # pictures in one call
+MOST_GROWN = 8e6  # bytes of memory that an hour may add: texts and caches of the browser
+COSTS = (
+    ("", 1),
+    ("", 4),
+    ("#with=steel", 4),
+    ("#n=49", 1),
+)  # experiment, and how many times the processor is throttled
+SCRIPTS = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
+
+
+def play(browser: Browser, page: Path, minutes: float) -> None:
+    """Play for so long, and say what came out."""
+    browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"{SCRIPTS}; prelude()")
+    browser.visit(page, "")
+    seed, off, done, used = 1, 0.0, 0, []
+    while done < 60 * PICTURES * minutes:
+        found = browser.run(f"play({seed}, {CHUNK})")
+        assert not found["bad"], f"a number is not finite after {done + found['bad']} pictures"
+        assert not found["thrown"], found["thrown"]
+        seed, off, done = found["seed"], max(off, found["off"]), done + CHUNK
+        assert off < BOOKED, f"the energy is off by {off:.1e}"
+        browser.call("HeapProfiler.collectGarbage")
+        used.append(browser.call("Runtime.getHeapUsage")["usedSize"])
+    half = len(used) // 2
+    print(f"{done / PICTURES / 60:.0f} minutes of play: energy booked to {off:.0e}, no exception, every number finite")
+    print(
+        f"memory in MB: {max(used[:half]) / 1e6:.1f} at most in the first half, {max(used[half:]) / 1e6:.1f} in the second"
+    )
+    assert max(used[half:]) < max(used[:half]) + MOST_GROWN, "memory grows"
+    assert not browser.complaints, browser.complaints
+
+
+def costs(browser: Browser, page: Path) -> None:
+    """Milliseconds of physics and of drawing in a picture, and from one picture to the next."""
+    browser.call("Page.addScriptToEvaluateOnNewDocument", source=SCRIPTS)
+    for fragment, rate in COSTS:
+        browser.visit(page, fragment)
+        browser.call("Emulation.setCPUThrottlingRate", rate=rate)
+        cost = browser.run("cost(12)")
+        pace = browser.run("pace()")
+        browser.call("Emulation.setCPUThrottlingRate", rate=1)
+        beads = browser.run("page.specs.map((spec) => spec.mass.length).join(' and ')")
+        print(
+            f"{beads} beads, throttled {rate} times: physics {cost['physics']:.3f} ms, drawing {cost['drawing']:.2f} ms; "
+            f"a picture every {pace['median']:.1f} ms, 95 % within {pace['most']:.1f} ms"
+        )
+
+
+def main(minutes: float = 60.0, scene: str = "one-on-four") -> None:
+    with tempfile.TemporaryDirectory() as made:
+        page = Path(made) / "page.html"
+        render_page(load_scene(scene), page)
+        with Browser(Path(made) / "costs") as browser:
+            costs(browser, page)
+        with Browser(Path(made) / "play") as browser:
+            play(browser, page, minutes)
+
+
+if __name__ == "__main__":
+    main(*(float(word) if k == 0 else word for k, word in enumerate(sys.argv[1:3])))

@@ -1,0 +1,165 @@
+"""The data of a page as JSON: what its lanes start from and look like, and their recorded motion, packed."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+from softcradle.physics import Chain
+from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
+from softcradle.physics.numerics.records import COUNTERS
+from softcradle.physics.numerics.solver_rows import BEAD_ROWS
+from softcradle.physics.scales import speed_scale
+from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, is_gear, mass_labels, solid_force
+from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
+from softcradle.sandbox.draw.rigid_clusters import cluster_ends
+from softcradle.sandbox.languages import label_words, scene_words
+from softcradle.sandbox.languages.translation import LANGUAGES, language, use_language
+from softcradle.sandbox.page.packed_motion import packed_lanes
+from softcradle.sandbox.page.played_motion import PlayedMotion
+from softcradle.scenes import Lane, Scene
+
+MOST_COMPUTED = 200  # beads of a row that a page computes
+STEEL = 1.5  # exponent of balls whose softness cannot be chosen
+SHOWN = ["forces", "balance", "charts"]  # of a page at first
+
+
+def can_be_computed(scene: Scene) -> bool:
+    """Whether a page can compute the scene: preloaded power laws, loss, friction and a steady drive."""
+    chains = [lane.chain() for lane in scene.lanes]
+    return len(chains) <= 2 and all(
+        not (chain.couplers or chain.own_laws or chain.timed or chain.brakes) and chain.contacts < MOST_COMPUTED
+        for chain in chains
+    )
+
+
+def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
+    """All that the script of a page needs."""
+    scene, scales = played.scene, played.scales
+    size, name = played.time_unit
+    newtons, force_name = played.force_unit
+    packed = packed_lanes(played.motions, scales)
+    axes = ("window", "velocity", "force", "magnify", "energy", "momentum")
+    data = {
+        "slow": scene.view.slow,
+        "unit": {"size": size, "name": name},
+        "forceUnit": {"size": newtons, "name": force_name},
+        "length": scene.view.length,
+        "height": body_height(found.chain for found in played.trajectories),
+        "numbered": scene.view.labels,
+        "magnify": scene.view.magnify,
+        "duration": scene.duration,
+        "fewBeads": len(OKABE_ITO),
+        "ramp": [_hex(colour) for colour in LIGHT.ramp],
+        "scales": {axis: getattr(scales, axis) for axis in axes},
+        "texts": _texts(played),
+        "lanes": [
+            _lane(played, k) | {"recorded": packed[k] | {"closed": _closed(played, k)}} for k in range(len(scene.lanes))
+        ],
+        "own": {"pace": 1, "shown": SHOWN},
+    }
+    return data | (_experiment(scene) if computed else {})
+
+
+def json_text(content: Any) -> str:
+    """JSON inside a script element, in which no text may look like markup."""
+    text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return text.replace("<", "\\u003c")
+
+
+def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
+    trajectory = played.trajectories[number]
+    chain, velocity = trajectory.chain, trajectory.velocity[0]
+    ends = cluster_ends(trajectory.overlap[0].tolist(), velocity.tolist(), played.scene.view.length)
+    return {
+        "spec": _spec(chain, velocity.tolist()),
+        "massLabels": mass_labels(chain),
+        "gears": [is_gear(contact) for contact in chain.contact],
+        "pulls": chain.pulls,
+        "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
+        "ends": ends,
+        "dissipative": chain.dissipative,
+    }
+
+
+def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]:
+    """When each contact of a lane is closed [s]: begin and end, None for an end that was not seen."""
+    intervals = played.trajectories[number].contact_intervals
+    return [[[begin, _finite(end)] for begin, end in spans] for spans in intervals]
+
+
+def _spec(chain: Chain, velocity: list[float]) -> dict[str, Any]:
+    """What a row starts from."""
+    return {
+        "mass": [_finite(mass) for mass in chain.mass],
+        "gap": list(chain.gap),
+        "velocity": velocity,
+        "law": [_finite(value) for value in np.nan_to_num(chain.law_rows, nan=math.inf).ravel().tolist()],
+        "loss": [0.0 if chain.own_laws else float(loss) for loss in chain.loss],
+        "friction": chain.friction,
+        "drive": None if chain.drive is None else list(chain.drive),
+    }
+
+
+def _experiment(scene: Scene) -> dict[str, Any]:
+    """What of the scene can be set by a person, and its units."""
+    lane = scene.lanes[0]
+    chain, velocity = lane.chain(), np.array(lane.velocity)
+    speed, row = speed_scale(chain, velocity), chain.law_rows[0].tolist()
+    soft = [law[2] for law in chain.law_rows.tolist() if law[0] == 0.0 and law[1] > 0.0 and law[2] != STEEL]
+    strikers = _strikers(chain, lane) if len(scene.lanes) == 1 else 0
+    finite = [mass for mass in chain.mass if math.isfinite(mass)]
+    mass = math.fsum(finite) / len(finite)
+    approach = chain.gap[strikers - 1] if strikers else 0.0
+    return {
+        "speed": max(speed_scale(item.chain(), np.array(item.velocity)) for item in scene.lanes),
+        "kernel": {"beadRows": BEAD_ROWS, "workRows": WORK_ROWS, "counters": COUNTERS},
+        "soft": bool(soft),
+        "uniform": {"mass": mass, "law": row, "approach": approach} if strikers else None,
+        "matter": {"mass": mass, "speed": speed, "length": scene.view.length, "strength": _strength(row)},
+        "own": {
+            "law": "scene", "alpha": soft[0] if soft else 0.1, "strikers": strikers or 1,
+            "targets": chain.contacts + 1 - strikers, "speed": float(np.abs(velocity).max()) or speed,
+            "friction": chain.friction, "loss": float(chain.loss.max()), "pace": 1, "beside": "none", "shown": SHOWN,
+        },
+    }  # fmt: skip
+
+
+def _strength(law: list[float]) -> float | None:
+    """Force [N] that stands for the law's strength: its preload, or that of soft beads at an overlap of 1 m."""
+    preload, stiffness, exponent = law
+    return preload or (stiffness if exponent < 1.0 else None)
+
+
+def _strikers(chain: Chain, lane: Lane) -> int:
+    """Number of beads that strike a row at rest of equal beads with equal contacts; 0 for another row."""
+    speeds, finite = lane.velocity, all(map(math.isfinite, chain.mass))
+    strikers = next((k for k, speed in enumerate(speeds) if speed != speeds[0]), 0)
+    alike = np.ptp(chain.law_rows, axis=0).max() == 0.0 and finite and max(chain.mass) <= EQUAL_MASSES * min(chain.mass)
+    others = [gap for k, gap in enumerate(chain.gap) if k != strikers - 1]
+    if not strikers or not alike or any(speeds[strikers:]) or any(others) or speeds[0] <= 0.0 or chain.drive:
+        return 0
+    return strikers
+
+
+def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
+    """Title, text and labels in every language that the page speaks."""
+    scene, before, found = played.scene, language(), {}
+    try:
+        for code in LANGUAGES:
+            use_language(code)
+            labels = [label_words(label) for label in played.labels]
+            found[code] = {"title": scene_words(scene.title), "text": scene_words(scene.text), "labels": labels}
+    finally:
+        use_language(before)
+    return {code: texts for code, texts in found.items() if code == "en" or texts != found["en"]}
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _hex(colour: tuple[int, int, int]) -> str:
+    return "#" + "".join(f"{part:02x}" for part in colour)
