@@ -157,7 +157,7 @@ def record() -> dict[str, Any]:
 
 def differences(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     """Names of what has other digits, or is in one record alone."""
-    kept, made = ({**one["motions"], **one["runs"]} for one in (old, new))
+    kept, made = ({**one["motions"], **one.get("runs", {})} for one in (old, new))
     digests = [
         {name: entry["digest"] if isinstance(entry, dict) else entry for name, entry in one.items()}
         for one in (kept, made)
