@@ -35,12 +35,21 @@ def descriptors() -> set[str]:
 def children() -> dict[int, str]:
     """Commands of processes that this one has started and that run, by number; empty where the system does not tell."""
     numbers = [number for entry in Path("/proc/self/task").glob("*/children") for number in _read(entry).split()]
-    commands = {int(number): _read(Path(f"/proc/{number}/cmdline")).replace("\0", " ") for number in numbers}
+    commands = {int(number): _command(number) for number in numbers}
     return {
         number: command
         for number, command in commands.items()
         if command and not any(name in command for name in SHARED)
     }
+
+
+def _command(number: str) -> str:
+    """The command of a process that runs; one that has just been started has none for a moment."""
+    while not (command := _read(Path(f"/proc/{number}/cmdline"))):
+        if _read(Path(f"/proc/{number}/stat")).rpartition(")")[2][1:2] in ("", "Z", "X"):
+            return ""
+        time.sleep(0.001)
+    return command.replace("\0", " ")
 
 
 def _read(path: Path) -> str:
@@ -79,7 +88,7 @@ def _outcome(test: str) -> tuple[str, str]:
     except subprocess.TimeoutExpired:
         said = f"not done after {LONGEST:.0f} s"
     finally:
-        _end_all_of(process)
+        end_all_of(process)
     if process.returncode == 0 and re.search(r"^\d+ passed", said.splitlines()[-1]):
         return "passed", ""
     if process.returncode == 0 and (skipped := re.search(r"^SKIPPED \[1\] \S+ (.*)", said, re.MULTILINE)):
@@ -87,7 +96,7 @@ def _outcome(test: str) -> tuple[str, str]:
     return "failed", said
 
 
-def _end_all_of(process: subprocess.Popen[str]) -> None:
+def end_all_of(process: subprocess.Popen[str]) -> None:
     """Kill the session of a process, which all are in that it has started and that have not left it."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)

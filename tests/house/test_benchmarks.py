@@ -18,6 +18,8 @@ from benchmarks.work_precision import case_report
 from tests.helpers.paths import ROOT
 from tests.helpers.series import SHORT_LIMITS, our_solver
 
+pytestmark = pytest.mark.slow
+
 
 def test_values_stand_beside_their_aims():
     assert at_most(0.5, None) == "0.5"
@@ -127,10 +129,7 @@ def measurement_of(kind):
 
 @pytest.mark.parametrize(
     ("name", "kind"),
-    [
-        pytest.param(name, kind, id=name, marks=[pytest.mark.slow] if name == "films.Film" else [])
-        for name, kind in benchmarks_over_time()
-    ],
+    [pytest.param(name, kind, id=name) for name, kind in benchmarks_over_time()],
 )
 def test_benchmarks_over_time_run(name, kind, monkeypatch):
     """Each with the least work, on the code that the command measures."""

@@ -9,6 +9,8 @@ import pytest
 from benchmarks import __main__ as command
 from benchmarks.conserving_scan import FAMILIES, report, run
 
+pytestmark = pytest.mark.slow
+
 COUNT = 30 * len(FAMILIES)
 
 

@@ -15,6 +15,8 @@ from benchmarks.scan import chain_points, verdict
 from benchmarks.scan.families import FAMILIES, Motion, motion
 from benchmarks.scan.truth import Truth, truth_of
 
+pytestmark = pytest.mark.slow
+
 PAPER = Motion("power", 0, one_on(4, power_law(1.0, 0.1)), (1.0, 0.0, 0.0, 0.0, 0.0))
 VELOCITY = (-0.56758562476, 0.17392146673, 0.45407871484, 0.46978361268, 0.46980183052)
 TRUTH = Truth(np.array(VELOCITY), np.full(5, 1e-10), "known")

@@ -15,6 +15,8 @@ import pytest
 
 from tests.helpers.paths import LAYERS, ROOT
 
+pytestmark = pytest.mark.slow
+
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet")
 BUILD = (*PIP, "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir")
 
@@ -212,8 +214,6 @@ warm("verlet")
 WRONG_SCRIPT = """
 import softcradle
 from softcradle import one_on, power_law, simulate
-
-pytestmark = pytest.mark.slow
 
 softcradle.simulat  # attr-defined
 one_on("4", power_law(1.0, 0.1))  # arg-type

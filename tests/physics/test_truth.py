@@ -82,16 +82,13 @@ def test_tolerances(method, truth):
     ):  # dop853 lets a soft contact beside others swing about its force, which averages out
         assert (np.abs(found.force - truth.force) < bound * stiff).all()
     assert found.warnings == ()
+    openings_are_located(found, truth, promise(method, truth), tolerance)
 
 
-@pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
-def test_openings_are_located(method, truth):
+def openings_are_located(found, truth, promised, tolerance):
     """As overlaps: a contact whose beads part slowly is the later found open, the slower they part."""
-    tolerance = tolerance_of(method, truth)
-    found = simulate(truth.chain, truth.start, method=method.name, tolerance=tolerance, samples=2)
     pushed = np.nanmax(truth.opened)  # a contact that only touches passes the push on for as long as there is one
-    allowed = promise(method, truth) * tolerance * pushed * speed(truth)
+    allowed = promised * tolerance * pushed * speed(truth)
     parting = np.diff(truth.final)
     for opened, rate, intervals in zip(truth.opened, parting, found.contact_intervals, strict=True):
         if math.isnan(opened):

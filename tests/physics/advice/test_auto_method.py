@@ -57,15 +57,15 @@ def test_the_wanted_error_holds_at_every_tight_tolerance():
     "contact", [power_law(1.0, 0.3), power_law(5.0, 0.7), hooke(2.0), hertz(50.0), power_law(1.0, 2.0)]
 )
 @pytest.mark.parametrize("n", [1, 3, 8])
-@pytest.mark.parametrize("error", [1e-2, 1e-3, 1e-5, 1e-7])
-def test_the_wanted_error_holds_on_chains_it_was_not_made_for(contact, n, error):
+def test_the_wanted_error_holds_on_chains_it_was_not_made_for(contact, n):
     chain = one_on(n, contact, mass=np.linspace(0.3, 2.0, n + 1))
     velocity = 3.0 * np.eye(1, n + 1)[0]
     duration = float(simulate(chain, velocity, tolerance=1e-6, samples=2).time[-1])
     duration = min(duration, 30.0 * float(contact_scales(chain, velocity)[1].min()))
     truth = simulate(chain, velocity, duration, method="radau", tolerance=1e-11).final_velocity
-    found = simulate(chain, velocity, duration, method="auto", tolerance=error)
-    assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
+    for error in (1e-2, 1e-3, 1e-5, 1e-7):
+        found = simulate(chain, velocity, duration, method="auto", tolerance=error)
+        assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
 
 
 def test_the_choice_is_said_with_its_reason(case):
@@ -115,23 +115,23 @@ DRY = (
 
 
 @pytest.mark.parametrize("chain", DRY)
-@pytest.mark.parametrize("error", [1e-2, 1e-4, 1e-7])
-def test_the_wanted_error_holds_with_friction_and_loss(chain, error):
+def test_the_wanted_error_holds_with_friction_and_loss(chain):
     velocity, duration = np.eye(1, chain.contacts + 1)[0], 6.0
-    found = simulate(chain, velocity, duration, method="auto", tolerance=error)
     truth = simulate(chain, velocity, duration, method="radau", tolerance=1e-11, samples=2)
-    assert np.abs(found.final_velocity - truth.final_velocity).max() <= 3.0 * error
+    for error in (1e-2, 1e-4, 1e-7):
+        found = simulate(chain, velocity, duration, method="auto", tolerance=error)
+        assert np.abs(found.final_velocity - truth.final_velocity).max() <= 3.0 * error
 
 
-@pytest.mark.parametrize("error", ERRORS)
 @pytest.mark.parametrize("ratio", [0.95, 0.99, 1.014, 1.1])
-def test_a_gear_that_yields_for_a_moment_is_not_taken_for_rigid(error, ratio):
+def test_a_gear_that_yields_for_a_moment_is_not_taken_for_rigid(ratio):
     gear = draft_gear(1.0, 1.0)
     velocity = ratio * critical_speed(gear, np.ones(5), 1) * np.eye(1, 5)[0]
     truth = simulate(one_on(4, gear), velocity, 4.0, method="radau", tolerance=1e-11).final_velocity
-    found = simulate(one_on(4, gear), velocity, 4.0, method="auto", tolerance=error)
-    assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
-    assert "critical speed" in found.choice
+    for error in ERRORS:
+        found = simulate(one_on(4, gear), velocity, 4.0, method="auto", tolerance=error)
+        assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
+        assert "critical speed" in found.choice
 
 
 def test_near_a_critical_speed_is_said_of_what_is_near():

@@ -70,6 +70,7 @@ def test_labels_of_users_are_text_not_markup(tmp_path):
     assert "<b>" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(found() is None, reason="there is no browser")
 def test_page_in_a_browser(page, tmp_path):
     path, _, results = page
@@ -108,10 +109,10 @@ def test_page_in_a_browser(page, tmp_path):
         assert browser.complaints == []
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(found() is None, reason="there is no browser")
 def test_the_browser_reports_mistakes(tmp_path):
     """The test above can fail: a mistake in a page is reported."""
-    if found() is None:
-        pytest.skip("there is no browser")
     (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
     with Browser(tmp_path / "profile") as browser:
         browser.open(tmp_path / "bad.html")

@@ -54,7 +54,7 @@ def test_a_plot_in_the_table_has_its_key_its_button_and_its_place_on_the_board(m
     driver.close()
 
 
-def test_a_plot_in_the_table_has_its_line_of_help_and_is_fuzzed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_plot_in_the_table_has_its_line_of_help(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
     assert action_of(pygame.K_8, 0) == "momentum"
     assert "momentum of each bead" in [binding.text for binding in groups()["Plots"]]

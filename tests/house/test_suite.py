@@ -1,0 +1,73 @@
+"""The suite itself: a test that leaves something fails, and no other; an order and an end of the time are kept."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from tests import conftest
+from tests.helpers.own_process import end_all_of
+from tests.helpers.paths import ROOT
+
+LEAVING = """
+import socket, subprocess, sys
+kept = []
+
+def test_a_process():
+    kept.append(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)"]))
+
+def test_a_connection():
+    kept.append(socket.socket())
+
+def test_nothing():
+    pass
+"""
+
+
+def outcomes(folder):
+    """(outcome, test) as pytest tells them of LEAVING, with the settings of this suite."""
+    (folder / "test_a.py").write_text(LEAVING, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-v", "-n", "0", "-p", "tests.conftest", "-p", "no:cacheprovider"]
+    command += ["--rootdir", str(folder), "-c", os.devnull, str(folder)]
+    variables = os.environ | {"PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""}
+    with subprocess.Popen(command, env=variables, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+        lines = [line.split() for line in process.stdout if "::" in line]
+        end_all_of(process)
+    return [(line[1], line[0].rpartition("/")[2]) for line in lines if line[1] in ("PASSED", "ERROR")]
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="this system does not tell what a process has")
+def test_what_a_test_leaves_fails_that_test_alone(tmp_path):
+    found = outcomes(tmp_path)
+    assert [test for outcome, test in found if outcome == "ERROR"] == [
+        "test_a.py::test_a_process",
+        "test_a.py::test_a_connection",
+    ]
+    assert ("PASSED", "test_a.py::test_nothing") in found
+
+
+def collected(seed):
+    """Two tests of each of eight files, in the order that a text decides."""
+    items = [SimpleNamespace(path=file, number=number) for file in "abcdefgh" for number in (1, 2)]
+    conftest.pytest_collection_modifyitems(SimpleNamespace(getoption={"--order": seed}.get), items)
+    return [(item.path, item.number) for item in items]
+
+
+def test_files_are_in_an_order_that_a_text_decides():
+    assert collected("x") == collected("x") != collected("y")
+    assert collected("x")[::2] == [(file, 1) for file, number in collected("x") if number == 2]
+    assert collected(None) == sorted(collected("x"))
+
+
+def test_none_begins_after_the_end():
+    until = {"--until": 1.0}
+    item = SimpleNamespace(config=SimpleNamespace(getoption=until.get))
+    with pytest.raises(pytest.skip.Exception, match="time is over"):
+        conftest.pytest_runtest_setup(item)
+    until["--until"] = time.time() + 1e6
+    conftest.pytest_runtest_setup(item)
