@@ -22,11 +22,8 @@ def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
     """``base**exponent`` for base >= 0 or NaN and an exponent that is not 0, broadcast together."""
     b, a = np.broadcast_arrays(np.asarray(base, dtype=np.float64), np.asarray(exponent, dtype=np.float64))
     if b.size <= FEW:
-        found = np.empty(b.shape)
-        found.flat = [
-            _named("power", False)(*pair) for pair in zip(b.ravel().tolist(), a.ravel().tolist(), strict=True)
-        ]
-        return found
+        pairs = zip(b.ravel().tolist(), a.ravel().tolist(), strict=True)
+        return np.array([_named("power", False)(*pair) for pair in pairs]).reshape(b.shape)
     usual = (b >= elementary.LEAST) & (b <= elementary.MOST)
     x, more = _named("times_log", True)(a.copy(), np.where(usual, b, 1.0), 0)
     usual &= np.abs(x + more) < elementary.USUAL
