@@ -14,10 +14,14 @@ from softcradle.physics.adaptive.event_location import OPENS, is_continued
 from softcradle.physics.adaptive.radau_guess import AFTER
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_curve import cubic, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
+
+# of the push against which a contact would swing as fast as it has: where less pushes it back, the wave has gone on
+STEADY = 0.3
 
 
 @inlined
@@ -78,6 +82,18 @@ def grow_errors(row, event, chain, motion, wanted, scratch):
 
 
 @jit
+def swing_push(i, weight, fastest, chain):
+    """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
+    preload, stiffness, exponent = chain.law[i, 0], chain.law[i, 1], chain.law[i, 2]
+    half_square, depth = 0.5 * fastest * fastest / weight, math.inf
+    if preload > 0.0:
+        depth = half_square / preload
+    if stiffness > 0.0:
+        depth = min(depth, power((1.0 + exponent) * half_square / stiffness, 1.0 / (1.0 + exponent)))
+    return weight * signed_force(preload, stiffness, exponent, depth)
+
+
+@jit
 def return_to_touch(i, fastest, rate, least, others, chain, control):
     """Growth of errors where contact i comes back to d = 0 at `rate`, or turns at the overlap `least` before it.
 
@@ -86,7 +102,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
     """
     weight, fastest = chain.inverse_mass[i] + chain.inverse_mass[i + 1], abs(fastest)
     bend = others - weight * chain.law[i, 0]
-    if bend <= 0.0 or fastest == 0.0:
+    if bend <= 0.0 or fastest == 0.0 or others < STEADY * swing_push(i, weight, fastest, chain):
         return
     error = max(math.sqrt(control[LOCAL_SQUARE]), ROUND_OFF * fastest)
     square = fastest * error

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from softcradle.physics.kernel_records import chain_records
-from softcradle.physics.numerics.own_contacts import own_energy, own_force
+from softcradle.physics.numerics.own_contacts import table_value
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.html_view import html_of
 
@@ -202,9 +202,9 @@ def test_kernels_take_each_law_of_a_chain_from_its_own_table():
     assert own.number.tolist() == [0, 1, -1, 2]
     for number, law in enumerate(laws):
         for overlap in (1e-200, 1e-3, 0.1, 0.2, 0.999):
-            assert own_force(own, number, overlap) == pytest.approx(law.force(overlap), rel=1e-14)
-            assert own_energy(own, number, overlap) == pytest.approx(law.energy(overlap), rel=1e-9)
-    assert math.isnan(own_force(own, 2, 1.5))
+            assert table_value(own, own.force, number, overlap) == pytest.approx(law.force(overlap), rel=1e-14)
+            assert table_value(own, own.energy, number, overlap) == pytest.approx(law.energy(overlap), rel=1e-9)
+    assert math.isnan(table_value(own, own.force, 2, 1.5))
 
 
 def test_a_law_without_digits_is_taken_as_it_is():
