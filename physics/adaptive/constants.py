@@ -10,8 +10,8 @@ TOLERANCE_PART = 0.1  # of the tolerance: the error bound of each step; of this 
 # of a step's error bound: the precision of its stages; a smaller error, or rate at d = 0, counts as none
 NEWTON_PART = 0.01
 ROUND_OFF = 1e-13  # of the largest of its kind: less than this of a force, an acceleration, a rate or a step is none
-# no correction of a force is larger at the end of Newton's iteration: of the contact's own largest force in the step, or of this
-# part of the largest of all
+# no correction of a force is larger at the end of Newton's iteration: of the largest force in the step; of a soft contact without
+# preload of its own largest, or of this part of the largest of all
 FORCE_PRECISION = 1e-3
 # of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
 KINK = 0.01

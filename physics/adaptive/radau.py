@@ -125,7 +125,10 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
         eliminate(h, chain, motion, trial, scratch)
         size, settled = 0.0, True
         for i in range(n):
-            changed, largest = 0.0, max(force[i], FORCE_PRECISION * strongest)
+            deep = (
+                law[i, 0] == 0.0 and law[i, 2] < 1.0
+            )  # forces of such contacts span decades; touching ones may be undetermined
+            changed, largest = 0.0, max(force[i], FORCE_PRECISION * strongest) if deep else strongest
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
                 by_overlap, by_force = along[k, i] * z[k, i], across[k, i] * z[k, i]
