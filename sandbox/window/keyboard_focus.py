@@ -87,7 +87,9 @@ class KeyboardFocus:
         for one in self.controls():
             if one.rect.collidepoint(point):
                 one.tool_tip_delay = math.inf
-                one.on_unhovered()
+                if one.tool_tip is not None:
+                    one.tool_tip.kill()
+                    one.tool_tip = None
 
     def close_list(self) -> bool:
         """Close the list of a menu; whether one was open."""

@@ -55,6 +55,7 @@ class HangingPage:
             "slower": lambda: self.controls.step_slow(1),
             "faster": lambda: self.controls.step_slow(-1),
             **self.dialogs.actions,
+            "level": host.toggle_level,
             "help": host.toggle_help,
             "leave": leave,
         }
