@@ -44,6 +44,10 @@ def play(browser: Browser, page: Path, minutes: float) -> None:
         assert off < BOOKED, f"the energy is off by {off:.1e}"
         browser.call("HeapProfiler.collectGarbage")
         used.append(browser.call("Runtime.getHeapUsage")["usedSize"])
+        if done % (600 * PICTURES) == 0:
+            print(
+                f"{done / PICTURES / 60:.0f} minutes: energy booked to {off:.0e}, {used[-1] / 1e6:.1f} MB", flush=True
+            )
     half = len(used) // 2
     print(f"{done / PICTURES / 60:.0f} minutes of play: energy booked to {off:.0e}, no exception, every number finite")
     print(

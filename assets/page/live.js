@@ -31,7 +31,8 @@ class Live {
     for (const row of this.rows) row.begin();
     const flight = Math.max(0, Math.floor((this.hit - BEFORE_HIT * (this.end - this.hit)) / this.frameTime));
     for (let k = 0; k < flight; k++) this.frame(null);
-    this.kept = this.rows.map((row) => new Float64Array(row.width * REMEMBERED));
+    const before = this.kept ?? [], rooms = this.rows.map((row) => row.width * REMEMBERED);
+    this.kept = rooms.map((room, lane) => (before[lane]?.length === room ? before[lane] : new Float64Array(room)));
     this.first = this.count = 0; // of kept states: the oldest is number `first`, the newest `count - 1`
     this.shown = 0;
     this.touched = false;

@@ -41,6 +41,7 @@ class Page {
       source.go(source.begun);
     }
     data.scales = source.scales;
+    this.firstWindow = 0;
     this.build();
     this.controls();
     this.dress();

@@ -26,7 +26,7 @@ ASSETS = (
     "Inter-Regular.otf",
     "Inter-SemiBold.otf",
     "page/page.css",
-    "page/player.js",
+    "page/kernels.wasm",
 )
 
 # The user's own game: its folders bear the names of ours.

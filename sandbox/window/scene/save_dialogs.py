@@ -11,7 +11,7 @@ from typing import NamedTuple
 from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.languages import N_, _, english, error_words
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.page import write_page
+from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.messages import Messages
@@ -140,20 +140,21 @@ class SaveDialogs:
 
 
 def share_page(session: Session, path: Path) -> None:
-    """Write what a session has recorded, up to the frame shown, as a page that plays it.
+    """Write what a session has recorded, up to the frame shown, as a page; before a run, one in which the scene lives.
 
     Raises:
-        UserError: nothing has been recorded since the chain was last changed, or the page cannot be written.
+        UserError: the page cannot be written.
     """
     found = [session.trajectory(lane) for lane in range(len(session.lanes))]
-    if any(trajectory.time.size < 2 for trajectory in found):
-        raise UserError(_("nothing has been recorded yet: let the scene run, then share it"))
     try:
         scene = session.to_scene()
     except ValueError as error:
         raise UserError(_("this cannot be shared: {error}", error=error_words(error))) from None
     with english():  # as all else on a page
-        write_page(found, scene, path)
+        if all(trajectory.time.size > 1 for trajectory in found):
+            write_page(found, scene, path)
+        else:
+            render_page(scene, path)
 
 
 def report(messages: Messages, work: Callable[[], object], done: str) -> None:

@@ -88,6 +88,17 @@ def test_a_page_plays_the_samples(found, tmp_path):
         found.to_page(tmp_path / "missing" / "page.html")
 
 
+def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path):
+    scene = scenes.load("one-on-four").model_copy(update={"title": "<b>'\""})
+    cell = scene.live()
+    shown = cell._repr_html_()
+    assert shown.startswith("<iframe ")
+    assert shown.count("<") == 2  # the page is the text of an attribute
+    scene.to_page(tmp_path / "page.html")
+    cell.save(tmp_path / "cell.html")
+    assert (tmp_path / "cell.html").read_text() == (tmp_path / "page.html").read_text()
+
+
 @pytest.mark.slow
 def test_a_scene_is_a_film():
     assert scenes.load("one-on-four").film(slow=0.5, size=(320, 180)).data[4:8] == b"ftyp"

@@ -534,3 +534,16 @@ def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
         assert error(browser) < BOOKED
     assert browser.run(FITS)
     assert browser.complaints == []
+
+
+def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
+    """A cell of a notebook: no address of its own, no clipboard, no storage."""
+    cell = scenes.load("one-on-four").live()._repr_html_()
+    (tmp_path / "notebook.html").write_text(f"<!doctype html><title>cell</title>{cell}", encoding="utf-8")
+    browser.open(tmp_path / "notebook.html")
+    browser.run("new Promise((done) => setTimeout(done, 3000))")
+    browser.picture(tmp_path / "cell.png")
+    with Image.open(tmp_path / "cell.png") as opened:
+        colours = {colour for _, colour in opened.convert("RGB").getcolors(1 << 24)}
+    assert len(colours) > 50
+    assert browser.complaints == []

@@ -65,11 +65,15 @@ def test_the_history_is_exported(driver: Driver, tmp_path: Path) -> None:
     assert (tmp_path / "motion.doc.csv").exists()
 
 
-def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> None:
+def test_before_a_run_the_scene_is_shared_as_a_page_in_which_it_lives(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_h, CTRL)
     driver.key(pygame.K_RETURN)
-    assert driver.messages == ["nothing has been recorded yet: let the scene run, then share it"]
-    assert list(tmp_path.glob("*.html")) == []
+    page = tmp_path / "one-bead-on-four.html"
+    assert driver.messages == [f"saved {page}"]
+    assert 'id="kernels"' in page.read_text(encoding="utf-8")
+
+
+def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(60)
     driver.key(pygame.K_SPACE)
