@@ -12,7 +12,7 @@ from softcradle.sandbox.user_error import unknown
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from softcradle.sandbox.studies.claims.study import Study
+    from softcradle.sandbox.studies.claims.claim import Study
 
 KEPT = "claims"  # name of the file in the folder of the output that keeps cases until all are measured
 

@@ -25,9 +25,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", default="out/figures", help="where to write (default: out/figures)"
     )
-    parser.add_argument(
-        "--column", action="store_true", help="all in the width of one column, 86 mm, panels below each other"
-    )
     parser.add_argument("--list", action="store_true", help="list the figures instead")
     add_open(parser)
 
@@ -54,7 +51,7 @@ def main(args: argparse.Namespace) -> int:
     written = WrittenFiles(folder.iterdir())
     kept = folder / KEPT
     for figure, found in zip(figures, _tables(figures, kept), strict=True):
-        written.report(list(write_figure(figure, folder, args.column, found)))
+        written.report(list(write_figure(figure, folder, found)))
     drop_kept(kept)
     if args.open:
         open_with_desktop(folder)
