@@ -151,7 +151,7 @@ def test_a_full_disk_behind_standard_output(arguments):
     assert done.returncode == 2
 
 
-@pytest.mark.parametrize("arguments", [(), ("play", "one-on-four"), ("play", "nosuch.toml"), ("play", "x.npz")])
+@pytest.mark.parametrize("arguments", [(), ("play", "one-on-four")])
 def test_without_a_display_the_window_is_refused_at_once(arguments):
     done = run(*arguments)
     assert done.returncode == 2
@@ -167,7 +167,8 @@ def test_without_a_display_the_window_is_refused_at_once(arguments):
     ],
 )
 def test_a_scene_that_is_not_there_opens_no_window(wanted, sentence):
-    done = run("play", wanted, SDL_VIDEODRIVER="dummy")
+    """Where there is no display either, the scene is what is told."""
+    done = run("play", wanted)
     assert (done.returncode, done.stderr) == (2, sentence)
 
 
