@@ -53,7 +53,7 @@ coverage: .venv/.installed # branches of the kernels, as plain Python, that the 
 	$(BIN)/coverage report --fail-under 95
 
 release-check: test-all
-	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues --complete
+	$(BIN)/python -m tools.update_catalogues --complete
 
 check: .venv/.installed
 	$(BIN)/ruff check .
@@ -98,7 +98,7 @@ play: .venv/.installed
 	$(BIN)/softcradle
 
 screenshots: .venv/.installed
-	SDL_VIDEODRIVER=dummy $(BIN)/python -m softcradle.sandbox.window.screenshots docs/window
+	SDL_VIDEODRIVER=dummy $(BIN)/python -m tools.screenshots docs/window
 	$(BIN)/python -m tests.helpers.page_pictures docs/page
 	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render one-on-four -o docs/one-on-four.png
 	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render draft-gear-two-on-two --size 960x480 -o docs/two-on-two.kymograph.png
@@ -110,7 +110,7 @@ charts: .venv/.installed # minutes; other people's integrators are on the chart 
 	cp out/stability.png out/chart.png docs/
 
 languages: .venv/.installed
-	$(BIN)/python -m softcradle.sandbox.languages.update_catalogues
+	$(BIN)/python -m tools.update_catalogues
 
 wasm: .venv/.installed # a minute; all else reads the file that is kept
 	$(BIN)/python -m pip install --quiet --editable '.[wasm]'

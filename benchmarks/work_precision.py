@@ -12,7 +12,6 @@ from typing import Any
 
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, ERROR_LEVELS, Case
 from softcradle.sandbox.studies.precision.measurement import Point, TimeLimits, measure_case
-from softcradle.sandbox.studies.precision.peers.peer_list import missing_peers, peer_solvers
 from softcradle.sandbox.studies.precision.precision_table import (
     CurveRow,
     MeasuredCase,
@@ -24,6 +23,7 @@ from softcradle.sandbox.studies.precision.precision_table import (
 )
 from softcradle.sandbox.studies.precision.solvers import Solver, our_solvers
 
+from benchmarks.peers import missing_peers, peer_solvers
 from benchmarks.reports import Report, at_most
 
 LIMITS = TimeLimits(run=1.0, series=3.0, case=60.0)

@@ -64,24 +64,24 @@ def figure_of(shown: object) -> Figure:
 def film_of(shown: object, slow: float | None, size: tuple[int, int]) -> InlineFilm:
     """The film of a Trajectory or a Scene."""
     with needed_for("film()", "film"):
-        film: InlineFilm = _module("film_view").film_of(shown, slow, size)
+        film: InlineFilm = _module("views").film_of(shown, slow, size)
         return film
 
 
 def write_page(shown: object, path: str | PathLike[str], slow: float | None) -> None:
     """Write the page of a Trajectory or a Scene."""
-    _module("page_view").write_page_of(shown, path, slow)
+    _module("views").write_page_of(shown, path, slow)
 
 
 def live_of(shown: object, slow: float | None) -> InlinePage:
     """The page of a Scene, which a notebook shows in a cell."""
-    text: str = _module("page_view").page_text(shown, slow)
+    text: str = _module("views").page_text(shown, slow)
     return InlinePage(text)
 
 
 def html_of(shown: object) -> str:
     """The table of a Trajectory, a Scene or a Chain, with a picture where matplotlib is installed."""
-    html: str = _module("html_view").html_of(shown)
+    html: str = _module("views").html_of(shown)
     return html
 
 

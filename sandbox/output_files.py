@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 
 from softcradle.physics import atomic_files
@@ -30,6 +30,20 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
             yield temporary
     except OSError as error:  # raised on opening, and by a full disk while writing
         raise UserError(str(error) if error.errno is None else f"cannot write {path}: {reason(error)}") from error
+
+
+@contextmanager
+def filled_folder(path: Name) -> Iterator[Path]:
+    """The folder of that name, made where it does not exist, and removed again where an error leaves it empty (UserError)."""
+    is_new = not os.path.exists(path)
+    folder = make_folder(path)
+    try:
+        yield folder
+    except BaseException:
+        if is_new:
+            with suppress(OSError):  # of a folder that something was written to
+                folder.rmdir()
+        raise
 
 
 def make_folder(path: Name) -> Path:

@@ -37,12 +37,12 @@ if TYPE_CHECKING:
     from softcradle.physics import stable_step as stable_step
     from softcradle.physics import step_force as step_force
     from softcradle.physics import warm as warm
-    from softcradle.sandbox.notebook.window_view import play as play
+    from softcradle.sandbox.notebook.views import play as play
     from softcradle.sandbox.sweeps.run_sweep import sweep as sweep
 
     __version__: str
 
-_OF_SANDBOX = {"play": "notebook.window_view", "sweep": "sweeps.run_sweep"}  # public names that are no physics
+_OF_SANDBOX = {"play": "notebook.views", "sweep": "sweeps.run_sweep"}  # public names that are no physics
 _CHECKOUT = Path(__file__).parents[1]
 if not (Path(__file__).parent / "physics").is_dir() and (_CHECKOUT / "physics" / "__init__.py").is_file():
     __path__.append(str(_CHECKOUT))  # a wheel holds the three folders in this one, a checkout beside it

@@ -102,6 +102,7 @@ class SoftContact(pymunk.DampedSpring):
         contact: LawLike,
         native: bool | None = None,
     ) -> None:
+        """Contact of beads a and b; the class lists the arguments."""
         require_kind("a", a, pymunk.Body)
         require_kind("b", b, pymunk.Body)
         if a is b:

@@ -4,22 +4,41 @@
 from __future__ import annotations
 
 import argparse
+import codecs
 import difflib
+import logging
 import os
 import signal
 import sys
+import unicodedata
 import warnings
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TextIO
 
 from softcradle.sandbox.cli.command_list import COMMANDS, CommandModule
-from softcradle.sandbox.cli.compile_notes import compilation_shown
-from softcradle.sandbox.cli.exit_codes import CLOSED_PIPE, GAVE_UP, INTERRUPTED, MISTAKE, TERMINATED
 from softcradle.sandbox.cli.parsers import Parser, command_parsers
-from softcradle.sandbox.cli.standard_streams import discard_output, flush_output, use_plain_characters
-from softcradle.sandbox.console import set_quiet
-from softcradle.sandbox.user_error import GaveUpError, UserError, reason
+from softcradle.sandbox.console import is_quiet, set_quiet
+from softcradle.sandbox.user_error import (
+    CLOSED_PIPE,
+    GAVE_UP,
+    INTERRUPTED,
+    MISTAKE,
+    TERMINATED,
+    GaveUpError,
+    UserError,
+    reason,
+)
 
+PLAIN = {
+    "\N{SUPERSCRIPT MINUS}": "-",
+    "\N{SUBSCRIPT MINUS}": "-",
+    "\N{MINUS SIGN}": "-",
+    "\N{CHECK MARK}": "*",
+    "\N{MIDDLE DOT}": "*",
+    "\N{MULTIPLICATION SIGN}": "x",
+}
+ERASE_LINE = "\r\x1b[K"
 OTHER_WORDS = {"list": "scenes", "open": "play", "show": "play", "view": "play", "video": "render", "film": "render"}
 
 
@@ -117,3 +136,76 @@ def _module(name: str) -> CommandModule:
     near = [OTHER_WORDS[name]] if name in OTHER_WORDS else difflib.get_close_matches(name, names, n=1)
     hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
     raise UserError(f"there is no command {name!r}; {hint}")
+
+
+def use_plain_characters() -> None:
+    """Let both streams write plain characters in place of those that their encoding lacks."""
+    codecs.register_error("softcradle-plain", _plain)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="softcradle-plain")
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    """The end of an encoding error: its characters in ASCII, and where to go on."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(_plain_character, error.object[error.start : error.end])), error.end
+
+
+def _plain_character(character: str) -> str:
+    """`character` in ASCII: a digit for a subscript, the name of a Greek letter, else a question mark."""
+    decomposed = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    name = unicodedata.name(character, "")
+    greek = name.rpartition(" ")[2].lower() if name.startswith("GREEK") else "?"
+    return PLAIN.get(character) or decomposed or greek
+
+
+def flush_output() -> None:
+    """Write what is still in the memory of standard output. Raises OSError where it cannot be written."""
+    if sys.stdout is not None:  # as it is where the caller has closed it
+        sys.stdout.flush()
+
+
+def discard_output() -> None:
+    """Send what standard output still holds to nowhere: Python would try to write it once more at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+class CompileNotes(logging.Handler):
+    """Shows the records of the logger `softcradle`."""
+
+    def __init__(self, stream: TextIO) -> None:
+        super().__init__(logging.INFO)
+        self._stream, self._follows = stream, stream.isatty()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the record: a line for a warning; on a terminal, progress that the next one replaces."""
+        if record.levelno >= logging.WARNING:
+            self._stream.write(f"softcradle: {record.getMessage()}\n")
+        elif self._follows:
+            self._stream.write(f"{ERASE_LINE}{record.getMessage()}")
+        self._stream.flush()
+
+    def close(self) -> None:
+        """Erase the last progress."""
+        if self._follows:
+            self._stream.write(ERASE_LINE)
+        super().close()
+
+
+@contextmanager
+def compilation_shown() -> Iterator[None]:
+    """Show what is compiled while the block runs, unless quiet."""
+    logger, notes = logging.getLogger("softcradle"), CompileNotes(sys.stderr)
+    level, passed_on = logger.level, logger.propagate
+    logger.addHandler(logging.NullHandler() if is_quiet() else notes)
+    logger.setLevel(logging.INFO)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.removeHandler(notes)
+        notes.close()
+        logger.setLevel(level)
+        logger.propagate = passed_on

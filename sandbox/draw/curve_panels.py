@@ -12,6 +12,7 @@ from softcradle.sandbox.draw.number_format import decades, ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line, draw_marker
 from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.motion import Array
 
 # Design pixels around the axes, for ticks, names and title.
@@ -180,24 +181,6 @@ class Panel:
             x, middle = area.right + 9 * unit, area.top + y
             draw_marker(surface, k, (x, middle), MARKER_RADIUS * unit, self.colours[k])
             write(surface, self.names[k], (x + 7 * unit, middle), 13 * unit, tones.foreground, align=(0, 0.5))
-
-
-def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """`places` moved apart to at least `gap`, in the same order and inside [low, high], by the smallest sum of squared moves."""
-    order = sorted(range(len(places)), key=lambda k: places[k])
-    gap = min(gap, (high - low) / max(1, len(places) - 1))
-    groups: list[tuple[float, int]] = []  # of places that are `gap` apart: the mean of place - rank * gap, and how many
-    for rank, k in enumerate(order):
-        mean, count = places[k] - rank * gap, 1
-        while groups and groups[-1][0] >= mean:
-            before, more = groups.pop()
-            mean, count = (mean * count + before * more) / (count + more), count + more
-        groups.append((mean, count))
-    starts = [mean for mean, count in groups for _ in range(count)]
-    moved = [0.0] * len(places)
-    for rank, k in enumerate(order):
-        moved[k] = min(max(starts[rank], low), high - (len(order) - 1) * gap) + rank * gap
-    return moved
 
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:

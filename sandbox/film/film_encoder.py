@@ -1,24 +1,177 @@
-"""Films: a thread encodes frames into a file while the next ones are drawn; pictures are written at once."""
+"""Films: frames are encoded while the next ones are drawn, long films in segments side by side; pictures are written at once.
+
+A segment is encoded by one thread with an encoder of its own, and joined to the others without re-encoding. An encoder with
+several threads of its own waits for the slowest of them at every frame; encoders of different segments wait for nobody. Where a
+film is cut depends on the number of its frames alone, not on the machine.
+"""
 
 from __future__ import annotations
 
 import os
 import queue
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Protocol
 
 import av
 import pygame
+from softcradle.physics.ensemble_runs import cores
 from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.film.film_kinds import Codec, FrameMaker, Palette, check
-from softcradle.sandbox.film.segments import Paint, encoded_segments, segment_lengths
 from softcradle.sandbox.output_files import output_file, output_folder
 
+Packet = Any  # of PyAV, whose versions differ in the arguments of this type
+Paint = Callable[[pygame.Surface, Any], None]  # draws one of the pictures
+
+# About; a segment begins with a frame that refers to no other, 30 times as long as the others: a tenth of a film of such
+# segments. They are even in number, because two cores are the fewest that matter.
+SEGMENT_FRAMES = 180
+SHORTEST_SEGMENT = 30  # frames; a film that has no two such segments is one
+MOST_WORKERS = 8  # one drawing thread feeds no more
 BUFFERS = 3  # frames that are drawn but not yet encoded; more would hide no further delay
+
+
+@dataclass
+class _Segment:
+    """Frames from `first` on, `count` of them: `drawn` so far, and their packets when all are encoded."""
+
+    first: int
+    count: int
+    drawn: int = 0
+    packets: list[Packet] = field(default_factory=list)
+    done: threading.Event = field(default_factory=threading.Event)
+
+
+def segment_lengths(frames: int) -> list[int]:
+    """The lengths of the segments of a film, which differ by at most one frame."""
+    count = 2 * max(1, round(frames / (2 * SEGMENT_FRAMES))) if frames >= 2 * SHORTEST_SEGMENT else 1
+    return [frames // count + (k < frames % count) for k in range(count)]
+
+
+def encoded_segments(
+    codec: Codec, size: tuple[int, int], rate: Fraction, pictures: Sequence[Any], paint: Paint
+) -> Iterator[Packet]:
+    """Draw `pictures` by `paint` in this thread, encode them in others, and yield the packets of the film in order.
+
+    A picture that equals the one before it is neither drawn nor converted again.
+    """
+    segments, first = [], 0
+    for count in segment_lengths(len(pictures)):
+        segments.append(_Segment(first, count))
+        first += count
+    workers = _Workers(codec, size, rate, min(cores(), len(segments), MOST_WORKERS))
+    try:
+        yield from workers.run(segments, pictures, paint)
+    finally:
+        workers.stop()
+
+
+class _Workers:
+    """Threads that encode; a surface goes from the drawing thread to one of them and back."""
+
+    def __init__(self, codec: Codec, size: tuple[int, int], rate: Fraction, count: int) -> None:
+        self._codec, self._size, self._rate = codec, size, rate
+        self._error: BaseException | None = None
+        self._free: queue.SimpleQueue[tuple[int, pygame.Surface]] = queue.SimpleQueue()
+        self._full: list[queue.SimpleQueue[tuple[_Segment, pygame.Surface | None] | None]] = []
+        self._threads = []
+        for worker in range(count):
+            self._full.append(queue.SimpleQueue())
+            self._threads.append(threading.Thread(target=self._run, args=(worker,), name=f"film {worker}", daemon=True))
+        for _ in range(BUFFERS):
+            for worker in range(count):
+                self._free.put((worker, pygame.Surface(size, 0, 32)))
+        for thread in self._threads:
+            thread.start()
+
+    def run(self, segments: Sequence[_Segment], pictures: Sequence[Any], paint: Paint) -> Iterator[Packet]:
+        """Each worker has one segment after another, and gets its next frame whenever it has a free surface."""
+        waiting, held = list(segments), dict[int, _Segment]()
+        unwritten, left = list(segments), sum(segment.count for segment in segments)
+        while left:
+            worker, surface = self._free.get()
+            self._check()
+            if worker not in held or held[worker].drawn == held[worker].count:
+                if not waiting:
+                    continue  # this surface is not needed any more
+                held[worker] = waiting.pop(0)
+            segment = held[worker]
+            paint(surface, pictures[segment.first + segment.drawn])
+            self._full[worker].put((segment, surface))
+            drawn = 1 + _repeats(pictures[segment.first + segment.drawn : segment.first + segment.count])
+            for _ in range(1, drawn):
+                self._full[worker].put((segment, None))
+            segment.drawn += drawn
+            left -= drawn
+            while unwritten and unwritten[0].done.is_set():
+                yield from unwritten.pop(0).packets
+        for segment in unwritten:
+            segment.done.wait()
+            self._check()
+            yield from segment.packets
+
+    def stop(self) -> None:
+        """End the threads."""
+        for full in self._full:
+            full.put(None)
+        for thread in self._threads:
+            thread.join()
+
+    def _check(self) -> None:
+        if self._error is not None:
+            raise self._error
+
+    def _run(self, worker: int) -> None:
+        """Encode until None comes. After an error, the drawing thread is let go on, so as not to block, and meets the error."""
+        encoder: _SegmentEncoder | None = None
+        while (item := self._full[worker].get()) is not None:
+            segment, surface = item
+            try:
+                if encoder is None or encoder.segment is not segment:
+                    encoder = _SegmentEncoder(self._codec, self._size, self._rate, segment)
+                encoder.add(surface)
+            except BaseException as error:
+                self._error = error
+                segment.done.set()
+            if surface is not None:
+                self._free.put((worker, surface))
+
+
+def _repeats(pictures: Sequence[Any]) -> int:
+    """How many of `pictures` after the first are equal to it, one after the other."""
+    return next((k for k, picture in enumerate(pictures[1:]) if picture != pictures[0]), len(pictures) - 1)
+
+
+class _SegmentEncoder:
+    """The encoder of one segment."""
+
+    def __init__(self, codec: Codec, size: tuple[int, int], rate: Fraction, segment: _Segment) -> None:
+        self.segment, self._codec, self._added = segment, codec, 0
+        self._frame_of = FrameMaker(codec)
+        self._context = codec.context(size, rate)
+        self._frame: av.VideoFrame | None = None
+
+    def add(self, surface: pygame.Surface | None) -> None:
+        """Encode one more frame, None: the last one again; after the last frame all that the encoder has held back."""
+        frame = self._frame if surface is None else self._frame_of(surface)
+        assert frame is not None
+        self._frame = frame
+        frame.pts, frame.time_base = self._added, self._context.time_base
+        self._added += 1
+        self._keep(self._context.encode(frame))
+        if self._added == self.segment.count:
+            self._keep(self._context.encode(None))
+            self.segment.done.set()
+
+    def _keep(self, packets: Sequence[Packet]) -> None:
+        for packet in packets:
+            packet.pts += self.segment.first
+            packet.dts += self.segment.first
+            self.segment.packets.append(packet)
 
 
 class Film(Protocol):

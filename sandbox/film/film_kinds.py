@@ -21,7 +21,6 @@ SMALLEST = (160, 90)  # pixels
 LARGEST = (7680, 4320)  # pixels
 LOWEST_RATE = 1.0  # frames a second
 HIGHEST_RATE = 240.0  # frames a second
-COMMON_COLOURS = 96  # of a GIF's 256: the colours that fill most of the picture are exact
 
 # FFmpeg's numbers of colour spaces and of the range of values.
 BT709 = 1
@@ -175,43 +174,25 @@ def _require(codec: Codec) -> None:
 
 
 class Palette:
-    """256 colours for a GIF: the most common ones of `sample` exactly, the others as Pillow's median cut chooses them."""
+    """256 colours for a GIF, as Pillow chooses them for `sample`: by the range of colours, then nearer to their means."""
 
     def __init__(self, sample: pygame.Surface) -> None:
-        picture = Image.frombytes("RGB", sample.get_size(), sample.get_view("0").raw, "raw", "BGRX")
-        counted: Any = picture.getcolors(picture.width * picture.height)
-        common = np.array([colour for _, colour in sorted(counted, reverse=True)[:COMMON_COLOURS]], np.uint8)
-        others = np.array(picture.quantize(256 - len(common)).getpalette("RGB"), np.uint8).reshape(-1, 3)
-        self.colours = np.zeros((256, 3), np.uint8)
-        self.colours[: len(common)] = common
-        self.colours[len(common) : len(common) + len(others)] = others
-        self._number = _nearest(self.colours)
-        self._number[_cell(common[::-1])] = np.arange(len(common), dtype=np.uint8)[
-            ::-1
-            # Assigned from the rarest to the most common: the most common colour of a cell wins it.
-        ]
+        coverage = Image.Quantize.MAXCOVERAGE  # median cut would grey the background and shift every line
+        self._colours = _image_of(sample).quantize(256, coverage, kmeans=1, dither=Image.Dither.NONE)
+        table = np.full((256, 4), 255, np.uint8)  # alpha, red, green, blue
+        chosen = np.array(self._colours.getpalette("RGB"), np.uint8).reshape(-1, 3)
+        table[: len(chosen), 1:] = chosen
+        self._table = table
 
     def frame(self, surface: pygame.Surface) -> av.VideoFrame:
         """`surface` in these colours; without dithering, so that still parts are the same in all frames."""
-        numbers = self._number[_cell(pixels_of(surface)[..., 2::-1])]
-        opaque = np.concatenate((np.full((256, 1), 255, np.uint8), self.colours), axis=1)
-        picture: Any = (numbers, opaque)  # PyAV documents this pair; its types do not have it
+        numbers = np.array(_image_of(surface).quantize(palette=self._colours, dither=Image.Dither.NONE))
+        picture: Any = (numbers, self._table)  # PyAV documents this pair; its types do not have it
         return av.VideoFrame.from_ndarray(picture, format="pal8")
 
 
-def _cell(colours: Pixels) -> NDArray[np.int32]:
-    """Number of the cell, 64 along each axis of colour space, that each of `colours` (..., 3) lies in."""
-    red, green, blue = (colours[..., k].astype(np.int32) >> 2 for k in range(3))
-    return (red << 12) | (green << 6) | blue
-
-
-def _nearest(colours: Pixels) -> Pixels:
-    """(64**3,) the number of the colour of `colours` (256, 3) nearest to the middle of each cell; Pillow finds it fast."""
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(colours.tobytes())
-    middle = (np.arange(64, dtype=np.uint8) << 2) | 2
-    cells = np.stack(np.meshgrid(middle, middle, middle, indexing="ij"), axis=-1).reshape(512, 512, 3)
-    return np.array(Image.fromarray(cells).quantize(palette=palette, dither=Image.Dither.NONE)).reshape(-1)
+def _image_of(surface: pygame.Surface) -> Image.Image:
+    return Image.frombytes("RGB", surface.get_size(), surface.get_view("0").raw, "raw", "BGRX")
 
 
 class FrameMaker:

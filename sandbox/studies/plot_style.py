@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
-
-from softcradle.sandbox.studies.panel_column import panels_below_each_other
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,7 +12,6 @@ if TYPE_CHECKING:
 
 COLUMN_WIDTH = 86.0 / 25.4  # [inches] width of one column of the journal, 86 mm
 PAGE_WIDTH = 178.0 / 25.4  # [inches] width of its page, 178 mm, for figures with several panels
-_one_column = ContextVar("one_column", default=False)  # whether these are drawn COLUMN_WIDTH wide, too
 
 # Okabe and Ito's palette, which is safe for colour-blind readers. As in the paper, blue and orange are the first two
 # beads and forces, and red is psi.
@@ -67,16 +63,12 @@ def require_matplotlib() -> None:
 
 
 @contextmanager
-def styled(one_column: bool = False) -> Iterator[None]:
-    """Everything drawn inside has these settings; with `one_column`, no figure is wider than a column."""
+def styled() -> Iterator[None]:
+    """Everything drawn inside has these settings."""
     import matplotlib as mpl
 
-    before = _one_column.set(one_column)
-    try:
-        with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
-            yield
-    finally:
-        _one_column.reset(before)
+    with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
+        yield
 
 
 def new_figure(
@@ -86,10 +78,6 @@ def new_figure(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    if _one_column.get() and columns > 1:
-        figure = Figure(figsize=(COLUMN_WIDTH, height / rows))
-        FigureCanvasAgg(figure)
-        return figure, panels_below_each_other(figure, rows, columns, **options)
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **options)

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from softcradle.physics.kernel_records import chain_records
 from softcradle.physics.numerics.own_contacts import table_value
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.notebook.html_view import html_of
+from softcradle.sandbox.notebook.views import html_of
 
 from softcradle import (
     METHODS,

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
@@ -36,7 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--error", choices=QUANTITIES, default="velocities",
         help="error of the final velocities (default), of the forces, or of the overlaps as in App. B",
     )  # fmt: skip
-    parser.add_argument("--ours", action="store_true", help="leave out other people's integrators")
+    parser.add_argument(
+        "--ours", action="store_true", help="leave out other people's integrators, which a checkout has"
+    )
     parser.add_argument("--list", action="store_true", help="list the cases instead")
     add_open(parser)
 
@@ -98,7 +101,6 @@ def _measured(
     definition: CaseDefinition, quantity: str, with_peers: bool, report: Callable[[str], None]
 ) -> MeasuredCase:
     from softcradle.sandbox.studies.precision.measurement import measure_case
-    from softcradle.sandbox.studies.precision.peers.peer_list import peer_solvers
     from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
     from softcradle.sandbox.studies.precision.solvers import our_solvers
 
@@ -107,7 +109,8 @@ def _measured(
         case = definition.solve()
     except ValueError as error:
         raise UserError(f"{definition.label}: {error}") from None
-    solvers = [*our_solvers(case), *(peer_solvers(case) if with_peers else [])]
+    peers = _peers() if with_peers else None
+    solvers = [*our_solvers(case), *(peers.peer_solvers(case) if peers else [])]
     return MeasuredCase(
         case,
         measure_case(case, solvers, quantity, announce=lambda name: report(f"{definition.label}: {name}")),
@@ -115,16 +118,26 @@ def _measured(
     )
 
 
+def _peers() -> ModuleType | None:
+    """Other people's integrators, which a checkout has."""
+    try:
+        from benchmarks import peers
+    except ImportError:
+        return None
+    return peers
+
+
 def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
     from softcradle.sandbox.studies.machine_stamp import machine_stamp
     from softcradle.sandbox.studies.picture_files import save_figure
     from softcradle.sandbox.studies.plot_style import styled
-    from softcradle.sandbox.studies.precision.peers.peer_list import peer_distributions
     from softcradle.sandbox.studies.precision.precision_chart import draw_chart
     from softcradle.sandbox.studies.precision.precision_table import write_csv
 
+    peers = _peers()
     with styled():
-        save_figure(draw_chart(measured, machine_stamp(peer_distributions())), picture, 110.0)
+        stamp = machine_stamp(peers.peer_distributions() if peers else ())
+        save_figure(draw_chart(measured, stamp), picture, 110.0)
     if numbers is not None:
         write_csv(measured, numbers)
 

@@ -12,7 +12,7 @@ from softcradle.sandbox.user_error import unknown
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from softcradle.sandbox.studies.claims.study import Study
+    from softcradle.sandbox.studies.claims.claim import Study
 
 KEPT = "claims"  # name of the file in the folder of the output that keeps cases until all are measured
 
@@ -51,21 +51,33 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _measure_and_show(args: argparse.Namespace) -> None:
-    from softcradle.sandbox.console import console
-    from softcradle.sandbox.output_files import make_folder, output_file
-    from softcradle.sandbox.studies.claims.claim_outputs import markdown, print_studies, print_study, write_studies
+    from softcradle.sandbox.output_files import filled_folder, output_file
+    from softcradle.sandbox.studies.claims.claim_outputs import markdown, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     output = args.output or ("out/claims" if args.names and not args.json else None)
     if output:
         require_matplotlib()
-    folder = make_folder(output) if output else None  # before the runs, so that an unwritable place is refused at once
-    written = WrittenFiles(folder.iterdir() if folder else ())
-    with output_file(args.markdown) if args.markdown else nullcontext() as table:
-        found = _measured(args.names, folder / KEPT if folder else None)
-        if table:
-            table.write_text("\n".join(markdown(found)) + "\n", encoding="utf-8")
+    # The folder is made before the runs, so that an unwritable place is refused at once.
+    with filled_folder(output) if output else nullcontext() as folder:
+        written = WrittenFiles(folder.iterdir() if folder else ())
+        with output_file(args.markdown) if args.markdown else nullcontext() as table:
+            found = _measured(args.names, folder / KEPT if folder else None)
+            if table:
+                table.write_text("\n".join(markdown(found)) + "\n", encoding="utf-8")
+        _print(found, args)
+        if folder is not None:
+            paths = write_studies(found, folder)
+            drop_kept(folder / KEPT)
+            if not args.json:
+                written.report(paths, show=args.open)
+
+
+def _print(found: list[Study], args: argparse.Namespace) -> None:
+    from softcradle.sandbox.console import console
+    from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study
+
     if args.json:
         _print_json(found)
     elif args.names:
@@ -73,11 +85,6 @@ def _measure_and_show(args: argparse.Namespace) -> None:
             print_study(console(), study)
     else:
         print_studies(console(), found)
-    if folder is not None:
-        paths = write_studies(found, folder)
-        drop_kept(folder / KEPT)
-        if not args.json:
-            written.report(paths, show=args.open)
 
 
 def _measured(names: list[str], kept: Path | None) -> list[Study]:

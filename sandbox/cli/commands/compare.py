@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import add_method, picture_size, positive_number
-from softcradle.sandbox.cli.exit_codes import GAVE_UP
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.output_files import make_folder
+from softcradle.sandbox.user_error import GAVE_UP
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.compare.report import ComparisonReport

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
-from softcradle.sandbox.output_files import make_folder
+from softcradle.sandbox.output_files import filled_folder
 from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("names", metavar="NAME", nargs="*", help="figures to draw, such as 1b 2c B (default: all)")
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", default="out/figures", help="where to write (default: out/figures)"
-    )
-    parser.add_argument(
-        "--column", action="store_true", help="all in the width of one column, 86 mm, panels below each other"
     )
     parser.add_argument("--list", action="store_true", help="list the figures instead")
     add_open(parser)
@@ -50,12 +47,12 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
-    folder = make_folder(args.output)
-    written = WrittenFiles(folder.iterdir())
-    kept = folder / KEPT
-    for figure, found in zip(figures, _tables(figures, kept), strict=True):
-        written.report(list(write_figure(figure, folder, args.column, found)))
-    drop_kept(kept)
+    with filled_folder(args.output) as folder:
+        written = WrittenFiles(folder.iterdir())
+        kept = folder / KEPT
+        for figure, found in zip(figures, _tables(figures, kept), strict=True):
+            written.report(list(write_figure(figure, folder, found)))
+        drop_kept(kept)
     if args.open:
         open_with_desktop(folder)
     return 0

@@ -40,19 +40,19 @@ def main(args: argparse.Namespace) -> int:
         if name not in NAMES:
             raise unknown("map", name, NAMES)
     columns, rows = _points(args.points)
-    from softcradle.sandbox.output_files import make_folder
+    from softcradle.sandbox.output_files import filled_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
-    folder = make_folder(args.output)
-    written = WrittenFiles(folder.iterdir())
-    for wanted in rigidity_maps(columns, rows):
-        if not args.names or wanted.name in args.names:
-            kept = folder / f"map-{wanted.name}"
-            written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
-            drop_kept(kept)
+    with filled_folder(args.output) as folder:
+        written = WrittenFiles(folder.iterdir())
+        for wanted in rigidity_maps(columns, rows):
+            if not args.names or wanted.name in args.names:
+                kept = folder / f"map-{wanted.name}"
+                written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
+                drop_kept(kept)
     return 0
 
 

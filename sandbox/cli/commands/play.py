@@ -31,11 +31,11 @@ def main(args: argparse.Namespace) -> int:
     import pygame
     from softcradle.sandbox.window.display import require_display
 
+    if args.scene is not None:
+        _require_scene(args.scene)
     require_display()
     from softcradle.sandbox.window.app import App
 
-    if args.scene is not None:
-        _require_scene(args.scene)
     try:
         app = App(args.size, args.scene, lab=args.lab)
     except pygame.error as error:

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import add_method, add_scene, positive_number, whole_number
-from softcradle.sandbox.cli.exit_codes import GAVE_UP
 from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
 from softcradle.sandbox.scene_runs import load_scene, run_scene
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import GAVE_UP, UserError
 
 if TYPE_CHECKING:
     from softcradle.physics import Trajectory

@@ -60,13 +60,12 @@ def _write(
     from softcradle.sandbox.studies.picture_files import save_figure
     from softcradle.sandbox.studies.plot_style import styled
     from softcradle.sandbox.studies.stability.failure_scans import write_csv
-    from softcradle.sandbox.studies.stability.stability_figure import draw_scans
-    from softcradle.sandbox.studies.stability.stability_overview import draw_overview
+    from softcradle.sandbox.studies.stability.scan_maps import draw_details, draw_overview
 
     with styled():
         save_figure(draw_overview(runs, scans), picture, 140.0)
         if details is not None:
-            save_figure(draw_scans(runs, scans), details, 140.0)
+            save_figure(draw_details(runs, scans), details, 140.0)
     write_csv(runs, numbers)
 
 
@@ -91,8 +90,7 @@ def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
 def _print(runs: Sequence[ScanRun]) -> None:
     from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
     from softcradle.physics.methods import find_method
-    from softcradle.sandbox.studies.stability.failure_scans import ADAPTIVE_ERROR_FACTOR
-    from softcradle.sandbox.studies.stability.failure_summary import summarise_failures
+    from softcradle.sandbox.studies.stability.failure_scans import ADAPTIVE_ERROR_FACTOR, summarise_failures
 
     grid = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
     for found in summarise_failures(runs):

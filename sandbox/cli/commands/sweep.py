@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import positive_number, whole_number
-from softcradle.sandbox.cli.exit_codes import POINTS_LOST
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import POINTS_LOST, UserError
 
 if TYPE_CHECKING:
     import xarray as xr

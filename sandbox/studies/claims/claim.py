@@ -1,15 +1,247 @@
-"""A claim of the paper as something to measure, and its measurement: every case by one method and again by a second."""
+"""A claim of the paper as something to measure; its study: cases measured by two methods, with error bars, and the verdict."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike
-from softcradle.sandbox.studies.claims.study import Case, Study
 from softcradle.sandbox.studies.paper import MEASURING, REFERENCE, SECOND, NotSolvedError, Parameters, Solver
+
+
+class Verdict(StrEnum):
+    """What the cases of a study say about the claim."""
+
+    HOLDS = "holds"  # in every case that is determined
+    WITHIN = "holds within"  # in the paper's own case, up to a limit
+    BEYOND = "fails beyond"  # not in the paper's own case, which lies beyond the limit
+    UNDETERMINED = "not determined"  # in the paper's own case the error bar crosses what the claim allows
+
+
+class Side(StrEnum):
+    """On which side of what the claim allows a case lies, error bar and all."""
+
+    HOLDS = "holds"
+    FAILS = "fails"
+    UNDETERMINED = "not determined"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measured case.
+
+    Attributes:
+        parameters: what was varied, by name.
+        variable: the number by which the cases of the study are ordered.
+        value: the measured quantity; nan where nothing could be measured.
+        error: largest difference of `value` from what a second method finds.
+        allowed: the claim holds where the quantity is at most this.
+        reason: why nothing could be measured, or empty.
+    """
+
+    parameters: Mapping[str, float]
+    variable: float
+    value: float
+    error: float
+    allowed: float
+    reason: str = ""
+
+    @property
+    def side(self) -> Side:
+        """Where the value lies; a value whose error bar crosses `allowed` is on neither side."""
+        if not math.isfinite(self.value) or not math.isfinite(self.error):
+            return Side.UNDETERMINED
+        if self.value + self.error <= self.allowed:
+            return Side.HOLDS
+        return Side.FAILS if self.value - self.error > self.allowed else Side.UNDETERMINED
+
+
+@dataclass(frozen=True)
+class Study:
+    """A claim, the cases it was tried at, and what follows.
+
+    Attributes:
+        name: what `softcradle claims` takes.
+        statement: what the paper says.
+        place: where it says so.
+        quantity: what the value of a case is.
+        variable: name of the number by which cases are ordered; the claim is expected to hold where it is small.
+        how: how it was measured, with ranges and seeds.
+        remark: what explains the result.
+        chosen: whether what is allowed is our reading of the statement, and no number or sign that it names.
+        own: parameters of the paper's own case.
+        cases: in ascending order of the variable.
+        reference: value of the paper's own case by the independent reference; nan where it was not asked.
+        seconds: processor time [s] that its measurement took.
+    """
+
+    name: str
+    statement: str
+    place: str
+    quantity: str
+    variable: str
+    how: str
+    remark: str
+    own: Mapping[str, float]
+    cases: Sequence[Case]
+    chosen: bool = True
+    reference: float = math.nan
+    seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cases", tuple(sorted(self.cases, key=lambda case: case.variable)))
+
+    def on(self, side: Side) -> list[Case]:
+        """The cases on that side."""
+        return [case for case in self.cases if case.side is side]
+
+    @cached_property
+    def own_case(self) -> Case:
+        """The case whose parameters are nearest to the paper's own."""
+        return min(self.cases, key=self.distance)
+
+    def distance(self, case: Case) -> float:
+        """How far `case` is from the paper's own: the sum of the absolute logarithms of the ratios of parameters."""
+        return sum(_apart(case.parameters[name], value) for name, value in self.own.items())
+
+    @cached_property
+    def limit(self) -> float | None:
+        """Largest value of the variable up to which no case fails and one holds; None where the first ones do not."""
+        last = None
+        for variable, sides in self._sides:
+            if Side.FAILS in sides:
+                break
+            last = variable if Side.HOLDS in sides else last
+        return last
+
+    @cached_property
+    def _sides(self) -> list[tuple[float, set[Side]]]:
+        """The values of the variable, and the sides of the cases at each."""
+        groups = groupby(self.cases, key=lambda case: case.variable)
+        return [(variable, {case.side for case in group}) for variable, group in groups]
+
+    @cached_property
+    def range_of_own(self) -> tuple[float, float]:
+        """Values of the variable about the paper's own between which some cases hold and none fails; inf where none fails beyond.
+
+        Empty, (nan, nan), where a case fails at the paper's own.
+        """
+        own = self.own_case.variable
+        failing = [variable for variable, sides in self._sides if Side.FAILS in sides]
+        below, above = (
+            max((x for x in failing if x <= own), default=-math.inf),
+            min((x for x in failing if x >= own), default=math.inf),
+        )
+        inside = [variable for variable, sides in self._sides if below < variable < above and Side.HOLDS in sides]
+        if not inside or own in failing:
+            return math.nan, math.nan
+        return (inside[0] if below > -math.inf else below), (inside[-1] if above < math.inf else above)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """What the cases say; see Verdict."""
+        own = self.own_case.side
+        if own is Side.UNDETERMINED:
+            return Verdict.UNDETERMINED
+        if own is Side.FAILS:
+            return Verdict.BEYOND
+        return Verdict.WITHIN if self.on(Side.FAILS) else Verdict.HOLDS
+
+    @property
+    def verdict_text(self) -> str:
+        """The verdict with its limit, and how many cases are not determined."""
+        unknown = len(self.on(Side.UNDETERMINED))
+        rest = (
+            f"; {unknown} of {len(self.cases)} not determined"
+            if unknown and self.verdict is not Verdict.UNDETERMINED
+            else ""
+        )
+        return self._verdict_with_limit() + rest
+
+    def _verdict_with_limit(self) -> str:
+        if self.verdict in (Verdict.HOLDS, Verdict.UNDETERMINED):
+            return str(self.verdict)
+        if self.verdict is Verdict.WITHIN:
+            return f"holds within {self._within()}"
+        return (
+            f"fails beyond {self.variable} = {self.limit:.3g}"
+            if self.limit is not None
+            else self._fails_throughout(len(self.on(Side.HOLDS)))
+        )
+
+    def _within(self) -> str:
+        """The range about the paper's own case in which no case fails, or how many cases hold."""
+        low, high = self.range_of_own
+        bounds = [f">= {low:.3g}"] * math.isfinite(low) + [f"<= {high:.3g}"] * math.isfinite(high)
+        if low == high or not bounds:
+            return f"{len(self.on(Side.HOLDS))} of {len(self.cases)} cases"
+        return f"{self.variable} {' and '.join(bounds)}"
+
+    def _fails_throughout(self, holding: int) -> str:
+        """The verdict where the claim fails in the paper's own case and has no range in which it holds."""
+        first = self.cases[0].variable
+        return f"fails beyond {self.variable} = {first:.3g}, the least tried" + (
+            f"; holds in {holding} of {len(self.cases)}" if holding else ""
+        )
+
+    @cached_property
+    def counter_example(self) -> Case | None:
+        """The failing case nearest to the paper's own; None where none fails."""
+        return min(self.on(Side.FAILS), key=self.distance, default=None)
+
+    @property
+    def bar_text(self) -> str:
+        """How the verdict moves with what is allowed, where that is our choice: from which bar on it is which."""
+        own = self.own_case
+        if not self.chosen or own.side is Side.UNDETERMINED:
+            return ""
+        most = max(case.value - case.error for case in self.cases if case.side is not Side.UNDETERMINED)
+        low, high = own.value - own.error, own.value + own.error
+        within = f", holds within from {high:.3g}" if high < most else ""
+        return f"by the bar: fails beyond below {low:.3g}{within}, holds from {most:.3g}"
+
+    @property
+    def range_text(self) -> str:
+        """The range of every parameter."""
+        names = self.cases[0].parameters
+        spans = {name: sorted({case.parameters[name] for case in self.cases}) for name in names}
+        return ", ".join(f"{name} = {_span(values)}" for name, values in spans.items())
+
+    @property
+    def measured_text(self) -> str:
+        """What was found, in sentences: the paper's own case, how many cases hold, the nearest counter-example."""
+        own = self.own_case
+        parts = [f"{self.quantity}: {case_text(own)}; at most {own.allowed:.3g} allowed"]
+        counts = [f"{len(self.on(side))} {side}" for side in Side if self.on(side)]
+        parts.append(f"{len(self.cases)} cases: {', '.join(counts)}")
+        if self.counter_example is not None and self.counter_example is not own:
+            parts.append(f"nearest counter-example: {case_text(self.counter_example)}")
+        parts += [text for text in (self.bar_text, self.remark) if text]
+        return ". ".join(parts)
+
+
+def case_text(case: Case) -> str:
+    """The value of a case with its error bar, and its parameters."""
+    where = ", ".join(f"{name} = {value:.4g}" for name, value in case.parameters.items())
+    if case.reason:
+        return f"nothing at {where} ({case.reason})"
+    return f"{case.value:.4g} ± {case.error:.1g} at {where}"
+
+
+def _apart(value: float, own: float) -> float:
+    if value == own:
+        return 0.0
+    return abs(math.log(value / own)) if value > 0.0 and own > 0.0 else abs(value - own)
+
+
+def _span(values: Sequence[float]) -> str:
+    return f"{values[0]:.4g}" if len(values) == 1 else f"{values[0]:.4g} ... {values[-1]:.4g}"
+
 
 Measure = Callable[[Parameters, Solver], float]
 

@@ -17,8 +17,7 @@ from softcradle.sandbox.studies.claims import (
     model_claims,
     variant_claims,
 )
-from softcradle.sandbox.studies.claims.claim import Claim
-from softcradle.sandbox.studies.claims.study import Case, Study
+from softcradle.sandbox.studies.claims.claim import Case, Claim, Study
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.chunk_work import Outcome
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points

@@ -10,7 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 from softcradle.sandbox.console import print_table, table
-from softcradle.sandbox.studies.claims.study import Case, Study, Verdict, case_text
+from softcradle.sandbox.studies.claims.claim import Case, Study, Verdict, case_text
 
 COLOURS = {Verdict.HOLDS: "green", Verdict.WITHIN: "yellow", Verdict.BEYOND: "red", Verdict.UNDETERMINED: "magenta"}
 

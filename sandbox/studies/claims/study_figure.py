@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.sandbox.studies.claims.study import Case, Side, Study
+from softcradle.sandbox.studies.claims.claim import Case, Side, Study
 from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREY, RED, new_figure
 

@@ -25,7 +25,6 @@ from softcradle.sandbox.studies.figures import (
     variant_figure,
     wave_figure,
 )
-from softcradle.sandbox.studies.panel_column import label_panels
 from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.picture_files import write_picture
 from softcradle.sandbox.studies.plot_style import styled
@@ -194,18 +193,8 @@ def _table_in(row: Mapping[str, Any], figure: str) -> Table:
     return {name.removeprefix(own): values for name, values in row.items() if name.startswith(own)}
 
 
-def write_figure(figure: FigureEntry, folder: Path, one_column: bool = False, table: Table | None = None) -> list[Path]:
-    """Write `figure` into `folder` as .png, .pdf and .csv; return the paths (UserError).
-
-    With `one_column` it is as wide as a column of a journal, its panels below each other. Without its `table` that is computed.
-    """
+def write_figure(figure: FigureEntry, folder: Path, table: Table | None = None) -> list[Path]:
+    """Write `figure` into `folder` as .png, .pdf and .csv; return the paths (UserError). Without its `table` that is computed."""
     table = figure.table() if table is None else table
-    with styled(one_column):
-        return write_picture(drawn(figure, table), table, folder / f"figure-{figure.name}")
-
-
-def drawn(figure: FigureEntry, table: Table) -> Figure:
-    """The picture of `table`, with an axis label at every panel that stands by itself; call it inside `styled`."""
-    picture = figure.draw(table)
-    label_panels(picture)
-    return picture
+    with styled():
+        return write_picture(figure.draw(table), table, folder / f"figure-{figure.name}")

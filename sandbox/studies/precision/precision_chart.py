@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
 from softcradle.sandbox.studies.precision.curve_analysis import (
     LARGEST_ERROR,
@@ -14,7 +15,6 @@ from softcradle.sandbox.studies.precision.curve_analysis import (
     most_exact,
     series_by_name,
 )
-from softcradle.sandbox.studies.precision.label_placement import spread_apart
 from softcradle.sandbox.studies.precision.measurement import Point, Series
 from softcradle.sandbox.studies.precision.precision_table import MeasuredCase, curve_rows, ratio_sentence
 
@@ -136,8 +136,8 @@ def _draw_labels(
     wanted = [
         math.log10(min(max(point.error, EXACT), LARGEST_ERROR) / SMALLEST_ERROR) / decades for point in ends.values()
     ]
-    heights = spread_apart(wanted, LABEL_HEIGHT, 0.01, 0.985)
-    for (name, point), height in zip(ends.items(), heights.tolist(), strict=True):
+    heights = spread(wanted, LABEL_HEIGHT, 0.01, 0.985)
+    for (name, point), height in zip(ends.items(), heights, strict=True):
         style = styles[name]
         axes.annotate(
             "", (getattr(point, cost), max(point.error, EXACT)), xytext=(LABEL_COLUMN - 0.02, height),

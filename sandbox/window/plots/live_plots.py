@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.curve_panels import Axis, spread, ticks_apart
+from softcradle.sandbox.draw.curve_panels import Axis, ticks_apart
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at

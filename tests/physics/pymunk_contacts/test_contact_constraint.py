@@ -1,6 +1,7 @@
 """SoftContact in a user's own Space: forces, geometry, errors, copies."""
 
 import copy
+import inspect
 import itertools
 import math
 import pickle
@@ -228,3 +229,7 @@ def test_it_replaces_the_collision_of_shapes(collide):
     space.add(*[pymunk.Circle(body, 0.5) for body in bodies])
     run(space)
     assert (bodies[1].position.x - bodies[0].position.x > 0.76) is collide
+
+
+def test_the_help_of_the_constructor_is_not_that_of_a_spring():
+    assert "stiffness" not in inspect.getdoc(SoftContact.__init__)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from softcradle.sandbox.output_files import filled_folder
 
 pytestmark = pytest.mark.slow  # every writer is a process of its own
 
@@ -64,3 +65,15 @@ def test_figures_on_a_full_disk(suffix, tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout == "File too large\n"
+
+
+@pytest.mark.parametrize(("before", "written", "left"), [(0, 0, False), (1, 0, True), (0, 1, True)])
+def test_a_folder_that_stays_empty_is_left_as_it_was(tmp_path, before, written, left):
+    folder = tmp_path / "f"
+    if before:
+        folder.mkdir()
+    with pytest.raises(OSError, match="disk full"), filled_folder(folder):  # noqa: PT012
+        if written:
+            (folder / "x.csv").touch()
+        raise OSError("disk full")
+    assert folder.exists() is left

@@ -7,13 +7,12 @@ import subprocess
 import sys
 
 import pytest
-from softcradle.sandbox.cli.exit_codes import POINTS_LOST
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.sweeps import run_sweep
 from softcradle.sandbox.sweeps.chunk_work import Work, lost
 from softcradle.sandbox.sweeps.measure_table import MEASURES
 from softcradle.sandbox.sweeps.study_file import load_study
-from softcradle.sandbox.user_error import StudyError
+from softcradle.sandbox.user_error import POINTS_LOST, StudyError
 
 from tests.helpers.paths import ROOT
 

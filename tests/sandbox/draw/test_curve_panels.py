@@ -1,9 +1,11 @@
 """Names beside curves: moved apart where they would overlap, and no further."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.sandbox.draw.curve_panels import spread, ticks_apart
+from softcradle.sandbox.draw.curve_panels import ticks_apart
+from softcradle.sandbox.label_places import spread
 
 
 @given(
@@ -21,6 +23,10 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
 def test_names_with_room_stay_where_they_are():
     assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
+
+
+def test_more_names_than_fit_share_the_room():
+    assert np.ptp(spread([0.0] * 100, 0.05, 0.0, 1.0)) == pytest.approx(1.0)
 
 
 def test_ticks_of_a_low_axis_are_fewer():

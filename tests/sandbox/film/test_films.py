@@ -219,7 +219,7 @@ def test_no_window_is_needed(tmp_path):
         ("film.gif", {"fps": 60.0}, ".gif has 1 to 50 frames a second"),
         ("film.mp4", {"pixel_format": "rgb"}, "unknown pixel format 'rgb'; allowed: yuv420p, yuv444p"),
         ("film.gif", {"pixel_format": "yuv444p"}, ".mp4 only"),
-        ("film.mov", {}, "must end in .mp4, .gif, .webp, .avif or .png"),
+        ("film.mov", {}, "must end in .mp4, .gif, .webp, .avif, .png or .html"),
         ("film", {}, "must end in"),
         ("missing/film.mp4", {}, "no folder"),
         ("film.mp4", {"slow": -1.0}, "slow motion"),
@@ -305,16 +305,16 @@ def test_an_error_while_compressing_reaches_the_caller(tmp_path, monkeypatch, fa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_common_colours_of_a_gif_are_exact(frames):
+def test_a_gif_shows_its_background_exactly_and_other_colours_nearly(frames):
     surface = pygame.Surface(SIZE, 0, 32)
     pixels_of(surface)[..., 2::-1] = frames[-1]
-    palette = film_kinds.Palette(surface)
     colours, counts = np.unique(frames[-1].reshape(-1, 3), axis=0, return_counts=True)
-    common = colours[np.argsort(counts)[-20:]]
-    found = palette.frame(surface).to_ndarray(format="rgb24")
-    assert (found == frames[-1])[(frames[-1] == common[-1]).all(axis=-1)].all()
-    assert sum((palette.colours == colour).all(axis=1).any() for colour in common) == len(common)
-    assert np.abs(found.astype(int) - frames[-1]).mean() < 0.5
+    background = colours[np.argmax(counts)]
+    found = film_kinds.Palette(surface).frame(surface).to_ndarray(format="rgb24")
+    assert (found == frames[-1])[(frames[-1] == background).all(axis=-1)].all()
+    error = np.abs(found.astype(int) - frames[-1])
+    assert error.mean() < 0.5
+    assert error.max() < 32
 
 
 def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):

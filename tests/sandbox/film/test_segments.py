@@ -8,10 +8,9 @@ import av
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.film import film_kinds, segments
-from softcradle.sandbox.film.film_encoder import open_film
+from softcradle.sandbox.film import film_encoder, film_kinds
+from softcradle.sandbox.film.film_encoder import open_film, segment_lengths
 from softcradle.sandbox.film.film_kinds import pixels_of
-from softcradle.sandbox.film.segments import segment_lengths
 from softcradle.sandbox.user_error import UserError
 
 from tests.sandbox.film.test_films import fail_at
@@ -23,8 +22,8 @@ FRAMES = 130
 
 @pytest.fixture(autouse=True)
 def short_segments(monkeypatch):
-    monkeypatch.setattr(segments, "SEGMENT_FRAMES", 22)  # 6 of them
-    monkeypatch.setattr(segments, "SHORTEST_SEGMENT", 10)
+    monkeypatch.setattr(film_encoder, "SEGMENT_FRAMES", 22)  # 6 of them
+    monkeypatch.setattr(film_encoder, "SHORTEST_SEGMENT", 10)
 
 
 def paint(surface, number):
@@ -34,7 +33,7 @@ def paint(surface, number):
 
 
 def written(path, cores, monkeypatch):
-    monkeypatch.setattr(segments, "cores", lambda: cores)
+    monkeypatch.setattr(film_encoder, "cores", lambda: cores)
     with open_film(path, SIZE, 30.0) as film:
         film.paint_frames(range(FRAMES), paint)
     return path
@@ -98,15 +97,15 @@ def test_every_frame_has_its_time_and_its_picture(tmp_path, monkeypatch):
 def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
     """The film is the one in which every frame is drawn; what stays is drawn again only where a segment begins."""
     pictures = [0] * 50 + list(range(1, 31)) + [30] * 49
-    monkeypatch.setattr(segments, "cores", lambda: 2)
+    monkeypatch.setattr(film_encoder, "cores", lambda: 2)
     drawn = []
 
     def counted(surface, number):
         drawn.append(number)
         paint(surface, number)
 
-    for name, repeats in (("quick", segments._repeats), ("plain", lambda pictures: 0)):
-        monkeypatch.setattr(segments, "_repeats", repeats)
+    for name, repeats in (("quick", film_encoder._repeats), ("plain", lambda pictures: 0)):
+        monkeypatch.setattr(film_encoder, "_repeats", repeats)
         with open_film(tmp_path / f"{name}.mp4", SIZE, 30.0) as film:
             film.paint_frames(pictures, counted)
         if name == "quick":
@@ -116,7 +115,7 @@ def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
 
 
 def test_repeats():
-    assert [segments._repeats(found) for found in ([1], [1, 1], [1, 2], [1, 1, 2, 1], [1, 1, 1])] == [0, 1, 0, 1, 2]
+    assert [film_encoder._repeats(found) for found in ([1], [1, 1], [1, 2], [1, 1, 2, 1], [1, 1, 1])] == [0, 1, 0, 1, 2]
 
 
 def test_players_may_begin_at_any_segment(tmp_path, monkeypatch):
@@ -145,7 +144,7 @@ def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch):
         if number == 70:
             raise ZeroDivisionError
 
-    monkeypatch.setattr(segments, "cores", lambda: 2)
+    monkeypatch.setattr(film_encoder, "cores", lambda: 2)
     with pytest.raises(ZeroDivisionError), open_film(tmp_path / "film.mp4", SIZE, 30.0) as film:
         film.paint_frames(range(FRAMES), broken)
     assert list(tmp_path.iterdir()) == []

@@ -8,7 +8,8 @@ import pytest
 from softcradle.sandbox.draw.text import font
 from softcradle.sandbox.languages import LANGUAGES, translation
 from softcradle.sandbox.languages.translation import catalogue_path
-from softcradle.sandbox.languages.update_catalogues import is_translated, main, read_catalogue, update
+
+from tools.update_catalogues import is_translated, main, read_catalogue, update
 
 CODES = [code for code in LANGUAGES if code != "en"]
 
@@ -42,7 +43,7 @@ def test_the_fonts_have_every_letter(code, bold):
 def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
     """New messages come in empty, and only a release is held up by them."""
     path = tmp_path / "de.po"
-    monkeypatch.setattr("softcradle.sandbox.languages.update_catalogues.catalogue_path", lambda code: path)
+    monkeypatch.setattr("tools.update_catalogues.catalogue_path", lambda code: path)
     path.write_bytes(
         translation.catalogue_path("de").read_bytes().replace(b'msgstr "R\xc3\xbcckg\xc3\xa4ngig"', b'msgstr ""')
     )
@@ -55,7 +56,7 @@ def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
         translation.catalogue.cache_clear()
     assert german.gettext("Undo") == "Undo"
     assert german.gettext("Redo") != "Redo"
-    monkeypatch.setattr("softcradle.sandbox.languages.update_catalogues.LANGUAGES", {"de": LANGUAGES["de"]})
+    monkeypatch.setattr("tools.update_catalogues.LANGUAGES", {"de": LANGUAGES["de"]})
     assert main([]) == 0
     assert main(["--complete"]) == 1
     assert f"{waiting} messages wait for Deutsch" in capsys.readouterr().out

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from softcradle.physics.notebook_views import InlineFilm
-from softcradle.sandbox.notebook.window_view import play
+from softcradle.sandbox.notebook.views import play
 from softcradle.sandbox.user_error import UserError
 
 from softcradle import Chain, Trajectory, draft_gear, hertz, one_on, power_law, scenes, simulate

@@ -27,12 +27,11 @@ from softcradle.sandbox.studies.stability.failure_scans import (
     scan_run,
     scan_runs,
     scanned_methods,
+    summarise_failures,
     swept_runs,
     write_csv,
 )
-from softcradle.sandbox.studies.stability.failure_summary import summarise_failures
-from softcradle.sandbox.studies.stability.stability_figure import draw_scans
-from softcradle.sandbox.studies.stability.stability_overview import ORDER, draw_overview
+from softcradle.sandbox.studies.stability.scan_maps import ORDER, draw_details, draw_overview
 
 BY_NAME = {scan.name: scan for scan in SCANS}
 EXPLICIT = ("euler", "verlet", "yoshida4")
@@ -203,7 +202,7 @@ def small_scan(monkeypatch):
 def test_figure_has_a_map_for_each_quantity_and_method_with_the_limit_on_top(small_scan):
     found = [one for method in scanned_methods() for one in scan_runs(small_scan, method)]
     with styled():
-        figure = draw_scans(found, [small_scan])
+        figure = draw_details(found, [small_scan])
     maps = [axes for axes in figure.axes if axes.collections and axes.get_ylabel() in {"step [s]", "tolerance"}]
     assert len(maps) == 3 * len(scanned_methods())
     fixed = [axes for axes in maps if axes.get_ylabel() == "step [s]"]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 
 import pytest
-from softcradle.sandbox.window import screenshots
 from softcradle.sandbox.window.settings import Settings, settings_path
+
+from tools import screenshots
 
 pytestmark = pytest.mark.usefixtures("own_folder")
 

@@ -15,11 +15,10 @@ from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.claims import claim_list
-from softcradle.sandbox.studies.claims.claim import Claim
+from softcradle.sandbox.studies.claims.claim import Case, Claim, Side, Study, Verdict
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.claims.collision_claims import rise_of_spread
 from softcradle.sandbox.studies.claims.driven_claims import driven_returns
-from softcradle.sandbox.studies.claims.study import Case, Side, Study, Verdict
 from softcradle.sandbox.studies.claims.variant_claims import misplaced
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, hertz, one_on, power_law
 from softcradle.sandbox.studies.precision.measurement import error_of
-from softcradle.sandbox.studies.precision.peers import peer_list
-from softcradle.sandbox.studies.precision.peers.peer_list import PEERS, missing_peers, peer_solvers
 from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES
 
+from benchmarks import peers
+from benchmarks.peers import PEERS, missing_peers, peer_solvers
 from tests.helpers.series import our_solver
 
 needs_numba = pytest.mark.skipif(
@@ -27,7 +27,7 @@ def test_a_chain_with_friction_has_no_peers():
 
 @needs_numba
 def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
-    from softcradle.sandbox.studies.precision.peers.peer_problem import derivatives, parameter_array
+    from benchmarks.peers.problem import derivatives, parameter_array
 
     chain = Chain(
         [1.0, 2.0, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0]
@@ -46,9 +46,9 @@ def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
 
 @needs_numba
 def test_verlet_by_hand_is_verlet(case):
-    from softcradle.sandbox.studies.precision.peers import verlet_by_hand
+    from benchmarks.peers.integrators import verlet_by_hand
 
-    (solver,) = verlet_by_hand.solvers(case)
+    (solver,) = verlet_by_hand(case)
     start = case.starts([0.0])[0]
     found = solver.run(500.0, start, NO_SAMPLES).velocity
     assert found == pytest.approx(our_solver(case, "verlet").run(500.0, start, NO_SAMPLES).velocity, abs=1e-12)
@@ -69,29 +69,21 @@ def test_an_installed_peer_reaches_the_truth(case, peer):
     assert error_of(case, "forces", sampled) < 0.3
 
 
-def assert_gives_up(module, case, monkeypatch):
-    monkeypatch.setattr(module, "TIME_LIMIT", 0.02)
-    solution = module.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES)
+@needs_numba
+@pytest.mark.parametrize("package", ["scipy", "sksundae"])
+def test_a_peer_called_from_python_gives_up_at_its_time_limit(definitions, monkeypatch, package):
+    pytest.importorskip(package)
+    from benchmarks.peers import integrators
+
+    monkeypatch.setattr(integrators, "TIME_LIMIT", 0.02)
+    case = definitions["one-on-10"].solve(by_reference=False)
+    (peer,) = (peer for peer in PEERS if peer.package == package)
+    solution = peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES)
     assert solution.velocity is None
     assert solution.seconds < 1.0
 
 
-@needs_numba
-def test_scipy_gives_up_at_its_time_limit(definitions, monkeypatch):
-    from softcradle.sandbox.studies.precision.peers import scipy_peer
-
-    assert_gives_up(scipy_peer, definitions["one-on-10"].solve(by_reference=False), monkeypatch)
-
-
-@needs_numba
-def test_sundae_gives_up_at_its_time_limit(definitions, monkeypatch):
-    pytest.importorskip("sksundae")
-    from softcradle.sandbox.studies.precision.peers import sundae_peer
-
-    assert_gives_up(sundae_peer, definitions["one-on-10"].solve(by_reference=False), monkeypatch)
-
-
 def test_missing_peers_are_left_out(monkeypatch):
-    monkeypatch.setattr(peer_list, "find_spec", lambda package: None)
+    monkeypatch.setattr(peers, "find_spec", lambda package: None)
     assert missing_peers() == list(PEERS)
     assert peer_solvers(type("Case", (), {"chain": one_on(2, hertz(1.0))})()) == []

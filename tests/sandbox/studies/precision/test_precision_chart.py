@@ -12,23 +12,10 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.machine_stamp import machine_stamp
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.precision import measurement
-from softcradle.sandbox.studies.precision.label_placement import spread_apart
-from softcradle.sandbox.studies.precision.peers.peer_list import peer_distributions
 from softcradle.sandbox.studies.precision.precision_chart import draw_chart
 from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
 
 from tests.helpers.series import SHORT_LIMITS, made_series
-
-
-def test_labels_are_moved_apart_and_stay_in_order():
-    wanted = [0.5, 0.5, 0.5, 0.1, 0.99, 0.0]
-    found = spread_apart(wanted, 0.05, 0.0, 1.0)
-    assert np.diff(np.sort(found)).min() > 0.05 - 1e-12
-    assert found.min() >= 0.0
-    assert found.max() <= 1.0
-    assert (np.argsort(found, kind="stable") == np.argsort(wanted, kind="stable")).all()
-    assert spread_apart([0.2, 0.8], 0.05) == pytest.approx([0.2, 0.8])
-    assert np.ptp(spread_apart(np.zeros(100), 0.05)) == pytest.approx(1.0)  # more than fit share the room
 
 
 def overlapping_boxes(boxes):
@@ -63,7 +50,7 @@ def test_labels_of_a_chart_do_not_overlap(case):
 
 def test_a_chart_says_where_it_was_measured(case):
     """Below the panels, on no other text."""
-    stamp = machine_stamp(peer_distributions())
+    stamp = machine_stamp(["no such package"])
     assert f"softcradle {version()}" in stamp
     assert f"numpy {np.__version__}" in stamp
     assert re.search(r"\d+ cores?; \w+, Python 3", stamp)

@@ -1,4 +1,4 @@
-"""Updates the catalogues from the code, scenes and lessons: python -m softcradle.sandbox.languages.update_catalogues.
+"""Updates the catalogues from the code, scenes and lessons: python -m tools.update_catalogues.
 
 Needs Babel, which `pip install softcradle[dev]` brings. Translations that are there stay; new messages come in empty, for
 people to translate, and are shown in English until then; messages that are gone are dropped. A catalogue that is not there yet is
@@ -30,7 +30,7 @@ DATED = (
     b'"Language-Team',
     b'"Generated-By',
 )
-SANDBOX = Path(__file__).parents[1]
+SANDBOX = Path(__file__).parents[1] / "sandbox"
 Found = tuple[str | tuple[str, str], str, str | None]  # message (and its plural), file, context
 
 

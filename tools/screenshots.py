@@ -1,4 +1,4 @@
-"""Screenshots for the README, from the real application: python -m softcradle.sandbox.window.screenshots FOLDER."""
+"""Screenshots for the README, from the real application: python -m tools.screenshots FOLDER."""
 
 from __future__ import annotations
 

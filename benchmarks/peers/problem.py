@@ -15,11 +15,6 @@ from softcradle.sandbox.studies.precision.solvers import Solution
 
 Array = NDArray[np.float64]
 
-RATIOS = (1e-2, 1e-6, 1e-10)  # absolute tolerance of overlaps over that of rates, for peers that try several
-FIRST_STEP = 1e-6  # [s]
-MOST_STEPS = 100_000
-TIME_LIMIT = 1.0  # [s] of a run whose right-hand side is called from Python
-
 
 class TimeLimitError(Exception):
     """A run has taken longer than TIME_LIMIT."""

@@ -1,0 +1,196 @@
+"""Views of a notebook without matplotlib: tables in HTML, films, pages to share, and `play`, the window opened from one.
+
+What draws is imported where it is called: a table needs neither pygame nor an encoder.
+"""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from html import escape
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from softcradle.physics import Chain, OwnLaw, Trajectory, hooke
+from softcradle.physics.extras import needed_for
+from softcradle.physics.notebook_views import InlineFilm
+from softcradle.scenes import Lane, Scene, View, load
+from softcradle.scenes.contact_table import law_of, table_of
+from softcradle.scenes.contact_text import contact_text
+from softcradle.scenes.scene_schema import ForceTable
+
+MOST_ROWS = 12  # beads or contacts of a table; of more, the first and the last are shown
+UNDRAWN = law_of(hooke(1.0))  # stands in the scene for a law of one's own, which no scene can name and no picture shows
+LENGTH = 6.0  # [s] of a film or page where no slow motion is given
+FILM_RATE = 30.0  # frames a second
+
+
+def html_of(shown: Trajectory | Scene | Chain) -> str:
+    """The table, below a picture where matplotlib is installed and something moves."""
+    if isinstance(shown, Chain):
+        return f"<p>{escape(repr(shown))}</p>{_chain_table(shown)}"
+    if isinstance(shown, Scene):
+        rows = [(lane.label or k, len(lane.velocity), repr(lane.chain())) for k, lane in enumerate(shown.lanes)]
+        words = f"<p><b>{escape(shown.title)}</b> {escape(shown.source)}</p><p>{escape(shown.text)}</p>"
+        return words + _table(("lane", "beads", "chain"), rows)
+    return f"<p>{escape(repr(shown))}</p>{_picture(shown)}{_trajectory_table(shown)}"
+
+
+def _picture(trajectory: Trajectory) -> str:
+    """The trajectory's figure; empty without matplotlib."""
+    try:
+        from softcradle.sandbox.notebook.figure_view import figure_of
+    except ModuleNotFoundError:
+        return ""
+    data = base64.b64encode(figure_of(trajectory)._repr_png_()).decode()
+    return f'<img alt="velocities and forces over time" src="data:image/png;base64,{data}">'
+
+
+def _trajectory_table(trajectory: Trajectory) -> str:
+    from softcradle.sandbox.trajectory_summary import summarise
+
+    summary = summarise("", trajectory)
+    last = "velocity when it gave up [m/s]" if summary.gave_up else "final velocity [m/s]"
+    beads = [
+        (
+            i,
+            "wall" if bead.mass is None else f"{bead.mass:g}",
+            f"{bead.start_velocity:.6g}",
+            f"{bead.final_velocity:.6g}",
+        )
+        for i, bead in enumerate(summary.beads)
+    ]
+    table = _table(("bead", "mass [kg]", "velocity at start [m/s]", last), beads)
+    if summary.velocity_error is not None:
+        table += f"<p>velocities at the end to {summary.velocity_error:.1e} m/s</p>"
+    return table + "".join(f"<p>warning: {escape(warning)}</p>" for warning in summary.warnings)
+
+
+def _chain_table(chain: Chain) -> str:
+    rows = [
+        (f"{i}-{i + 1}", f"{chain.mass[i]:g}, {chain.mass[i + 1]:g}", contact_text(contact), f"{chain.gap[i]:g}")
+        for i, contact in enumerate(chain.contact)
+    ]
+    return _table(("contact", "masses [kg]", "law", "gap [m]"), rows)
+
+
+def _table(titles: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    shown = list(rows)
+    if len(shown) > MOST_ROWS:
+        shown = [*shown[: MOST_ROWS - 2], ["…"] * len(titles), shown[-1]]
+    return f"<table>{_row('th', titles)}{''.join(_row('td', row) for row in shown)}</table>"
+
+
+def _row(kind: str, cells: Iterable[object]) -> str:
+    return f"<tr>{''.join(f'<{kind}>{escape(str(cell))}</{kind}>' for cell in cells)}</tr>"
+
+
+def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]) -> InlineFilm:
+    """The film as bytes; `slow` is seconds of film for one of motion."""
+    from softcradle.sandbox.film.scene_film import render_scene
+
+    with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
+        path = Path(folder) / "film.mp4"
+        if isinstance(shown, Scene):
+            render_scene(shown, path, size, fps=FILM_RATE, slow=slow, progress=False)
+        else:
+            _write_film(shown, path, slow, size)
+        return InlineFilm(path.read_bytes(), size)
+
+
+def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tuple[int, int]) -> None:
+    """Write the samples of the trajectory, each for as long as it is the nearest one."""
+    from softcradle.sandbox.draw import Picture, motion_of
+    from softcradle.sandbox.film.film_encoder import open_film
+
+    span = float(trajectory.time[-1] - trajectory.time[0])
+    slow = slow or usual_slow(trajectory)
+    times = trajectory.time[0] + np.arange(int(span * slow * FILM_RATE) + 1) / (slow * FILM_RATE)
+    between = 0.5 * (trajectory.time[1:] + trajectory.time[:-1])
+    picture = Picture(scene_of(trajectory, slow), [motion_of(trajectory)], size, slow=slow)
+    with open_film(path, size, FILM_RATE) as film:
+        for row in np.searchsorted(between, times):
+            surface = film.free_surface()
+            picture.paint(surface, int(row))
+            film.add(surface)
+
+
+def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: float | None) -> None:
+    """Write the page; `slow` is seconds for one of motion, None the scene's or the usual slow motion."""
+    from softcradle.sandbox.page import render_page, write_page
+
+    if isinstance(shown, Scene):
+        render_page(shown, path, slow)
+    else:
+        write_page(shown, scene_of(shown, slow or usual_slow(shown)), path)
+
+
+def page_text(scene: Scene, slow: float | None) -> str:
+    """The page of a scene as text."""
+    from softcradle.sandbox.page import scene_text
+
+    return scene_text(scene, slow)[0]
+
+
+def usual_slow(trajectory: Trajectory) -> float:
+    """The slow motion [s of a film for one of motion] with which the trajectory is LENGTH long."""
+    span = float(trajectory.time[-1] - trajectory.time[0])
+    return LENGTH / span if span > 0.0 else 1.0
+
+
+def scene_of(trajectory: Trajectory, slow: float) -> Scene:
+    """The scene of the trajectory's chain, played `slow` seconds for one of motion: pictures take title and view from it."""
+    chain = trajectory.chain
+    lane = Lane(
+        mass=chain.mass,
+        contact=tuple(UNDRAWN if isinstance(contact, OwnLaw) else table_of(contact) for contact in chain.contact),
+        velocity=tuple(trajectory.velocity[0].tolist()),
+        gap=chain.gap,
+        drive=chain.drive,
+        friction=chain.friction,
+        forces=tuple(ForceTable(**asdict(item)) for item in chain.forces),
+        brakes=tuple(ForceTable(**asdict(item)) for item in chain.brakes),
+    )
+    title = f"{chain.contacts + 1} beads, by {trajectory.method}"
+    return Scene(title=title, lanes=(lane,), duration=float(trajectory.time[-1]) or None, view=View(slow=slow))
+
+
+def play(scene: Scene | str, size: tuple[int, int] = (1280, 720)) -> list[Trajectory]:
+    """Open the window on `scene` and wait until it is closed.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A Scene, the name of one, or the path of a scene file.
+    size : (int, int), optional
+        Width and height of the window [pixels].
+
+    Returns
+    -------
+    list of Trajectory
+        The history of each lane, as it was when the window closed.
+
+    Raises
+    ------
+    SceneError
+        There is no such scene.
+    UserError
+        There is no display.
+    ImportError
+        The extra [window] is not installed.
+    """
+    shown = scene if isinstance(scene, Scene) else load(scene)
+    with needed_for("play()", "window"):
+        from softcradle.sandbox.session.session import Session
+        from softcradle.sandbox.window.app import App
+        from softcradle.sandbox.window.display import require_display
+        from softcradle.sandbox.window.scene.scene_page import ScenePage
+    require_display()
+    session = Session(shown)
+    app = App(size)
+    app.show(ScenePage(app, session, app.show_gallery))
+    app.run()
+    return [session.trajectory(lane) for lane in range(len(session.lanes))]
