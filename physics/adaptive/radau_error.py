@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import RATIO
+from softcradle.physics.adaptive.constants import RATIO, ROUND_OFF
 from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.law_curve import care, flow_into, larger, slope_at
@@ -58,9 +58,12 @@ def embedded_error(h, chain, motion, trial, work):
                 pivot -= lower * upper[i - 1]
                 fine[i] -= lower * fine[i - 1]
                 coarse[i] -= lower * coarse[i - 1]
-            fine[i] /= pivot
-            coarse[i] /= pivot
-            upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
+            if pivot > ROUND_OFF * reach * reach * (inverse_mass[i] + inverse_mass[i + 1]):
+                fine[i] /= pivot
+                coarse[i] /= pivot
+                upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
+            else:  # a force through all beads from wall to wall moves nothing, and is not determined
+                fine[i], coarse[i] = 0.0, 0.0
     for i in range(n - 2, -1, -1):
         fine[i] -= upper[i] * fine[i + 1]
         coarse[i] -= upper[i] * coarse[i + 1]

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.numerics import elementary, elementary_tables
 
 Array = NDArray[np.float64]
 
@@ -20,6 +19,10 @@ FEW = 12  # numbers that take less time one by one
 
 def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
     """``base**exponent`` for base >= 0 or NaN and an exponent that is not 0, broadcast together."""
+    from softcradle.physics.numerics import (
+        elementary,  # it imports numba, which chains that are only looked at do not need
+    )
+
     b, a = np.broadcast_arrays(np.asarray(base, dtype=np.float64), np.asarray(exponent, dtype=np.float64))
     if b.size <= FEW:
         pairs = zip(b.ravel().tolist(), a.ravel().tolist(), strict=True)
@@ -38,6 +41,8 @@ def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
 @cache
 def _named(name: str, arrays: bool) -> Any:
     """A function of `elementary` as plain Python, for arrays or for numbers."""
+    from softcradle.physics.numerics import elementary
+
     kernel = getattr(elementary, name)
     source = getattr(kernel, "py_func", kernel)
     return FunctionType(source.__code__, _names(arrays), name, source.__defaults__)
@@ -46,6 +51,8 @@ def _named(name: str, arrays: bool) -> Any:
 @cache
 def _names(arrays: bool) -> dict[str, Any]:
     """What the functions of `elementary` call."""
+    from softcradle.physics.numerics import elementary
+
     found: dict[str, Any] = dict(vars(elementary))
     for name, value in vars(elementary).items():
         if (
@@ -64,5 +71,7 @@ def _names(arrays: bool) -> dict[str, Any]:
 
 def _plain(name: str) -> Any:
     """A table as a function of plain Python."""
+    from softcradle.physics.numerics import elementary_tables
+
     table = getattr(elementary_tables, name)
     return getattr(table, "py_func", table)
