@@ -1,6 +1,6 @@
 """The constants of the steps of `radau`, `dop853` and `accurate`, in one table: what each is, and parts of what.
 
-How far each can move before errors or work tell is measured by ``python -m benchmarks constants``.
+How far each can move before errors or work tell was measured: docs/measured/constants.md.
 """
 
 from __future__ import annotations
