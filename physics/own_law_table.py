@@ -23,6 +23,8 @@ LEAST_POWER = -940  # of two: overlaps below 1e-283 m count as 0 in every method
 MOST_POWER = 84  # of two: no contact that is computed is pressed further than 1e25 m
 DEGREE = 12  # of the force on a piece: from d to 1.4 d it is exact to round-off for powers of the overlap
 WANTED = 2e-14  # of the largest force of a piece: what the polynomial may differ by
+MOST_RISE = 1e3  # of the force on a piece: where it begins three digits of the largest are lost, and no more
+STEEP = 8  # halvings after which a force that still rises by more does so by noise
 MOST_HALVINGS = 48  # one in another: what is left around a bend then is no more than round-off
 MOST_FORCE = 1e280  # [N] sums of larger ones overflow
 NOISE = 0.25  # of the error of a piece: where both halves have more, the force has no more digits
@@ -70,7 +72,9 @@ def law_table(force: Force) -> LawTable:
         noisy = (
             (error > NOISE * before).reshape(-1, 2).all(axis=1).repeat(2) if depth else np.zeros(start.size, dtype=bool)
         )
-        settled = finite & ((error <= WANTED) | noisy | (depth == MOST_HALVINGS))
+        level = values.max(axis=1) / MOST_RISE <= values.min(axis=1)
+        noisy &= level | (depth > STEEP)
+        settled = finite & ((level & (error <= WANTED)) | noisy | (depth == MOST_HALVINGS))
         found.append((start[settled], end[settled], values[settled], error[settled]))
         pending = ~settled & (
             start <= start[~finite].min(initial=np.inf)
@@ -108,5 +112,5 @@ def _joined(start: Array, end: Array, values: Array, error: Array) -> LawTable:
     energy[:, 1:] = 0.5 * (end - start)[:, None] * force / np.arange(1, DEGREE + 2)
     signs = (-1.0) ** np.arange(DEGREE + 2)
     gained = energy.sum(axis=1) - energy @ signs
-    energy[:, 0] = np.cumsum(gained) - gained - energy @ signs
+    energy[:, 0] = np.append(0.0, np.cumsum(gained[:-1])) - energy @ signs
     return LawTable(np.append(start, end[-1]), force, energy, error)
