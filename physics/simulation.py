@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 TWO_WALLS = "a chain with two walls may never come apart: give a duration"
 DRIVEN = "a driven chain may never come apart: give a duration"
 LEAST_TOLERANCE = 1e-16  # nothing finer can be told from round-off
+LEAST_TIME = 1e-100  # [s] of a sample: overlaps then are products of such times, and far earlier ones underflow
 MOST_SAMPLED = 100_000_000  # samples times beads: about 3 GB; a typing error must not fill the memory
 FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
 FALLBACK_STEPS = 100  # steps in which it does
@@ -246,11 +247,11 @@ def _problem(
         duration=duration,
         step=_step(chain, state, method, step),
         tolerance=tolerance if method.adaptive else 0.0,
-        samples=_samples(samples, duration, chain),
+        samples=_samples(samples, duration, chain, method.adaptive),
     )
 
 
-def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain) -> int | Array:
+def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, graded: bool) -> int | Array:
     most = MOST_SAMPLED // (chain.contacts + 1)
     if np.ndim(samples) == 0:
         count = whole_number("samples", samples)
@@ -261,8 +262,14 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain) -> 
     times = number_array("samples", samples).copy()
     _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
-    for time in (*times[times > 0.0][:1], times[-1]):  # what is far below underflows in the overlaps at its time
-        magnitude("sample times", time, zero=True)
+    magnitude("sample times", max(times[-1], 1.0))  # no more than can be
+    least = float(
+        times[times > 0.0].min(initial=np.inf)
+    )  # adaptive steps are graded into the onset down to the first sample
+    _require(
+        not graded or least >= LEAST_TIME,
+        f"sample times must be 0 or at least {LEAST_TIME:g} s, not {least:g}: overlaps before underflow",
+    )
     _require(duration is None or times[-1] <= duration, f"sample times must lie within the duration {duration}")
     return times
 

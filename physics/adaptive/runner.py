@@ -109,11 +109,10 @@ def run(problem: Problem) -> Record:
     if not is_possible(problem.chain, problem.state, float(record.velocity_error.max())):
         most = largest_error(problem.chain, problem.state, record.end)
         record.velocity_error = np.minimum(record.velocity_error, most)
+        if record.status == Status.UNDETERMINED and most.max() <= problem.tolerance * _scale(problem):
+            record.status = Status.DONE  # energy and momentum determine it
     if record.status == Status.UNDETERMINED:
-        if record.velocity_error.max() <= problem.tolerance * _scale(problem):  # energy and momentum determine it
-            record.status = Status.DONE
-        else:
-            record.warnings += (undetermined(record.velocity_error),)
+        record.warnings += (undetermined(record.velocity_error),)
     if change > MOST_ENERGY * problem.tolerance * before:
         record.warnings += (_energy_warning(problem, change / before),)
     return record

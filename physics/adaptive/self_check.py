@@ -40,7 +40,7 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
         # to and fro, for two runs that are shaken alike are off alike
-        chain, state = _shaken(problem.chain, -((-1) ** runs) * TOLERANCE_PART * tolerance), problem.state.copy()
+        chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
         state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = complete(replace(problem, tolerance=tolerance, chain=chain, state=state, budget=budget))

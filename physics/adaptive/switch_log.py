@@ -100,6 +100,8 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
     A velocity error e in a swing whose largest rate was u is one u e of half the rate squared, so one u e / w of the rate w here,
     and sqrt(2 u e) of none. That moves the time spent beyond d = 0, where the force of the contact is missing among the `others`.
     """
+    if chain.external.size == 0:  # nothing pushes steadily: what comes back does so by bounces, which are counted
+        return
     weight, fastest = chain.inverse_mass[i] + chain.inverse_mass[i + 1], abs(fastest)
     bend = others - weight * chain.law[i, 0]
     if bend <= 0.0 or fastest == 0.0 or others < STEADY * swing_push(i, weight, fastest, chain):

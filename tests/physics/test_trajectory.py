@@ -197,7 +197,7 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
         ({"duration": math.inf}, "duration must be a finite number >= 0, not inf"),
         (
             {"samples": [0.0, 1e-310]},
-            "sample times must be from 1e-30 to 1e\\+30, not 1e-310",
+            "sample times must be 0 or at least 1e-100 s, not 1e-310",
         ),  # it hung, and heard no signal
         ({"step": 0.0}, "step must be a finite number > 0, not 0.0"),
         ({"step": math.nan}, "step must be a finite number > 0, not nan"),

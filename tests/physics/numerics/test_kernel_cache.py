@@ -96,8 +96,9 @@ def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     law = home / "physics" / "numerics" / "law_kernels.py"
     times = law.stat()
     text = law.read_text()
-    assert text.count("return base**exponent") == 1
-    law.write_text(text.replace("return base**exponent", "return 2.0 * base**exponent"))
+    line = "return preload + stiffness * power(overlap, exponent)\n"
+    assert text.count(line) == 1
+    law.write_text(text.replace(line, line.replace("stiffness", "2.0 * stiffness")))
     os.utime(law, (times.st_atime, times.st_mtime))  # not even a changed time gives the edit away
     shutil.rmtree(law.parent / "__pycache__", ignore_errors=True)
     plain = float(run(ONE_FORCE, home, NUMBA_DISABLE_JIT="1"))

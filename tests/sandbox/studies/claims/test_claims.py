@@ -136,13 +136,13 @@ def test_round_off_is_not_counted(name, n, inverse):
 
 
 def test_slopes_are_those_of_the_full_motion_of_all_contacts():
-    """A step of f23 and f34 by 0.76 %, as a looser tolerance has it, is seen; deeper contacts have the powers that follow."""
+    """Deeper contacts have the powers that follow, at the tolerance of the claims and at that of measures alike."""
     claims = claim_named("slopes"), claim_named("deeper-slopes")
     assert {case["contact"] for claim in claims for case in claim.cases} == {0.0, 1.0, 2.0, 3.0}
     for contact, claim in zip((0, 1, 2, 3), (*claims[:1] * 2, *claims[1:] * 2), strict=True):
         case = {"n": 4.0, "1/alpha": 10.0, "contact": float(contact), "t": 1e-13}
         assert claim.case(case).side is Side.HOLDS
-        assert (claim.measure(case, MEASURING) > 0.1) is (contact > 1)
+        assert claim.measure(case, MEASURING) < 0.05
 
 
 def test_wave_speeds_are_measured_and_their_divergence_can_fail():

