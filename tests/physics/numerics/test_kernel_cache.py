@@ -32,8 +32,8 @@ for method in METHODS:
 """
 
 ONE_FORCE = """
-from softcradle.physics.numerics.resolvent import mean_force
-print(mean_force(0.0, 1.0, 0.7, 0.0, 0.0, 0.5)[0])
+from softcradle.physics.numerics.law_kernels import force
+print(force(0.0, 1.0, 0.7, 0.5))
 """
 
 
