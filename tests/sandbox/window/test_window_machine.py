@@ -22,6 +22,7 @@ from tests.helpers.windows import Driver
 pytestmark = pytest.mark.usefixtures("own_folder")  # keys change settings
 
 
+@pytest.mark.slow
 def test_no_order_of_inputs_breaks_the_window() -> None:
     run_state_machine_as_test(WindowMachine, settings=settings(max_examples=8, stateful_step_count=25))
 
