@@ -161,10 +161,10 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
     one-term solutions, or of the energy of a law of one's own; the time is that of crossing this overlap and back at the
     closing speed.
     """
-    return _scales_at(chain, speed_scale(chain, velocity))
+    return scales_at(chain, speed_scale(chain, velocity))
 
 
-def _scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
+def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     """(n,) overlaps [m] and times [s] of contacts that are struck alone at `speed` [m/s]."""
     preload, stiffness, exponent = chain.law_rows.T
     energy = 0.5 * speed * speed / chain.inverse_reduced_mass
@@ -211,7 +211,7 @@ def require_computable(chain: Chain, velocity: ArrayLike) -> None:
     if not speed >= SMALLEST:
         raise ValueError(f"the closing speed must be 0 or at least {SMALLEST:g} m/s, not {speed:g}: choose other units")
     with np.errstate(over="ignore", under="ignore"):
-        depth = _scales_at(chain, speed)[0]
+        depth = scales_at(chain, speed)[0]
     for i, law in chain.own_contacts:
         if math.isinf(depth[i]):
             raise ValueError(f"contact {i}-{i + 1}: the law {law.name!r} never stores the energy of this motion")

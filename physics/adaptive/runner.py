@@ -183,7 +183,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
 def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kept: KeptSteps | None = None) -> Any:
     """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
     data, regime = chain_and_regime(problem.chain, state)
-    most, counter, stop = step_budget(problem, state.time), memory.log.counter, problem.duration is None
+    most, counter, stop = step_budget(problem, state.time, scale), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
@@ -204,7 +204,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
             )  # fmt: skip
         resumed = True
         if code == OUT_OF_STEPS:
-            allowed = step_budget(problem, time)
+            allowed = step_budget(problem, time, scale)
             if allowed > LONGER * most:
                 code, most = PAUSED, allowed
         if kept:

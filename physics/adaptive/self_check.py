@@ -35,7 +35,7 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
     budget bounds the steps of each finer run, and those of all runs before another is tried.
     """
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
-    tolerance, runs, confirmed, usual, steps = problem.tolerance, 0, 0, usual_steps(problem), record.steps
+    tolerance, runs, confirmed, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, scale), record.steps
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, ERROR_EXPONENT, RADAU
 from softcradle.physics.problem import MOST_STEPS, Problem
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import scales_at
 
 CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
 STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
@@ -23,28 +23,28 @@ def _finer(tolerance: float) -> float:
     return float(max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU])
 
 
-def _lasting(problem: Problem, time: float) -> int:
-    """More steps of a motion with a duration that has lasted until `time` [s]."""
+def _lasting(problem: Problem, time: float, speed: float) -> int:
+    """More steps of a motion with a duration that has lasted until `time` [s], for contacts that are struck at `speed` [m/s]."""
     if problem.duration is None or time == problem.state.time:
         return 0
-    longest = contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].max()
+    longest = scales_at(problem.chain, speed)[1].max()
     return int(STEPS_A_CONTACT_TIME * _finer(problem.tolerance) * (time - problem.state.time) / longest)
 
 
-def usual_steps(problem: Problem) -> int:
-    """The usual budget of a whole run."""
-    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, problem.end)
+def usual_steps(problem: Problem, speed: float) -> int:
+    """The usual budget of a whole run; `speed` [m/s] is that of the fastest closing there can be, see `closing_scale`."""
+    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, problem.end, speed)
 
 
-def step_budget(problem: Problem, time: float) -> int:
+def step_budget(problem: Problem, time: float, speed: float) -> int:
     """Steps by `time` [s], rejected ones included, above which a motion rattles more than it determines; or what is allowed.
 
-    Bounces at full speed never take so many, however long they go on.
+    Bounces at full speed, as `usual_steps` has it, never take so many, however long they go on.
     """
     if problem.most_steps is not None:
         return problem.most_steps
     if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
-        return MOST_STEPS + _lasting(problem, time)
+        return MOST_STEPS + _lasting(problem, time, speed)
     if problem.budget is not None:
         return problem.budget
-    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, time)
+    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, time, speed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import multiprocessing
 import os
@@ -12,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor
+from contextlib import suppress
 from functools import lru_cache, partial
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -258,7 +260,7 @@ class Dask(Place):
             "lost the scheduler at %s: waiting for it for up to %g s; its workers may have to be started again, too",
             self._address, self._patience,
         )  # fmt: skip
-        self._client.close(timeout=COUNT_WORKERS)
+        self._disconnect()
         until = time.monotonic() + self._patience
         while True:
             try:
@@ -271,12 +273,17 @@ class Dask(Place):
         self.executor = self._client.get_executor(pure=False)
         LOGGER.warning("the scheduler at %s is back: its chunks are handed out again", self._address)
 
+    def _disconnect(self) -> None:
+        # A client that is closed while it tries to find its scheduler again raises what it happens to wait for.
+        with suppress(Exception, asyncio.CancelledError):
+            self._client.close(timeout=COUNT_WORKERS)
+
     def close(self, stopped: bool) -> None:
         """Cancel what is handed out, and close the connection if it is our own."""
         if not self.lost():
             self.executor.shutdown(wait=False)
         if self._own:
-            self._client.close(timeout=COUNT_WORKERS)
+            self._disconnect()
         for name, level in self._levels.items():
             logging.getLogger(name).setLevel(level)
 
