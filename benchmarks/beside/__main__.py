@@ -170,7 +170,7 @@ def main() -> None:
             "pymunk with `SoftChain`": by_pymunk(kind, step, True),
             "pymunk": by_pymunk(kind, step, False),
         }
-        print(f"### Five {kind} balls, steps of 1/{1 / step:.0f} s\n")
+        print(f"## Five {kind} balls, steps of 1/{1 / step:.0f} s\n")
         print("| | velocities after the first collision (m/s) | collisions | energy | order | velocities then (m/s) |")
         print(f"|{'---|' * 6}")
         for name, found in {**results, **engines}.items():

@@ -45,7 +45,7 @@ def command_lines():
 def test_commands_and_scenes_exist(page, line):
     _, command, *words = shlex.split(line, comments=True)
     assert command in {known.name for known in COMMANDS}
-    if command in ("run", "render", "compare") and re.fullmatch(r"[a-z-]+", words[0]):
+    if command in ("run", "render", "compare") and words and re.fullmatch(r"[a-z-]+", words[0]):
         assert words[0] in scenes.names()
 
 

@@ -20,6 +20,7 @@ def test_notebooks_are_kept_without_outputs(path):
 
 
 @pytest.mark.slow
+@pytest.mark.own_process  # with the kernel of the notebook
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, tmp_path, monkeypatch):
     nbclient = pytest.importorskip("nbclient")

@@ -1,4 +1,4 @@
-"""The window as a state machine, a short run; a longer one is `python -m tests.helpers.window_machine`."""
+"""The window as a state machine, short runs; one that shrinks what it finds is `python -m tests.helpers.window_machine`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pygame
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
 from hypothesis.stateful import run_state_machine_as_test
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead, SetMass, SetVelocity
@@ -22,9 +22,12 @@ from tests.helpers.windows import Driver
 pytestmark = pytest.mark.usefixtures("own_folder")  # keys change settings
 
 
-@pytest.mark.slow
-def test_no_order_of_inputs_breaks_the_window() -> None:
-    run_state_machine_as_test(WindowMachine, settings=settings(max_examples=8, stateful_step_count=25))
+@pytest.mark.parametrize(("examples", "steps"), [(6, 25), pytest.param(20, 40, marks=pytest.mark.slow)])
+def test_no_order_of_inputs_breaks_the_window(examples: int, steps: int) -> None:
+    """Without shrinking, which takes minutes: the command does that."""
+    phases = (Phase.explicit, Phase.generate)
+    wanted = settings(max_examples=examples, stateful_step_count=steps, database=None, phases=phases)
+    run_state_machine_as_test(WindowMachine, settings=wanted)
 
 
 def test_forces_are_drawn_upwards_in_a_low_lane(driver: Driver) -> None:
