@@ -18,6 +18,7 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 Array = NDArray[np.float64]
 
 FIRST_LOG = 4096  # rows of the log of contact switches at first
+FRAME_LOG = 256  # of `advance`: more switches within a frame are chatter, which is counted and not kept
 ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 KEPT_TABLES = 64  # combinations of laws of one's own

@@ -19,7 +19,7 @@ from softcradle.physics.default_step import default_step
 from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
 from softcradle.physics.scales import require_computable
-from softcradle.physics.state import State
+from softcradle.physics.state import NO_SWITCHES, State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
 
@@ -178,7 +178,7 @@ def move(
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
     log_compilation()
-    state.warnings = ()
+    state.warnings, state.switched = (), NO_SWITCHES
     state.status = dispatch.advance(problem)
     if state.status.gave_up:
         state.warnings = (_gave_up(method, state.time, most_steps),)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,16 @@ from softcradle.physics.contact import is_closed
 from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
+
+
+class Switches(NamedTuple):
+    """Changes of contacts between open and closed, in order of time for each contact: (S,) which, (S,) when [s]."""
+
+    contact: NDArray[np.int64]
+    time: Array
+
+
+NO_SWITCHES = Switches(np.zeros(0, dtype=np.int64), np.zeros(0))
 
 
 @dataclass
@@ -35,7 +45,9 @@ class State:
         External force on each bead [N] for the next `advance` (a spring to the pointer), or None; it adds to the
         chain's drive.
     switches : int
-        How often contacts have closed or opened in all `advance` of a fixed-step method so far.
+        How often contacts have closed or opened in all `advance` so far.
+    switched : Switches
+        Which of them did in the last `advance`, and when; of more than FRAME_LOG changes the first.
     absorbed : ndarray, shape (2,)
         Energy [J] that contacts with loss and the bed have absorbed so far.
     given : ndarray, shape (2,)
@@ -55,6 +67,7 @@ class State:
     force: Array
     push: Array | None = None
     switches: int = 0
+    switched: Switches = NO_SWITCHES
     absorbed: Array = field(default_factory=lambda: np.zeros(2))
     given: Array = field(default_factory=lambda: np.zeros(2))
     status: Status = Status.DONE
@@ -104,7 +117,16 @@ class State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
         arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
-        return State(self.time, *arrays, push, self.switches, self.absorbed.copy(), self.given.copy())
+        kept = push, self.switches, self.switched, self.absorbed.copy(), self.given.copy()
+        return State(self.time, *arrays, *kept)
+
+    def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
+        """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""
+        contact, time = np.array(contact, dtype=np.int64), np.array(time, dtype=np.float64)
+        self.switches += contact.size if count is None else count
+        if contact.size:
+            before = self.switched
+            self.switched = Switches(np.append(before.contact, contact), np.append(before.time, time))
 
 
 @per_chain

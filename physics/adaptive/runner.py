@@ -30,6 +30,7 @@ from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
+    FRAME_LOG,
     ROWS_A_STEP,
     empty_log,
     kept_switches,
@@ -47,6 +48,7 @@ from softcradle.physics.numerics.records import (
     PAUSED,
     REJECTED,
     STEP,
+    SWITCH,
     SwitchLog,
 )
 from softcradle.physics.problem import (
@@ -149,10 +151,12 @@ def error_growth(before: Any, grown: Array, turns: Array) -> Any:
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the memory of the kernels stays with the state."""
     state = problem.state
-    memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain))
+    memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain, FRAME_LOG))
     memory.log.counter[:] = 0
     memory.log.closed[:] = state.closed
     status, state.time = _integrate(problem, state, _scale(problem), memory)
+    contact, time = kept_switches(memory.log)
+    state.note_switches(contact[:FRAME_LOG], time[:FRAME_LOG], int(memory.log.counter[SWITCH]))
     return Status(status)
 
 

@@ -32,6 +32,7 @@ from softcradle.physics.fixed_step.step_loop import (
 )
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
+    FRAME_LOG,
     chain_records,
     empty_log,
     kept_switches,
@@ -107,13 +108,13 @@ def advance(problem: Problem) -> Status:
     state, end = problem.state, problem.end
     scratch = state.work.get("fixed_step")
     if scratch is None or scratch.method != problem.method:
-        scratch = state.work["fixed_step"] = Scratch.of(problem.method, problem.chain.contacts)
+        scratch = state.work["fixed_step"] = Scratch.of(problem.method, problem.chain.contacts, NO_TIMES, FRAME_LOG)
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
     kernel = _kernels(problem.chain).of_frame(march)
     status, state.time = _march_chain(kernel, MOST_STEPS, problem, state, end, False, scratch)
-    state.switches += int(log.counter[SWITCH])
+    state.note_switches(*kept_switches(log), int(log.counter[SWITCH]))
     return Status(status)
 
 

@@ -258,13 +258,7 @@ class _Run:
 
     def note_switches(self, last_step: float) -> None:
         """Book the contacts that have closed or opened, within `last_step`, on the straight line back to overlap 0."""
-        if self.row.closed == self.closed:
-            return
-        for i, (before, now) in enumerate(zip(self.closed, self.row.closed, strict=True)):
-            if before != now:
-                overlap, rate = float(self.state.overlap[i]), float(self.state.rate[i])
-                back = overlap / rate if rate else 0.0
-                self.switches.append((i, self.state.time - min(max(back, 0.0), last_step)))
+        self.switches += _switches(self.closed, self.row.closed, self.state, last_step)
         self.closed = self.row.closed
 
     def take_samples(self) -> None:
@@ -291,6 +285,16 @@ class _Run:
         )  # fmt: skip
 
 
+def _switches(before: list[bool], now: list[bool], state: State, last_step: float) -> list[tuple[int, float]]:
+    """(contact, time) of those that have closed or opened within `last_step`, on the straight line back to overlap 0."""
+    found = []
+    for i in (i for i, both in enumerate(zip(before, now, strict=True)) if both[0] != both[1]):
+        overlap, rate = float(state.overlap[i]), float(state.rate[i])
+        back = overlap / rate if rate else 0.0
+        found.append((i, state.time - min(max(back, 0.0), last_step)))
+    return found
+
+
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the Space stays with the state as long as the chain is the same."""
     chain, state, step = problem.chain, problem.state, problem.step
@@ -299,12 +303,18 @@ def advance(problem: Problem) -> Status:
     if row is None or row.chain is not chain:
         row = state.work["pymunk"] = _row(chain, state, step)
     row.write(state)
-    push = state.external(chain)
+    push, start = state.external(chain), state.time
     whole = math.floor(duration / step + GRID_TOLERANCE)
-    for length, count in ((step, whole), (duration - whole * step, 1)):
-        if length > step * GRID_TOLERANCE:
-            for _ in range(count):
-                row.step(length, push)
+    for length, count, begin in ((step, whole, start), (duration - whole * step, 1, start + whole * step)):
+        taken = 0
+        while taken < count and length > step * GRID_TOLERANCE:
+            before = row.closed
+            taken += row.steps(count - taken, length, push)
+            state.time = begin + taken * length
+            if row.closed != before:
+                row.read(state)
+                found = _switches(before, row.closed, state, length)
+                state.note_switches(*zip(*found, strict=True))
     row.read(state)
-    state.time += duration
+    state.time = start + duration
     return Status.DONE

@@ -76,10 +76,11 @@ def run(problem: Problem) -> Record:
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place."""
     state, recorder = problem.state, _recorder(problem)
+    recorder.closed = state.closed
     recorder.until(problem.end)
     end = recorder.run.reached()
     state.time = end.time
-    state.switches += len(recorder.switches)
+    state.note_switches([contact for _, contact in recorder.switches], [time for time, _ in recorder.switches])
     for name in ("overlap", "rate", "anchor", "force", "absorbed"):
         getattr(state, name)[:] = getattr(end, name)
     return recorder.status

@@ -202,9 +202,11 @@ def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place."""
     state = problem.state
     solved = _Run(problem.chain, state, problem.tolerance, problem.most_steps)
+    solved.closed = state.closed
     solved.until(problem.end)
     end = _end(solved)
     state.time = end.time
+    state.note_switches([contact for _, contact in solved.switches], [time for time, _ in solved.switches])
     pairs = (state.overlap, end.overlap), (state.rate, end.rate), (state.anchor, end.anchor), (state.force, end.force)
     for target, source in pairs:
         target[:] = source

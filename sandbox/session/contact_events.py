@@ -1,4 +1,4 @@
-"""Contact events: when contacts close and open, found in the rows of the history without a loop over frames."""
+"""Contact events: when contacts closed and opened, as the engine located it in each frame of the history."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.contact import is_closed
+from softcradle.physics.state import NO_SWITCHES, Switches
 from softcradle.sandbox.session.frame_history import Block, History
 
 Array = NDArray[np.float64]
@@ -20,11 +21,12 @@ class ContactEvents:
     """Closings and openings of contacts in order of time, (K,) each.
 
     Attributes:
-        time: [s], on the straight line between two frames.
+        time: [s], as the engine located it; that of the frame for a contact that an edit has closed or opened.
         frame: the first frame after the event.
         lane, contact: which contact of which lane.
         closed: True: it closed; False: it opened.
-        speed: closing speed of its two beads before it closed [m/s]; 0 for an opening.
+        speed: closing speed of its two beads at the frame before it closed, or, if it was closed or its beads parted
+            then, their speed at the frame after [m/s]; 0 for an opening, and for what an edit has closed.
     """
 
     time: Array
@@ -85,70 +87,49 @@ class ContactEventIndex:
         known = self._by_block.get(id(block))
         if known and known[0] is block and known[1] == block.revision and block is not self.history.blocks[-1]:
             return known[2]
-        events = _joined([_lane_events(_lane_rows(block, before, lane)) for lane in range(len(block.lanes))])
+        events = _joined([_lane_events(block, before, lane) for lane in range(len(block.lanes))])
         self._by_block[id(block)] = (block, block.revision, events)
         return events
 
 
-class _LaneRows(NamedTuple):
-    """One lane of a block, after the last row of the block before it where there is one; row 0 is frame `first`."""
-
-    first: int
-    lane: int
-    time: Array
-    overlap: Array
-    rate: Array
-    closed: Mask
-
-
-def _lane_rows(block: Block, before: Block | None, lane: int) -> _LaneRows:
-    rows = block.lanes[lane]
-    columns = [array[: block.used] for array in (block.time, rows.overlap, rows.rate, rows.force)]
-    first = block.first
-    if before is not None and before.widths == block.widths:
-        earlier, k = before.lanes[lane], before.used - 1
-        last_row = [array[k : k + 1] for array in (before.time, earlier.overlap, earlier.rate, earlier.force)]
+def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents:
+    """Events of one lane in the rows of a block; in its first where the block before it has the same contacts."""
+    rows, first = block.lanes[lane], 1
+    columns = [array[: block.used] for array in (rows.overlap, rows.force, rows.rate)]
+    if before is not None and before.widths[lane] == block.widths[lane]:
+        earlier, k, first = before.lanes[lane], before.used - 1, 0
+        last_row = [array[k : k + 1] for array in (earlier.overlap, earlier.force, earlier.rate)]
         columns = [np.concatenate(pair) for pair in zip(last_row, columns, strict=True)]
-        first -= 1
-    time, overlap, rate, force = columns
-    return _LaneRows(first, lane, time, overlap, rate, is_closed(overlap, force))
+    overlap, force, rate = columns
+    logs = {row - first: lanes[lane] for row, lanes in block.switches.items() if row >= first}
+    time = block.time[first : block.used]
+    return _events(lane, block.first + first, time, is_closed(overlap, force), rate, logs)
 
 
-def _lane_events(rows: _LaneRows) -> ContactEvents:
-    """Events of one lane, between every row and the next."""
-    closed, bounced = rows.closed, _bounced(rows)
-    closing = ~closed[:-1] & (closed[1:] | bounced)
-    opening = (closed[:-1] | bounced) & ~closed[1:]
-    return _joined([_closings(rows, *np.nonzero(closing)), _openings(rows, *np.nonzero(opening))])
+def _events(lane: int, first: int, time: Array, closed: Mask, rate: Array, logs: dict[int, Switches]) -> ContactEvents:
+    """Events of frames `first` ... at `time` (R,) from their `logs` by row, with `closed` and `rate` (R+1, n) from the frame
+    before on. A contact that is not what its log leads to was switched by an edit, or beyond the rows of the log."""
+    row = np.repeat(np.array([*logs], dtype=np.int64), [own.time.size for own in logs.values()])
+    contact, when = (np.concatenate(column) for column in zip(NO_SWITCHES, *logs.values(), strict=True))
+    count = np.zeros((time.size, closed.shape[1]), dtype=np.int64)
+    np.add.at(count, (row, contact), 1)
+    now = closed[row, contact] ^ (_rank(row * closed.shape[1] + contact) % 2 == 0)
+    approach, after = rate[row, contact], np.abs(rate[row + 1, contact])
+    speed = np.where(now, np.where(approach > 0.0, approach, after), 0.0)
+    edited, changed = np.nonzero(closed[:-1] ^ closed[1:] ^ (count % 2 == 1))
+    lanes = np.full(row.size, lane), np.full(edited.size, lane)
+    by_edit = time[edited], first + edited, lanes[1], changed, closed[edited + 1, changed], np.zeros(edited.size)
+    return _joined([ContactEvents(when, first + row, lanes[0], contact, now, speed), ContactEvents(*by_edit)])
 
 
-def _bounced(rows: _LaneRows) -> Mask:
-    """(R-1, n) contacts that closed and opened between two frames: open at both, about to close, then parting."""
-    reached = rows.overlap[:-1] + rows.rate[:-1] * np.diff(rows.time)[:, None] > 0.0
-    bounced: Mask = ~rows.closed[:-1] & ~rows.closed[1:] & reached & (rows.rate[1:] < 0.0)
-    return bounced
-
-
-def _closing_time(rows: _LaneRows, row: Integers, contact: Integers) -> Array:
-    """When the beads of an open contact meet at the rate of `row`; at the latest at the next row."""
-    speed = np.maximum(rows.rate[row, contact], 0.0)
-    flight = np.divide(-rows.overlap[row, contact], speed, out=np.zeros(len(row)), where=speed > 0.0)
-    return np.minimum(rows.time[row] + np.maximum(flight, 0.0), rows.time[row + 1])
-
-
-def _closings(rows: _LaneRows, row: Integers, contact: Integers) -> ContactEvents:
-    speed = np.maximum(rows.rate[row, contact], 0.0)
-    lane, closed = np.full(len(row), rows.lane), np.ones(len(row), dtype=bool)
-    return ContactEvents(_closing_time(rows, row, contact), rows.first + row + 1, lane, contact, closed, speed)
-
-
-def _openings(rows: _LaneRows, row: Integers, contact: Integers) -> ContactEvents:
-    parting = np.minimum(rows.rate[row + 1, contact], 0.0)
-    since = np.divide(rows.overlap[row + 1, contact], parting, out=np.zeros(len(row)), where=parting < 0.0)
-    earliest = np.where(rows.closed[row, contact], rows.time[row], _closing_time(rows, row, contact))
-    time = np.maximum(rows.time[row + 1] - np.maximum(since, 0.0), earliest)
-    lane, zeros = np.full(len(row), rows.lane), np.zeros(len(row))
-    return ContactEvents(time, rows.first + row + 1, lane, contact, zeros.astype(bool), zeros)
+def _rank(key: Integers) -> Integers:
+    """(S,) how many entries with the same key come before each."""
+    order = np.argsort(key, kind="stable")
+    run_start = np.concatenate(([True], np.diff(key[order]) != 0))[: key.size]
+    place = np.arange(key.size)
+    rank = np.empty(key.size, dtype=np.int64)
+    rank[order] = place - np.maximum.accumulate(np.where(run_start, place, 0))
+    return rank
 
 
 def _joined(parts: list[ContactEvents]) -> ContactEvents:

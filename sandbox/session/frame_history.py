@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.state import State
+from softcradle.physics.state import NO_SWITCHES, State, Switches
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
 from softcradle.sandbox.session.snapshots import HeldBead, Snapshot
@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 BLOCK_ROWS = 512
 MEMORY = 32 * 2**20  # bytes of a history, unless given
 SETUP_MEMORY = 2048  # bytes that one setup in a block counts as
+SWITCHES_MEMORY = 400  # bytes that the arrays of one lane's switches in a frame count as, beside their numbers
 
 
 @dataclass(eq=False)
@@ -56,6 +57,7 @@ class Block:
         used: number of rows that are frames.
         revision: grows when rows are taken out: what was made from them is stale.
         setups: (first row, Setup), ascending.
+        switches: of the frames in which contacts switched, by row: those of each lane.
     """
 
     first: int
@@ -66,6 +68,7 @@ class Block:
     used: int = 0
     revision: int = 0
     setups: list[tuple[int, Setup]] = field(default_factory=list)
+    switches: dict[int, tuple[Switches, ...]] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, first: int, widths: tuple[int, ...]) -> Block:
@@ -77,7 +80,8 @@ class Block:
     def memory(self) -> int:
         """Bytes."""
         rows = sum(array.nbytes for lane in self.lanes for array in lane.arrays())
-        return rows + self.time.nbytes + self.held.nbytes + SETUP_MEMORY * len(self.setups)
+        switches = sum(SWITCHES_MEMORY + 2 * own.time.nbytes for lanes in self.switches.values() for own in lanes)
+        return rows + switches + self.time.nbytes + self.held.nbytes + SETUP_MEMORY * len(self.setups)
 
     def add(self, snapshot: Snapshot) -> None:
         """Write `snapshot` to the next row."""
@@ -88,6 +92,9 @@ class Block:
         for lane, state, ledger in zip(self.lanes, snapshot.states, snapshot.ledgers, strict=True):
             lane.overlap[row], lane.rate[row], lane.force[row] = state.overlap, state.rate, state.force
             lane.anchor[row], lane.ledger[row] = state.anchor, ledger
+        switched = tuple(state.switched for state in snapshot.states)
+        if any(own.time.size for own in switched):
+            self.switches[row] = switched
         self.used += 1
 
     def setup(self, row: int) -> Setup:
@@ -97,9 +104,12 @@ class Block:
     def snapshot(self, row: int) -> Snapshot:
         """Read `row` back; arrays are copies."""
         time = float(self.time[row])
+        switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
-            State(time, *(array[row].copy() for array in (lane.overlap, lane.rate, lane.anchor, lane.force)))
-            for lane in self.lanes
+            State(
+                time, *(array[row].copy() for array in (lane.overlap, lane.rate, lane.anchor, lane.force)), switched=own
+            )
+            for lane, own in zip(self.lanes, switches, strict=True)
         )
         ledgers = tuple(lane.ledger[row].copy() for lane in self.lanes)
         return Snapshot(time, self.setup(row), HeldBead(*self.held[row].tolist()), states, ledgers)
@@ -108,15 +118,16 @@ class Block:
         """Take the last row out."""
         self.used -= 1
         self.revision += 1
+        self.switches.pop(self.used, None)
         if self.setups[-1][0] == self.used:
             self.setups.pop()
 
     def cut(self, rows: int) -> Block:
         """A copy of the first `rows` rows, without the room for more."""
         lanes, setups = [lane.cut(rows) for lane in self.lanes], [item for item in self.setups if item[0] < rows]
-        return Block(
-            self.first, self.widths, self.time[:rows].copy(), self.held[:rows].copy(), lanes, rows, setups=setups
-        )
+        switches = {row: lanes for row, lanes in self.switches.items() if row < rows}
+        columns = self.time[:rows].copy(), self.held[:rows].copy()
+        return Block(self.first, self.widths, *columns, lanes, rows, setups=setups, switches=switches)
 
 
 class History:

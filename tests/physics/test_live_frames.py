@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import softcradle.physics.adaptive.usual_budget
-from softcradle.physics import METHODS, Chain, Contact, State, advance, one_on, power_law, simulate
+from softcradle.physics import METHODS, Chain, Contact, State, TimedForce, advance, hertz, one_on, power_law, simulate
+from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
 
@@ -66,3 +68,35 @@ def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(cha
 def test_a_budget_must_be_one():
     with pytest.raises(ValueError, match="most_steps must be at least 1, not 0"):
         advance(SOFT, _struck(SOFT), 0.1, "radau", most_steps=0)
+
+
+HIT = Chain(np.ones(4), [hertz(50.0)] * 3, gap=(0.013, 0.0, 0.021))
+BRAKED = Chain(np.ones(4), [Contact(0.0, 50.0, 1.5, loss=0.3)] * 3, gap=(0.013, 0.0, 0.021), friction=0.02)
+PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))
+
+
+@pytest.mark.parametrize(
+    ("method", "chain"),
+    [
+        (method.name, chain)
+        for method in METHODS
+        for chain in (HIT, BRAKED, PUSHED)
+        if not refusal_of(method.name, chain)
+    ],
+)
+def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
+    start, step = np.eye(1, 4)[0], None if find_method(method).adaptive else 1e-3
+    whole = simulate(chain, start, 1.0, method, step=step, samples=2)
+    state, found = State.at_start(chain, start), [[], [], []]
+    for _ in range(40):
+        before = state.closed
+        advance(chain, state, 0.025, method, step=step)
+        for contact, time in zip(*state.switched, strict=True):
+            found[contact].append(time)
+            assert state.time - 0.025 - 1e-12 <= time <= state.time
+        assert ((np.bincount(state.switched.contact, minlength=3) % 2 == 1) == (before != state.closed)).all()
+    expected = [[time for span in spans for time in span if time < np.inf] for spans in whole.contact_intervals]
+    assert [len(times) for times in found] == [len(times) for times in expected]
+    assert state.switches == sum(map(len, expected))
+    for times, known in zip(found, expected, strict=True):
+        assert times == pytest.approx(known, abs=2e-3 if step else 1e-6)

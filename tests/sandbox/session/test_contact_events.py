@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import hertz, simulate
-from softcradle.sandbox.session import Session, SetContact, SetGap, SetMass, SetSlow, SetVelocity
+from softcradle.sandbox.session import Place, Session, SetContact, SetGap, SetMass, SetMethod, SetSlow, SetVelocity
 from softcradle.sandbox.session.contact_events import ContactEventIndex
 from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 
@@ -14,20 +14,51 @@ from softcradle import scenes
 FRAMES = BLOCK_ROWS + 300
 
 
-def test_contact_events_are_the_contact_intervals_of_a_trajectory():
+@pytest.mark.parametrize(("method", "error"), [("conserving", 1.5e-3), ("accurate", 1e-5)])
+def test_contact_events_and_exported_times_are_those_the_engine_located(method, error):
     session = Session(scenes.load("hertz-cradle"))
+    session.apply(SetMethod(None, method))
     lane = session.scene.lanes[0]
-    session.step_frames(FRAMES)
-    session.step_frames(FRAMES)
-    truth = simulate(lane.chain(), lane.velocity, session.time, "conserving", step=1e-3)
+    session.step_frames(2 * FRAMES)
+    truth = simulate(lane.chain(), lane.velocity, session.time, "accurate", tolerance=1e-10)
     events = session.contact_events()
     assert (np.diff(events.time) >= 0.0).all()
     for contact, intervals in enumerate(truth.contact_intervals):
         own = events.select(events.contact == contact)
         expected = [time for interval in intervals for time in interval]
         assert np.isfinite(expected).all()
-        assert own.time == pytest.approx(expected, abs=session.setup.frame_time)
+        assert own.time == pytest.approx(expected, abs=error), "at the most a step"
         assert own.closed.tolist() == [True, False] * len(intervals)
+        np.testing.assert_array_equal(np.ravel(session.trajectory(0).contact_intervals[contact]), own.time)
+
+
+def test_bounces_within_one_frame_are_all_events():
+    session = Session(scenes.load("one-on-four"))
+    session.apply(SetMethod(None, "accurate"))
+    session.apply(SetContact(0, None, hertz(1e9)))
+    for bead, mass in ((0, math.inf), (1, 1e-3), (2, math.inf)):
+        session.apply(SetMass(0, bead, mass))
+    session.apply(SetVelocity(0, 1, 1.0))
+    session.apply(SetGap(0, 0, 1e-3))
+    session.apply(SetGap(0, 1, 1e-3))
+    session.apply(SetSlow(1.0))
+    session.step_frames(1)
+    lane = session.to_scene().lanes[0]
+    truth = simulate(lane.chain(), lane.velocity, session.time, "accurate").contact_intervals
+    events = session.contact_events()
+    assert len(truth[1]) > 1
+    for contact in (0, 1):
+        times = events.select(events.contact == contact).time
+        assert times == pytest.approx([t for span in truth[contact] for t in span if t < math.inf], abs=1e-6)
+
+
+def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
+    session = Session(scenes.load("one-on-four"))
+    session.step_frames(300)
+    before = len(session.contact_events().time)
+    session.apply(Place(0, 0, -0.5))
+    assert len(session.contact_events().time) == before + 1
+    assert [column[-1] for column in session.contact_events().columns()] == [session.time, 300, 0, 0, False, 0.0]
 
 
 def test_an_impact_within_one_frame_is_not_missed():
