@@ -314,7 +314,7 @@ def advance(problem: Problem) -> Status:
             if row.closed != before:
                 row.read(state)
                 found = _switches(before, row.closed, state, length)
-                state.note_switches(*zip(*found, strict=True))
+                state.note_switches([contact for contact, _ in found], [time for _, time in found])
     row.read(state)
     state.time = start + duration
     return Status.DONE

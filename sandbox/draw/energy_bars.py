@@ -9,9 +9,8 @@ from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.motion import GOOD, Array, Motion, level_of
 
-SMALL_ERROR = 1e-3  # relative error up to which a badge is green: less than a pixel of the bars
 # Titles of the energy bar, of which the longest that fits is written, and those of the momentum bar.
 ENERGY_TITLES = (
     N_("energy: motion of each bead, stored in contacts"),
@@ -96,7 +95,7 @@ class EnergyBars:
             fill_rectangle(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
-        unit, good, size = self.unit, error <= SMALL_ERROR, 12.5 * self.unit
+        unit, good, size = self.unit, level_of(error) == GOOD, 12.5 * self.unit
         y = self.badges.top + (6 + 17 * line) * unit
         text = f"{name}  {scientific(error) if error >= 1e-17 else '0'}"
         colour = tones.foreground if good else tones.warning

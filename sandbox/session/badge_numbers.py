@@ -1,25 +1,30 @@
-"""Health: the numbers of a lane's badge, and the sentence that says when its method is past its limit."""
+"""The verdict on a run: when its errors, its chatter or its steps were past their limits, and what to do about it.
+
+One table of criteria judges every frame of a slice of the history. The badge shows the last frame, with what is known of it
+alone; the findings of the whole run are the frames at which a criterion held, so they are right after a scrub, a new branch,
+an undo and a redo.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from softcradle.physics.methods import find_method
-from softcradle.sandbox.languages import N_, _, localized
+from softcradle.sandbox.languages import N_, _, language, localized
+from softcradle.sandbox.motion import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, Array, level_of
+from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.frame_pacing import FramePacer
-from softcradle.sandbox.session.history_slices import HistorySlice
+from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
 from softcradle.sandbox.session.live_method import contact_time
 
-GOOD, FAIR, BAD = "good", "fair", "bad"
-LEVELS = (GOOD, FAIR, BAD)
-FAIR_ERROR = 1e-3  # relative, the largest that is good: half a pixel of a plot
-BAD_ERROR = 1e-2  # relative, the largest that is fair: beyond it an eye sees it in the motion
 FAIR_VELOCITY = 1e-2  # of the closing speed, the largest velocity error that is good
 BAD_VELOCITY = 0.1  # of the closing speed, the largest that is fair
 MOST_CHATTER = 1.0  # switches per plausible switch
@@ -34,6 +39,111 @@ CHATTERING = N_(
     "contacts that should rest open and close {times:.0f} times faster than beads can: "
     "{method} is past its limit; take conserving"
 )
+PASSED = N_("beads passed through each other")
+
+
+class Criterion(NamedTuple):
+    """Something that makes a motion worse than good.
+
+    Attributes:
+        level: 'fair' or 'bad'.
+        holds: (T,) at which frames of a slice it does.
+        sentence: why, at the last of them, and what to do about it.
+        cause: in few words, for the findings of a run; empty for what is of no moment in particular.
+    """
+
+    level: str
+    holds: NDArray[np.bool_]
+    sentence: str
+    cause: str = ""
+
+
+def criteria(part: HistorySlice, chatter: Array, steps: float, length: float) -> list[Criterion]:
+    """What may be wrong in one slice, the gravest first; `length` [m] is that of a bead, `steps` to the shortest contact."""
+    setup, method = part.setup, part.setup.method
+    found = _off(part, "energy", np.atleast_1d(energy_error(part.ledger)))
+    found += _off(part, "momentum", np.atleast_1d(momentum_error(part.ledger)))
+    level, text = (FAIR, BOUNCING) if find_method(method).set_valued else (BAD, CHATTERING)
+    chattered = _("{method} chattered", method=method)
+    found.append(Criterion(level, chatter > MOST_CHATTER, _(text, times=chatter[-1], method=method), chattered))
+    arbitrary = _(
+        "{steps:.1g} steps to a whole contact: velocities are arbitrary; {remedy}", steps=steps, remedy=setup.finer
+    )
+    rough = _(
+        "only {steps:.0f} steps to the shortest contact: velocities are rough; {remedy}",
+        steps=steps,
+        remedy=setup.finer,
+    )
+    always = np.ones(len(part.time), dtype=bool)
+    found += [
+        Criterion(BAD, always & (steps < COARSE_STEPS), arbitrary),
+        Criterion(FAIR, always & (steps < FINE_STEPS), rough),
+        _passing(part, length),
+    ]
+    return sorted(found, key=lambda item: -LEVELS.index(item.level))
+
+
+def _off(part: HistorySlice, name: str, error: Array) -> list[Criterion]:
+    """Criteria of energy or momentum that nothing explains, relative to the largest so far."""
+    setup, method = part.setup, part.setup.method
+    fair, bad, lost = OFF[name]
+    values = {"method": method, "error": _percent(float(error[-1])), "remedy": setup.remedy}
+    blown_up = _("{method} has blown up: restart, and {remedy}", method=method, remedy=setup.remedy)
+    is_bad, finite, cause = ~(error <= BAD_ERROR), np.isfinite(error), _(lost, method=method)
+    return [
+        Criterion(BAD, ~finite, blown_up, cause),
+        Criterion(BAD, is_bad & finite, _(bad, **values), cause),
+        Criterion(FAIR, (error > FAIR_ERROR) & ~is_bad, _(fair, **values), cause),
+    ]
+
+
+def _passing(part: HistorySlice, length: float) -> Criterion:
+    """Whether an overlap is deeper than a bead is long: then one has passed its neighbour."""
+    passed = part.overlap > length
+    bead = int(np.argmax(passed[-1]))
+    text = _(
+        "beads {left} and {right} have passed through each other: the contact is too weak for this speed",
+        left=bead,
+        right=bead + 1,
+    )
+    return Criterion(BAD, np.asarray(passed.any(axis=1), dtype=bool), text, _(PASSED))
+
+
+def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
+    """(T,) switches over the last WINDOW frames, over the most that is plausible: every contact closes and opens, and again
+    in every contact time. Frames `before` the slice count as far back as there are as many contacts."""
+    alike = list(takewhile(lambda one: one.chain.contacts == part.chain.contacts, reversed(before)))[::-1]
+    time = np.concatenate([one.time for one in (*alike, part)])
+    switches = np.concatenate([one.ledger[:, SWITCHES] for one in (*alike, part)])
+    row = np.arange(len(time) - len(part.time), len(time))
+    begin = np.maximum(row - WINDOW, 0)
+    most = 2.0 * part.chain.contacts * (1.0 + (time[row] - time[begin]) / contact_time(part.chain, part.setup.speed))
+    chatter: Array = np.maximum(switches[row] - switches[begin], 0.0) / most
+    return chatter
+
+
+def _steps_a_contact(setup: LaneSetup, frame_time: float) -> float:
+    step = setup.step_for(frame_time)
+    return contact_time(setup.chain, setup.speed) / step if step else math.inf
+
+
+def _percent(value: float) -> str:
+    return localized(f"{100.0 * value:.2g} %")
+
+
+# what is said of a method that is off by some of it, a little or badly, and of a run in which it was
+OFF = {
+    "energy": (
+        N_("{method} is off by {error} of the energy"),
+        N_("{method} is off by {error} of the energy: {remedy}"),
+        N_("{method} lost energy"),
+    ),
+    "momentum": (
+        N_("{method} is off by {error} of the momentum"),
+        N_("{method} is off by {error} of the momentum: {remedy}"),
+        N_("{method} lost momentum"),
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -77,104 +187,111 @@ def health_of(
     `warning` is that of its method; `length` [m] that of a bead: a deeper overlap means that it has passed its neighbour;
     `velocity_error` that of an accurate run behind, where it is known.
     """
-    chain = setup.chain
-    ledger, walls = slices[-1].ledger[-1], slices[-1].velocity[-1][np.isinf(chain.mass)]
+    *before, last = slices
+    part = replace(last, setup=setup)
+    ledger, walls, chain = part.ledger[-1], part.velocity[-1][np.isinf(setup.chain.mass)], setup.chain
     unknown = walls.size and (np.ptp(walls) > 0.0 or (chain.on_bed and walls.any()))
-    energy = None if unknown else float(energy_error(ledger))
-    momentum = None if walls.size or chain.on_bed else float(momentum_error(ledger))
-    step = setup.step_for(frame_time)
-    steps = contact_time(chain, setup.speed) / step if step else math.inf
-    chatter = _chatter(slices, setup)
-    level, sentence = _verdict(setup, (energy or 0.0, momentum or 0.0), chatter, steps)
-    passed = np.flatnonzero(slices[-1].overlap[-1] > length)
-    if passed.size and level != BAD:
-        bead = int(passed[0])
-        text = _(
-            "beads {left} and {right} have passed through each other: the contact is too weak for this speed",
-            left=bead,
-            right=bead + 1,
-        )
-        level, sentence = BAD, text
-    if warning and level != BAD:
-        level, sentence = BAD, warning
-    if level == GOOD and velocity_error is not None and velocity_error > FAIR_VELOCITY:
-        level = BAD if velocity_error > BAD_VELOCITY else FAIR
+    chatter, steps = _chatter(part, before), _steps_a_contact(setup, frame_time)
+    found = [(item.level, item.sentence) for item in criteria(part, chatter, steps, length) if item.holds[-1]]
+    if warning:
+        found.append((BAD, warning))
+    if velocity_error is not None and (off := level_of(velocity_error, FAIR_VELOCITY, BAD_VELOCITY)) != GOOD:
         text = N_("velocities are off by {error} of the closing speed: take more slow motion")
-        sentence = _(text, error=_percent(velocity_error))
-    if level == GOOD and pacer.clock_ratio < ON_TIME:
-        level = FAIR
-        sentence = _("{share} of the set speed: a frame takes too long", share=_percent(pacer.clock_ratio))
-    return Health(energy, momentum, chatter, steps, pacer.milliseconds, level, sentence, velocity_error)
-
-
-def _chatter(slices: Sequence[HistorySlice], setup: LaneSetup) -> float:
-    """Switches over the most that is plausible: every contact closes and opens, and again in every contact time."""
-    contacts, last = setup.chain.contacts, slices[-1]
-    *_, first = takewhile(lambda part: part.chain.contacts == contacts, reversed(slices))
-    switches = float(last.ledger[-1, SWITCHES] - first.ledger[0, SWITCHES])
-    elapsed = float(last.time[-1] - first.time[0])
-    most = 2.0 * contacts * (1.0 + elapsed / contact_time(setup.chain, setup.speed))
-    return max(0.0, switches) / most
-
-
-def _verdict(setup: LaneSetup, errors: tuple[float, float], chatter: float, steps: float) -> tuple[str, str]:
-    """Level and sentence of the gravest finding."""
-    method = setup.method
-    worst, name = max(zip(errors, ("energy", "momentum"), strict=True))
-    remedy = setup.finer
-    values = {"method": method, "error": _percent(worst), "remedy": setup.remedy}
-    off, off_badly = _off(name)
-    findings = (
-        (
-            not math.isfinite(sum(errors)),
-            BAD,
-            _("{method} has blown up: restart, and {remedy}", method=method, remedy=setup.remedy),
-        ),
-        (
-            worst > BAD_ERROR,
-            BAD,
-            _(off_badly, **values),
-        ),
-        (chatter > MOST_CHATTER, *_chattering(method, chatter)),
-        (
-            steps < COARSE_STEPS,
-            BAD,
-            _("{steps:.1g} steps to a whole contact: velocities are arbitrary; {remedy}", steps=steps, remedy=remedy),
-        ),
-        (worst > FAIR_ERROR, FAIR, _(off, **values)),
-        (
-            steps < FINE_STEPS,
-            FAIR,
-            _(
-                "only {steps:.0f} steps to the shortest contact: velocities are rough; {remedy}",
-                steps=steps,
-                remedy=remedy,
-            ),
-        ),
-    )
-    good = (GOOD, _("{method} holds its errors", method=method))
-    return next(((level, sentence) for found, level, sentence in findings if found), good)
-
-
-def _chattering(method: str, chatter: float) -> tuple[str, str]:
-    """Level and sentence where contacts close and open more often than is plausible."""
-    if find_method(method).set_valued:
-        return FAIR, _(BOUNCING, times=chatter)
-    return BAD, _(CHATTERING, times=chatter, method=method)
-
-
-def _off(name: str) -> tuple[str, str]:
-    """What is said of a method that is off by some energy or momentum, a little or badly."""
-    if name == "energy":
-        return (
-            N_("{method} is off by {error} of the energy"),
-            N_("{method} is off by {error} of the energy: {remedy}"),
-        )
-    return (
-        N_("{method} is off by {error} of the momentum"),
-        N_("{method} is off by {error} of the momentum: {remedy}"),
+        found.append((off, _(text, error=_percent(velocity_error))))
+    if pacer.clock_ratio < ON_TIME:
+        late = N_("{share} of the set speed: a frame takes too long")
+        found.append((FAIR, _(late, share=_percent(pacer.clock_ratio))))
+    found.append((GOOD, _("{method} holds its errors", method=setup.method)))
+    level, sentence = max(found, key=lambda item: LEVELS.index(item[0]))
+    return Health(
+        energy_error=None if unknown else float(energy_error(ledger)),
+        momentum_error=None if walls.size or chain.on_bed else float(momentum_error(ledger)),
+        chatter=float(chatter[-1]),
+        steps_a_contact=steps,
+        milliseconds=pacer.milliseconds,
+        level=level,
+        sentence=sentence,
+        velocity_error=velocity_error,
     )
 
 
-def _percent(value: float) -> str:
-    return localized(f"{100.0 * value:.2g} %")
+@dataclass(frozen=True)
+class Finding:
+    """Something that was wrong for a while.
+
+    Attributes:
+        cause: in some words of the language in use.
+        level: 'fair' or 'bad', the worst of that while.
+        first, last: frames.
+        begin, end: times [s].
+    """
+
+    cause: str
+    level: str
+    first: int
+    last: int
+    begin: float
+    end: float
+
+
+class RunVerdicts:
+    """The findings of all lanes of a history; those of full blocks are found once.
+
+    Arguments:
+        history: the frames.
+        length: of a bead [m]; an overlap beyond it means that a bead has passed its neighbour.
+    """
+
+    def __init__(self, history: History, length: float) -> None:
+        self.history, self.length = history, length
+        self._known: dict[tuple[int, int, str], tuple[Block, int, list[Finding]]] = {}
+
+    def of(self, lane: int) -> list[Finding]:
+        """The findings of a lane, in order of time; those of one cause that follow each other closely are one."""
+        found: list[Finding] = []
+        for block in self.history.blocks:
+            found += self._of_block(block, lane)
+        return _merged(found)
+
+    def _of_block(self, block: Block, lane: int) -> list[Finding]:
+        key = (id(block), lane, language())
+        known = self._known.get(key)
+        if known and known[0] is block and known[1] == block.revision and block is not self.history.blocks[-1]:
+            return known[2]
+        last = block.first + block.used - 1
+        slices = list(history_slices(self.history, lane, block.first - WINDOW, last))
+        parts = [(k, part) for k, part in enumerate(slices) if part.first + len(part.time) > block.first]
+        each = [item for k, part in parts for item in findings_of(part, slices[:k], self.length)]
+        found = [item for item in each if item.last >= block.first]
+        if len(self._known) > 4 * len(self.history.blocks) + 16:
+            self._known.clear()
+        self._known[key] = (block, block.revision, found)
+        return found
+
+
+def findings_of(part: HistorySlice, before: Sequence[HistorySlice], length: float) -> list[Finding]:
+    """What was wrong in one slice."""
+    found = criteria(part, _chatter(part, before), math.inf, length)
+    return [item for one in found if one.cause and one.holds.any() for item in _spells(part, one)]
+
+
+def _spells(part: HistorySlice, found: Criterion) -> list[Finding]:
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], found.holds.astype(np.int8), [0]))))
+    return [
+        Finding(found.cause, found.level, part.first + a, part.first + b, float(part.time[a]), float(part.time[b]))
+        for a, b in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True)
+    ]
+
+
+def _merged(found: list[Finding]) -> list[Finding]:
+    """Findings of one cause joined where less than WINDOW frames lie between them."""
+    joined: dict[str, list[Finding]] = {}
+    for item in sorted(found, key=lambda one: one.first):
+        own = joined.setdefault(item.cause, [])
+        if own and item.first - own[-1].last <= WINDOW:
+            worst = max(own[-1].level, item.level, key=LEVELS.index)
+            last, end = max((own[-1].last, own[-1].end), (item.last, item.end))
+            own[-1] = replace(own[-1], level=worst, last=last, end=end)
+        else:
+            own.append(item)
+    return sorted((item for own in joined.values() for item in own), key=lambda one: one.first)

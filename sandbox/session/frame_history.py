@@ -107,7 +107,12 @@ class Block:
         switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
             State(
-                time, *(array[row].copy() for array in (lane.overlap, lane.rate, lane.anchor, lane.force)), switched=own
+                time,
+                lane.overlap[row].copy(),
+                lane.rate[row].copy(),
+                lane.anchor[row].copy(),
+                lane.force[row].copy(),
+                switched=own,
             )
             for lane, own in zip(self.lanes, switches, strict=True)
         )

@@ -14,9 +14,8 @@ from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, label_words, pgettext
 from softcradle.sandbox.session import badge_numbers
-from softcradle.sandbox.session.badge_numbers import Health
+from softcradle.sandbox.session.badge_numbers import Finding, Health
 from softcradle.sandbox.session.inputs import SetMethod
-from softcradle.sandbox.session.run_verdict import Finding
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
 from softcradle.sandbox.window.scene.scene_editor import AUTO

@@ -10,10 +10,11 @@ from softcradle.sandbox.session import (
     SetKind,
     SetMass,
     SetMethod,
+    SetSlow,
     SetStep,
     SetVelocity,
 )
-from softcradle.sandbox.session.run_verdict import PASSED
+from softcradle.sandbox.session.badge_numbers import PASSED
 from softcradle.sandbox.session.velocity_check import VelocityCheck
 
 from softcradle import scenes
@@ -32,6 +33,19 @@ def test_chatter_stays_known_after_it_has_ended():
     assert session.health(0).level == "bad"
     session.undo()
     assert session.findings(0) == []
+
+
+def test_the_badge_and_the_findings_of_a_run_are_one_verdict():
+    session = Session(scenes.load("draft-gear-one-on-three"))
+    session.apply(SetMethod(0, "verlet"))
+    for slow in (None, 5.0, 20.0):  # a new setup begins a new slice, and chatter goes on
+        if slow:
+            session.apply(SetSlow(slow))
+        session.step_frames(300)
+    bad = {frame for item in session.findings(0) for frame in range(item.first, item.last + 1)}
+    for frame in range(session.history.last, 0, -25):
+        session.scrub_frame(frame)
+        assert (session.health(0).level == "bad") == (frame in bad), frame
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "train-cut", "hooke-cradle", "mixed"])
