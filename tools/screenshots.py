@@ -16,7 +16,7 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.languages import ENGLISH, LANGUAGES, language
-from softcradle.sandbox.session.frame_clock import FrameClock
+from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage

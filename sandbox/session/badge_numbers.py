@@ -21,9 +21,8 @@ from softcradle.sandbox.motion import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LE
 from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
-from softcradle.sandbox.session.lane_setup import LaneSetup
+from softcradle.sandbox.session.lane_setup import LaneSetup, contact_time
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
-from softcradle.sandbox.session.live_method import contact_time
 
 FAIR_VELOCITY = 1e-2  # of the closing speed, the largest velocity error that is good
 BAD_VELOCITY = 0.1  # of the closing speed, the largest that is fair

@@ -9,15 +9,68 @@ from functools import singledispatch
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact
-from softcradle.physics.state import State
+from softcradle.physics.state import State, from_anchor
 from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.bead_placement import displace, place_bead, set_velocity, state_from_bead_0
 from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
 from softcradle.sandbox.session.lane_setup import LaneSetup
+
+Array = NDArray[np.float64]
+
+
+def place_bead(chain: Chain, state: State, bead: int, position: float) -> None:
+    """Move `bead` to `position` [m], or up to a wall; beads in its way are pushed along, just touching."""
+    shift = position - float(state.position(chain)[bead])
+    side = 1 if shift > 0.0 else -1
+    ahead = np.arange(bead + side, chain.contacts + 1 if side > 0 else -1, side)
+    gaps = np.maximum(0.0, -state.overlap[ahead - 1 if side > 0 else ahead])
+    room = np.cumsum(gaps)
+    walls = np.flatnonzero(np.isinf(np.array(chain.mass)[ahead]))
+    way = min(abs(shift), float(room[walls[0]])) if walls.size else abs(shift)
+    displacement = np.zeros(chain.contacts + 1)
+    displacement[bead] = side * way
+    displacement[ahead] = side * np.maximum(0.0, way - room)
+    displace(chain, state, displacement)
+
+
+def displace(chain: Chain, state: State, displacement: Array) -> None:
+    """Move every bead by `displacement` (n+1,) [m]; contacts that this changes get the force of their new overlap."""
+    change = displacement[:-1] - displacement[1:]
+    state.overlap += change
+    state.anchor[0] += displacement[chain.anchor]
+    for contact in np.flatnonzero(change).tolist():
+        state.force[contact] = chain.contact[contact].force(float(state.overlap[contact]))
+
+
+def set_velocity(chain: Chain, state: State, bead: int | None, velocity: float) -> None:
+    """Give `bead`, or all beads (None), the velocity [m/s]."""
+    if bead is None:
+        state.rate[:] = 0.0
+        state.anchor[1] = velocity
+        return
+    change = velocity - float(state.velocity(chain)[bead])
+    if bead > 0:
+        state.rate[bead - 1] -= change
+    if bead < chain.contacts:
+        state.rate[bead] += change
+    if bead == chain.anchor:
+        state.anchor[1] = velocity
+
+
+def state_from_bead_0(
+    chain: Chain, time: float, contacts: tuple[Array, Array, Array], bead_0: tuple[float, float]
+) -> State:
+    """A State of `chain` from overlaps, rates and forces (n,), with bead 0 at position and velocity `bead_0`."""
+    overlap, rate, force = contacts
+    anchor = np.array(
+        [from_anchor(values, start, 0)[chain.anchor] for values, start in zip((overlap, rate), bead_0, strict=True)]
+    )
+    return State(time, overlap, rate, anchor, force)
+
 
 MOST_BEADS = 400  # of a lane that beads are added to
 LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits

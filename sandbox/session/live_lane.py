@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,25 @@ from softcradle.sandbox.session.ledger import (
     measure,
     new_ledger,
 )
-from softcradle.sandbox.session.pointer_spring import spring_force
+
+FREQUENCY = 12.0  # 1/s of wall time: the bead follows the pointer within about a sixth of a second
+MOST_SPEED = 10.0  # of the pull, relative to the scene's closing speed
+
+
+def spring_frequency(slow: float) -> float:
+    """Angular frequency omega of the spring [1/s of model time]."""
+    return FREQUENCY * slow
+
+
+def spring_force(setup: LaneSetup, bead: int, offset: float, velocity: float, frequency: float) -> float:
+    """Force [N] on `bead`, which moves at `velocity`, from a pointer `offset` [m] ahead of it; 0 on a wall."""
+    mass = setup.chain.mass[bead]
+    if math.isinf(mass):
+        return 0.0
+    reach = 2.0 * MOST_SPEED * setup.speed / frequency
+    stretch = min(max(offset, -reach), reach)
+    return mass * (frequency * frequency * stretch - 2.0 * frequency * velocity)
+
 
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from softcradle.sandbox.session.frame_clock import FrameClock
+from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.session.session import Session
 
 from softcradle import scenes

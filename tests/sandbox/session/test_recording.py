@@ -6,7 +6,7 @@ from typing import get_args
 import numpy as np
 import pytest
 from softcradle.sandbox.session import Drag, Replay, SetMass, SetMethod, SetSlow, recording
-from softcradle.sandbox.session.frame_clock import FrameClock
+from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.user_error import UserError
 

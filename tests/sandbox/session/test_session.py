@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.session import Drag, RemoveBead, SetMass, SetSlow, SetVelocity
-from softcradle.sandbox.session.frame_clock import FrameClock
+from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
