@@ -6,17 +6,21 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from softcradle.physics import Trajectory
+from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve
-from softcradle.physics.status import Status
+from softcradle.physics.status import Status, Warnings
 from softcradle.sandbox.sweeps.scene_points import Start
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes.toml_table import suggestion
 
+Array = NDArray[np.float64]
 Value = float | int | None | Sequence[Any] | np.ndarray[Any, Any]
 
 
@@ -28,10 +32,10 @@ class Run:
         motion: its Trajectory, where that is known already.
     """
 
-    def __init__(self, start: Start, motion: Trajectory | None = None) -> None:
+    def __init__(self, start: Start, motion: Trajectory | RunEnd | None = None) -> None:
         self.start = start
         if motion is not None:
-            self.motion = motion
+            self.motion = motion  # type: ignore[assignment]
 
     @cached_property
     def motion(self) -> Trajectory:
@@ -93,6 +97,35 @@ class Run:
         beads = cluster_beads(self.start.chain, slice(self.struck + 1, None))
         known = run is not None and not run.status.gave_up and beads.size > 0
         return float(rigidity(run.final_velocity[beads])) if run is not None and known else math.nan
+
+
+class RunEnd(NamedTuple):
+    """What is known of a run whose chain ran beside others of its shape; names are those of a Trajectory."""
+
+    final_velocity: Array
+    velocity_error: Array
+    time: Array
+    status: Status
+    steps: int
+    evaluations: int
+    warnings: Warnings
+
+
+def ends_of(starts: Sequence[Start]) -> list[RunEnd]:
+    """How runs of one shape and with the same settings end, to the digits of `solve`. ValueError where they cannot run so."""
+    from softcradle.physics.batch.batch_ends import ensemble_ends
+    from softcradle.physics.batch.chain_batch import ChainBatch
+
+    settings = {"method": "accurate", "tolerance": 1e-8, "step": None, **starts[0].settings}
+    if not find_method(settings["method"]).adaptive:
+        raise ValueError("warnings of fixed steps are those of each run")
+    velocity = np.array([start.velocity for start in starts])
+    found = ensemble_ends(ChainBatch.of([start.chain for start in starts]), velocity, workers=1, **settings)
+    warned = [unusual_warnings(start.chain, start.velocity, settings["tolerance"]) for start in starts]
+    numbers = found.steps.tolist(), found.evaluations.tolist()
+    status = [Status(code) for code in found.status.tolist()]
+    columns = found.final_velocity, found.velocity_error, found.time[:, None], status, *numbers, warned
+    return [RunEnd(*row) for row in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -166,6 +199,7 @@ def _collision_measures() -> tuple[Measure, ...]:
     )
 
 
+OF_ENDS = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")  # all that a RunEnd tells
 MEASURES = (*CHEAP, *_collision_measures())
 MEASURE_BY_NAME = {measure.name: measure for measure in MEASURES}
 

@@ -14,11 +14,12 @@ import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, sobol, store, sweep
-from softcradle.sandbox.sweeps.chunk_work import PointStatus
+from softcradle.sandbox.sweeps.chunk_work import PointStatus, Work, packed
 from softcradle.sandbox.sweeps.executors import Here, Place
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
 from softcradle.sandbox.sweeps.schedule import ChunkSchedule
 from softcradle.sandbox.sweeps.store import Store, merged, partial_folder
+from softcradle.sandbox.sweeps.study_text import sweep_work
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import load
 
@@ -443,3 +444,34 @@ def test_threads_in_place_of_processes_are_told_of(monkeypatch, caplog):
     assert found["double"].values.tolist() == [0, 2, 4, 6, 8]
     assert "computed in threads of this process" in caplog.text
     assert "put the function into a module" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("scene", "over"),
+    [
+        (
+            "draft-gear-one-on-three",
+            {"lanes.0.mass.0": [0.5, 0.7, -1.0, 1.0, 2.0], "lanes.0.velocity.0": [0.5, 1.0, 2.0]},
+        ),
+        ("one-on-four", {"lanes.0.contact.alpha": [0.1, 0.11, 0.12, 0.4], "lanes.0.velocity.0": [1.0, 1.1]}),
+        ("draft-gear-one-on-three", {"lanes.0.beads.1": [3, 4], "lanes.0.velocity.0": [1.0, 2.0]}),
+    ],
+    ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes"],
+)
+def test_points_that_run_side_by_side_have_the_digits_of_those_alone(scene, over):
+    measures = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")
+    work = sweep_work(scene, grid(over), measures)
+    columns = {path: values.tolist() for path, values in work.points.columns(0, work.points.count).items()}
+    points = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+    alone, beside = packed(0, [*map(work.outcome, points)]), packed(0, work._at_once(points))
+    assert beside.reasons == alone.reasons
+    for name, column in alone.columns.items():
+        np.testing.assert_array_equal(beside.columns[name], column, err_msg=name)
+
+
+def test_points_of_one_shape_run_side_by_side_and_are_not_computed_alone(monkeypatch):
+    over = {"lanes.0.mass.0": [0.7, 1.0, 2.0], "lanes.0.velocity.0": [0.5, 1.0, 2.0]}
+    work = sweep_work("draft-gear-one-on-three", grid(over), ("final_velocity", "steps"))
+    points = [{"lanes.0.mass.0": mass, "lanes.0.velocity.0": 1.0} for mass in (0.7, 1.0, 2.0)]
+    monkeypatch.setattr(Work, "outcome", lambda *_: pytest.fail("computed alone"))
+    assert [outcome.status for outcome in work._at_once(points)] == [PointStatus.SEPARATED] * 3
