@@ -28,6 +28,7 @@ from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _, label_words
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import FORCE
 from softcradle.scenes import View
 
 KEY = 26.0  # design pixels of the line with name and key, above the bars
@@ -136,7 +137,7 @@ class LaneDrawing:
         x, y = rect.left + 8 * unit, rect.top + 8 * unit
         if self.label:
             x = write(surface, self.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
-        x = write(surface, _("contact force (N)"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
+        x = write(surface, _(FORCE.title), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
         if self.chain.pulls:
             x = write(surface, _("hollow: pulls"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
         if any(coupler.stop for i, coupler in self.chain.couplers):

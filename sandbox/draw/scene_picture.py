@@ -18,6 +18,7 @@ from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.scenes import Scene
 
 # Design pixels: pixels of a picture with the height DESIGN_HEIGHT, or with the width DESIGN_WIDTH if it is narrower. All
@@ -199,16 +200,14 @@ class _LanePicture:
         colours, contact_colours = self.drawing.colours, self.drawing.contact_colours
         contacts = range(len(contact_colours))
         if kind == 0:
-            axis, names = (
-                linear_axis(_("velocity (m/s)"), *scales.velocity),
-                [f"v{subscript(i)}" for i in range(len(colours))],
-            )
+            names = [VELOCITY.symbol + subscript(i) for i in range(len(colours))]
+            axis = linear_axis(_(VELOCITY.title), *scales.velocity)
             return Panel(rect, unit, scales.time, axis, colours=colours, names=names)
         if kind == 1:
-            axis, letter = linear_axis(_("contact force (N)"), scales.pull, scales.force), "f"
+            axis, shown = linear_axis(_(FORCE.title), scales.pull, scales.force), FORCE
         else:
-            axis, letter = decade_axis(_("overlap (m), logarithmic"), *scales.decades), "δ"
-        names = [letter + subscript(i, i + 1) for i in contacts]
+            axis, shown = decade_axis(_("overlap (m), logarithmic"), *scales.decades), OVERLAP
+        names = [shown.symbol + subscript(i, i + 1) for i in contacts]
         return Panel(rect, unit, scales.time, axis, colours=contact_colours, names=names)
 
     def backdrop(self, surface: pygame.Surface) -> None:

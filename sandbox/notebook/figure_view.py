@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from softcradle.physics import Trajectory
+from softcradle.sandbox.quantities import FORCE, TIME, VELOCITY
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.studies.plot_style import COLUMN_WIDTH, bead_colour, panel_title, styled, zero_line
 from softcradle.scenes import Scene
@@ -42,8 +43,8 @@ def figure_of(shown: Trajectory | Scene) -> ShownFigure:
         for column, (label, trajectory) in enumerate(columns):
             _draw(grid[0, column], grid[1, column], trajectory)
             panel_title(grid[0, column], label)
-        grid[0, 0].set_ylabel("velocity [m/s]")
-        grid[1, 0].set_ylabel("contact force [N]")
+        grid[0, 0].set_ylabel(VELOCITY.label)
+        grid[1, 0].set_ylabel(FORCE.label)
     return figure
 
 
@@ -62,7 +63,7 @@ def _draw(velocities: Axes, forces: Axes, trajectory: Trajectory) -> None:
         velocities.plot(trajectory.time, trajectory.velocity[:, i], color=_colour(i, beads), label=f"bead {i}")
     for i in range(contacts):
         forces.plot(trajectory.time, trajectory.force[:, i], color=_colour(i + 1, beads), label=f"{i}-{i + 1}")
-    forces.set(xlabel="time [s]", ylim=(0.0, None))
+    forces.set(xlabel=TIME.label, ylim=(0.0, None))
     for axes, count in ((velocities, beads), (forces, contacts)):
         handles, labels = axes.get_legend_handles_labels()
         named = range(count) if count <= MOST_LABELS else (0, count - 1)

@@ -24,6 +24,8 @@ from softcradle.sandbox.session.history_slices import HistorySlice, history_slic
 from softcradle.sandbox.session.lane_setup import LaneSetup, contact_time
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
 
+__all__ = ["BAD", "FAIR", "GOOD", "LEVELS"]  # those of every motion, which badges show
+
 FAIR_VELOCITY = 1e-2  # of the closing speed, the largest velocity error that is good
 BAD_VELOCITY = 0.1  # of the closing speed, the largest that is fair
 MOST_CHATTER = 1.0  # switches per plausible switch

@@ -7,29 +7,29 @@ from __future__ import annotations
 
 import csv
 import io
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from softcradle.sandbox.languages import NP_
 from softcradle.sandbox.motion import Array
+from softcradle.sandbox.quantities import (
+    FORCE,
+    KINETIC,
+    MOMENTUM,
+    OVERLAP,
+    POSITION,
+    RATE,
+    STORED,
+    VELOCITY,
+    Quantity,
+)
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 
-BEAD_COLUMNS = (
-    NP_("column", "bead"),
-    NP_("column", "mass (kg)"),
-    NP_("column", "position (m)"),
-    NP_("column", "velocity (m/s)"),
-    NP_("column", "momentum (N s)"),
-    NP_("column", "kinetic energy (J)"),
-)
-CONTACT_COLUMNS = (
-    NP_("column", "contact"),
-    NP_("column", "overlap (m)"),
-    NP_("column", "rate (m/s)"),
-    NP_("column", "force (N)"),
-    NP_("column", "stored energy (J)"),
-)
+OF_BEADS, OF_CONTACTS = (POSITION, VELOCITY, MOMENTUM, KINETIC), (OVERLAP, RATE, FORCE)
+BEAD_COLUMNS = (NP_("column", "bead"), NP_("column", "mass (kg)"), *(one.column for one in OF_BEADS))
+CONTACT_COLUMNS = (NP_("column", "contact"), *(one.column for one in OF_CONTACTS), STORED.column)
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,17 @@ class ValuesTable:
 def bead_table(session: Session, lane: int) -> ValuesTable:
     """The beads of a lane."""
     live = session.lanes[lane]
-    rows: list[tuple[float, ...]] = []
-    for bead, (mass, position, velocity) in enumerate(
-        zip(live.chain.mass, middles(live).tolist(), live.velocity.tolist(), strict=True)
-    ):
-        momentum = mass * velocity if math.isfinite(mass) else math.nan
-        rows.append((float(bead), mass, position, velocity, momentum, 0.5 * momentum * velocity))
-    return ValuesTable(BEAD_COLUMNS, rows)
+    columns = _columns(live, OF_BEADS)
+    for inertia in columns[2:]:  # a wall has no momentum or energy of its own
+        inertia[np.isinf(live.chain.mass)] = np.nan
+    rows = zip(live.chain.mass, *(column.tolist() for column in columns), strict=True)
+    return ValuesTable(BEAD_COLUMNS, [(float(bead), *row) for bead, row in enumerate(rows)])
+
+
+def _columns(live: LiveLane, quantities: Sequence[Quantity]) -> list[Array]:
+    """The values (k,) of quantities at the frame shown."""
+    motion = live.motion
+    return [quantity.values(motion, live.setup.length)[0] for quantity in quantities]
 
 
 def middles(live: LiveLane) -> Array:
@@ -61,8 +65,8 @@ def middles(live: LiveLane) -> Array:
 def contact_table(session: Session, lane: int) -> ValuesTable:
     """The contacts of a lane; contact k is between beads k and k + 1."""
     live = session.lanes[lane]
-    state, stored = live.state, live.chain.stored_energy(live.state.overlap)
-    columns = (state.overlap.tolist(), state.rate.tolist(), state.force.tolist(), stored.tolist())
+    stored = live.chain.stored_energy(live.state.overlap)
+    columns = [column.tolist() for column in (*_columns(live, OF_CONTACTS), stored)]
     return ValuesTable(CONTACT_COLUMNS, [(float(k), *row) for k, row in enumerate(zip(*columns, strict=True))])
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory
+from softcradle.physics.status import Status
 from softcradle.sandbox.sweeps.measure_table import OF_ENDS, Measure, Run, Value, ends_of, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.sweeps.scene_points import ScenePoints, Start
@@ -130,7 +131,7 @@ class Work:
         found, row = list[Outcome](), iter(ends)
         for values, lane in zip(points, lanes, strict=True):
             runs = [Run(start, next(row)) for start in lane]
-            well = all(run.status in (PointStatus.DONE, PointStatus.SEPARATED) for run in runs)
+            well = all(run.status in (Status.DONE, Status.SEPARATED) for run in runs)
             found.append(self._measured(runs) if well else self.outcome(values))
         return found
 

@@ -25,6 +25,7 @@ from softcradle.sandbox.page.page_tables import result_notes
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.page.shared_page import recorded_page
 from softcradle.sandbox.page.svg_charts import Axes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
+from softcradle.sandbox.quantities import FORCE, OVERLAP
 from softcradle.sandbox.studies.compare.results import (
     MeasureRow,
     SideResult,
@@ -81,7 +82,7 @@ def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
     inside = [_energy_inside(result) for result in results]
     return chart_row(
         [
-            _overlay("Force of the struck contact", results, forces, axis, "force (N)"),
+            _overlay("Force of the struck contact", results, forces, axis, FORCE.title),
             _overlay("Energy inside the target cluster", results, inside, axis, "share of all energy"),
             _law_chart(results),
         ]
@@ -112,7 +113,7 @@ def _law_chart(results: Sequence[SideResult]) -> str:
         curves.append(Curve(result.side.name, overlap, force, f"s{k}"))
         if law.loss:
             curves.append(Curve(f"{result.side.name}, unloading", overlap, (1.0 - law.loss) * force, f"s{k}"))
-    axes = Axes((0.0, deepest), axis_range([curve.y for curve in curves]), "overlap (m)", "force (N)")
+    axes = Axes((0.0, deepest), axis_range([curve.y for curve in curves]), OVERLAP.title, FORCE.title)
     return line_chart("Law of the struck contact", curves, axes)
 
 

@@ -13,6 +13,7 @@ from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import N_, NP_, _
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.sandbox.window.plots.difference_plot import DifferencePlot
 from softcradle.sandbox.window.plots.kymograph_plot import KymographPlot
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
@@ -85,12 +86,12 @@ class PlotKind:
 
 def _velocities(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", *setting.scales.velocity)
-    return PlotContent(_("velocity (m/s)"), axis, setting.bead_names("v"), setting.colours, _velocity)
+    return PlotContent(_(VELOCITY.title), axis, setting.bead_names(VELOCITY.symbol), setting.colours, _velocity)
 
 
 def _forces(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", setting.scales.pull, setting.scales.force)
-    return PlotContent(_("contact force (N)"), axis, setting.contact_names("f"), setting.colours[1:], _force)
+    return PlotContent(_(FORCE.title), axis, setting.contact_names(FORCE.symbol), setting.colours[1:], _force)
 
 
 def _overlaps(setting: PlotSetting) -> PlotContent:
@@ -98,7 +99,7 @@ def _overlaps(setting: PlotSetting) -> PlotContent:
         axis = decade_axis("", *setting.scales.decades)
     else:
         axis = linear_axis("", 0.0, 1.1 * (max(map(max, setting.scales.deepest)) or 1.0))
-    return PlotContent(_("overlap (m)"), axis, setting.contact_names("δ"), setting.colours[1:], _overlap)
+    return PlotContent(_(OVERLAP.title), axis, setting.contact_names(OVERLAP.symbol), setting.colours[1:], _overlap)
 
 
 def _energies(setting: PlotSetting) -> PlotContent:
@@ -108,7 +109,7 @@ def _energies(setting: PlotSetting) -> PlotContent:
 
 
 def _contact_forces_by_row(setting: PlotSetting) -> PlotContent:
-    axis, names = _row_axis(setting.contact_names("")), setting.contact_names("f")
+    axis, names = _row_axis(setting.contact_names("")), setting.contact_names(FORCE.symbol)
     title, darkest = _("contact forces (N), row by row"), setting.scales.force
     return PlotContent(title, axis, names, setting.colours[1:], _force, darkest=darkest)
 

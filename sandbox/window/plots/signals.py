@@ -3,39 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import BEAD, CHAIN, CONTACT, QUANTITIES, Quantity
 
-BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
-
-
-class Quantity(NamedTuple):
-    """What a letter means: name, symbol, unit, whose it is, and (T, k) values of a motion of beads that are so long [m]."""
-
-    name: str
-    symbol: str
-    unit: str
-    owner: str
-    values: Callable[[Motion, float], Array]
-
-
-QUANTITIES: dict[str, Quantity] = {
-    "t": Quantity("time", "t", "s", CHAIN, lambda motion, _: motion.time[:, None]),
-    "x": Quantity("position", "x", "m", BEAD, lambda motion, length: motion.middles(length)),
-    "v": Quantity("velocity", "v", "m/s", BEAD, lambda motion, _: motion.velocity),
-    "p": Quantity("momentum", "p", "N s", BEAD, lambda motion, _: motion.momentum),
-    "e": Quantity("kinetic energy", "E", "J", BEAD, lambda motion, _: motion.kinetic),
-    "d": Quantity("overlap", "δ", "m", CONTACT, lambda motion, _: motion.overlap),
-    "r": Quantity("rate of the overlap", "dδ/dt", "m/s", CONTACT, lambda motion, _: motion.rate),
-    "f": Quantity("force", "f", "N", CONTACT, lambda motion, _: motion.force),
-    "s": Quantity("stored energy", "S", "J", CHAIN, lambda motion, _: motion.stored[:, None]),
-}
 KEY = N_(
     "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"
 )

@@ -1,0 +1,80 @@
+"""Quantities of a motion: name, unit, symbol, whose it is, its values. Plots, pictures, tables and notebooks read this table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from softcradle.sandbox.languages import N_, NP_
+from softcradle.sandbox.motion import Array, Motion
+
+BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
+
+
+class Quantity(NamedTuple):
+    """A number that every bead, every contact or the chain has.
+
+    Attributes:
+        title: name and unit, as an axis has them; marked for translation.
+        column: the same above a column, where there is little room; marked in the context "column".
+        symbol: before an index.
+        owner: whose it is, 'bead', 'contact' or 'chain'.
+        values: (T, k) of a motion of beads that are so long [m].
+    """
+
+    title: str
+    column: str
+    symbol: str
+    owner: str
+    values: Callable[[Motion, float], Array]
+
+    @property
+    def name(self) -> str:
+        """The title without the unit."""
+        return self.title.rpartition(" (")[0]
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return self.title.rpartition(" (")[2].removesuffix(")")
+
+    @property
+    def label(self) -> str:
+        """Name and unit in the way of the paper's figures."""
+        return f"{self.name} [{self.unit}]"
+
+
+TIME = Quantity(N_("time (s)"), "time (s)", "t", CHAIN, lambda motion, _: motion.time[:, None])
+POSITION = Quantity(
+    N_("position (m)"), NP_("column", "position (m)"), "x", BEAD, lambda motion, length: motion.middles(length)
+)
+VELOCITY = Quantity(N_("velocity (m/s)"), NP_("column", "velocity (m/s)"), "v", BEAD, lambda motion, _: motion.velocity)
+MOMENTUM = Quantity(N_("momentum (N s)"), NP_("column", "momentum (N s)"), "p", BEAD, lambda motion, _: motion.momentum)
+KINETIC = Quantity(
+    N_("kinetic energy (J)"), NP_("column", "kinetic energy (J)"), "E", BEAD, lambda motion, _: motion.kinetic
+)
+OVERLAP = Quantity(N_("overlap (m)"), NP_("column", "overlap (m)"), "δ", CONTACT, lambda motion, _: motion.overlap)
+RATE = Quantity(
+    N_("rate of the overlap (m/s)"), NP_("column", "rate (m/s)"), "dδ/dt", CONTACT, lambda motion, _: motion.rate
+)
+FORCE = Quantity(N_("contact force (N)"), NP_("column", "force (N)"), "f", CONTACT, lambda motion, _: motion.force)
+STORED = Quantity(
+    N_("stored energy (J)"),
+    NP_("column", "stored energy (J)"),
+    "S",
+    CHAIN,
+    lambda motion, _: motion.stored[:, None],
+)
+
+# by the letter that a person types
+QUANTITIES: dict[str, Quantity] = {
+    "t": TIME,
+    "x": POSITION,
+    "v": VELOCITY,
+    "p": MOMENTUM,
+    "e": KINETIC,
+    "d": OVERLAP,
+    "r": RATE,
+    "f": FORCE,
+    "s": STORED,
+}
