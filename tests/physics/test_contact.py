@@ -164,6 +164,7 @@ def test_a_step_force_cannot_be_exceeded():
         (lambda: hertz(1.0, loss=1.0), "loss must be >= 0 and below 1, not 1.0"),
         (lambda: hertz(1.0, loss=1.5), "loss must be >= 0 and below 1, not 1.5"),
         (lambda: hertz(1.0, loss=-0.1), "loss must be >= 0 and below 1, not -0.1"),
+        (lambda: hertz(1.0, loss=math.nan), "loss must be"),
         (lambda: Contact(0.0, 1.0, 10.1), "exponent must be from 1e-06 to 10, not 10.1"),
     ],
 )

@@ -137,29 +137,10 @@ def test_yoshida4_is_refused_in_a_sentence():
             advance(chain, State.at_start(chain, [1.0, 0.0]), 0.1, "yoshida4")
 
 
-@pytest.mark.parametrize("loss", [-0.1, 1.0, 2.0, math.nan])
-def test_a_loss_out_of_range(loss):
-    with pytest.raises(ValueError, match="loss"):
-        Contact(1.0, 1.0, 1.0, loss)
-
-
 @pytest.mark.parametrize("friction", [-0.1, math.inf, math.nan])
 def test_a_friction_out_of_range(friction):
     with pytest.raises(ValueError, match="friction must be"):
         Chain([1, 1], hertz(1.0), friction=friction)
-
-
-@pytest.mark.parametrize("method", ["conserving", "verlet", "pymunk"])
-def test_advance_is_simulate(method):
-    chain = Chain([1.0, 2.0, 1.0], draft_gear(300.0, 0.01, 0.7), gap=0.01, friction=0.2)
-    state = State.at_start(chain, [1.0, 0.0, 0.0])
-    for _ in range(20):
-        advance(chain, state, 0.01, method, 1e-4)
-    found = simulate(chain, [1.0, 0.0, 0.0], 0.2, method, 1e-4, samples=21)
-    assert state.position(chain) == pytest.approx(found.position[-1], abs=1e-9 if method != "verlet" else 1e-6)
-    both = found.absorbed_by_contacts[-1], found.absorbed_by_bed[-1]
-    assert state.absorbed == pytest.approx(both, rel=1e-6)
-    assert state.copy().absorbed.tolist() == state.absorbed.tolist()
 
 
 def test_an_external_push_moves_a_bead_above_the_threshold():

@@ -53,19 +53,6 @@ def test_a_sample_is_a_run_that_stops_there(method, truth):
         assert found.overlap[k] == pytest.approx(stopped.overlap[-1], abs=1e-6 * truth.largest_overlap.max())
 
 
-@pytest.mark.parametrize("case", SMOOTH)
-@pytest.mark.parametrize("method", KERNELS)
-def test_advance_is_simulate(method, case):
-    chain, velocity = SMOOTH[case]
-    duration, frames = 3.0, 60
-    whole = run(chain, velocity, duration, method, tolerance=1e-9)
-    state = State.at_start(chain, velocity)
-    for _ in range(frames):
-        advance(chain, state, duration / frames, method, tolerance=1e-9)
-    assert state.time == pytest.approx(duration, rel=1e-12)
-    assert state.velocity(chain) == pytest.approx(whole.final_velocity, abs=PROMISE * frames * 1e-9)
-
-
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("speed", [0.0, 1e-17])
 def test_advance_from_a_turning_point(method, speed):

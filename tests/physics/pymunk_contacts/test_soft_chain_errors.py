@@ -1,35 +1,13 @@
-"""SoftChain: copies, errors, bad arguments, and the same digits without a compiler."""
+"""SoftChain: errors and bad arguments."""
 
-import copy
 import math
-import os
-import pickle
-import subprocess
-import sys
 
 import pymunk
 import pytest
-from softcradle.physics import SoftChain, hertz, power_law
+from softcradle.physics import SoftChain, hertz
 from softcradle.physics.pymunk_contacts import soft_chain
 
 from tests.helpers.spaces import FRAME, chain_row, run, total_energy
-
-
-@pytest.mark.parametrize(
-    "duplicate", [copy.deepcopy, lambda space: space.copy(), lambda s: pickle.loads(pickle.dumps(s))]
-)
-def test_copies_move_alike(duplicate):
-    space, bodies, chain = chain_row(power_law(1.0, 0.1), gap=0.1)
-    run(space, FRAME, 20)
-    assert chain.energy > 0.0
-    other = duplicate(space)
-    (theirs,) = SoftChain.of(other)
-    assert theirs is not chain
-    assert list(theirs) == list(other.constraints)
-    for each in (space, other):
-        run(each, FRAME, 200)
-    assert [tuple(body.velocity) for body in other.bodies] == [tuple(body.velocity) for body in bodies]
-    assert (theirs.overlaps == chain.overlaps).all()
 
 
 def test_an_error_in_the_solver_reaches_the_caller_once(monkeypatch):
@@ -71,25 +49,6 @@ def test_bad_arguments(arguments, message):
     good = {"bodies": bodies, "contacts": hertz(1.0), "touching_distances": 1.0}
     with pytest.raises(ValueError, match=message):
         SoftChain(**{**good, **arguments})
-
-
-DIGITS = """
-from tests.helpers.spaces import chain_row
-from softcradle.physics import power_law
-space, bodies, chain = chain_row(power_law(1.0, 0.1), gap=0.1)
-for _ in range(100):
-    space.step(1 / 60)
-print([body.velocity.x.hex() for body in bodies])
-"""
-
-
-def test_without_compiler_the_same_digits():
-    def digits(switch):
-        environment = {**os.environ, "NUMBA_DISABLE_JIT": switch, "PYTHONPATH": os.path.dirname(__file__)}
-        command = [sys.executable, "-c", DIGITS]
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
-
-    assert digits("1") == digits("0")
 
 
 @pytest.mark.parametrize(

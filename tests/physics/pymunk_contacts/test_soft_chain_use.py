@@ -1,5 +1,6 @@
 """SoftChain in a changing Space: bodies moved, contacts changed, joints, shapes, sleep."""
 
+import copy
 import itertools
 import math
 import pickle
@@ -264,12 +265,17 @@ def test_ten_frames_rolled_back_to_the_bit(law, before):
     """By the state of the chain, by a copy of the Space and by a pickle: before the first step, in a blow and after it."""
     space, _, chain = chain_row(law, gap=0.1)
     run(space, FRAME, before)
-    state, copies = pickle.loads(pickle.dumps(chain.state)), [space.copy(), pickle.loads(pickle.dumps(space))]
+    state, copies = (
+        pickle.loads(pickle.dumps(chain.state)),
+        [space.copy(), copy.deepcopy(space), pickle.loads(pickle.dumps(space))],
+    )
     first = frames(space, chain, 10)
     chain.restore(state)
     assert frames(space, chain, 10) == first
     for copied in copies:
         (theirs,) = SoftChain.of(copied)
+        assert theirs is not chain
+        assert list(theirs) == list(copied.constraints)
         assert frames(copied, theirs, 10) == first
         theirs.restore(state)
         assert frames(copied, theirs, 10) == first

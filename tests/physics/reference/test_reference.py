@@ -53,16 +53,6 @@ def modes(chain, velocity):
     return mode.tolist(), Phase.of(built, mode).force(y[: chain.contacts])
 
 
-def test_the_paper_case():
-    found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], method="scipy")
-    expected = [-0.56758562, 0.17392147, 0.45407871, 0.46978361, 0.46980183]
-    assert found.final_velocity == pytest.approx(expected, abs=1e-8)
-    assert found.tolerance == 1e-8
-    assert found.step == 0.0
-    assert found.warnings == ()
-    assert 0 < found.steps < found.evaluations
-
-
 def test_an_alpha_of_a_thirtieth_is_no_hindrance():
     """Inner overlaps of 1e-29 count as touching, with a multiplier, until the tolerance distinguishes them from 0."""
     found = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, method="scipy", tolerance=1e-7)
