@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 TRIED = 8  # points of a chunk that run side by side, and as many alone, before the rest runs as was faster
 AT_ONCE = 64  # points that run side by side between two looks at the clock
+STATUS, WARNED = ":status", ":warned"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
 
 
@@ -55,7 +56,7 @@ class Chunk:
 
     Attributes:
         begin, end: their numbers.
-        columns: arrays (end - begin, ...) by the name of a measure, nan where there is no number; "status", "warned".
+        columns: arrays (end - begin, ...) by the name of a measure, nan where there is no number; STATUS, WARNED.
         reasons: what went wrong, by number of the point.
         seconds: what it took.
     """
@@ -209,8 +210,8 @@ def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chu
     columns: dict[str, NDArray[Any]] = {
         name: stacked([as_floats(o.values[name]) if name in o.values else None for o in outcomes]) for name in names
     }
-    columns["status"] = np.array([outcome.status for outcome in outcomes], dtype=np.int8)
-    columns["warned"] = np.array([outcome.warned for outcome in outcomes], dtype=np.int32)
+    columns[STATUS] = np.array([outcome.status for outcome in outcomes], dtype=np.int8)
+    columns[WARNED] = np.array([outcome.warned for outcome in outcomes], dtype=np.int32)
     reasons = {begin + k: outcome.reason for k, outcome in enumerate(outcomes) if outcome.reason}
     return Chunk(begin, begin + len(outcomes), columns, reasons, seconds)
 

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.extras import needed_for
-from softcradle.sandbox.sweeps.chunk_work import Chunk, PointStatus
+from softcradle.sandbox.sweeps.chunk_work import STATUS, WARNED, Chunk, PointStatus
 from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
 from softcradle.sandbox.sweeps.sample_points import Points
+from softcradle.sandbox.user_error import StudyError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,9 @@ def dataset_of(
     """
     import xarray as xr
 
+    taken = next((name for name in RESERVED if name in chunk.columns), None)
+    if taken:
+        raise StudyError(f"a measure cannot be called {taken!r}: give it another name")
     known = MEASURE_BY_NAME | {measure.name: measure for measure in measures}
     inner = {
         name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
@@ -51,13 +55,14 @@ def dataset_of(
     for name, column in chunk.columns.items():
         whole = _padded(column, [sizes[dimension] for dimension in inner[name]])
         told = _attributes(name, known.get(name), units)
-        variables[name] = (*points.dimensions, *inner[name]), _shaped(whole, points), told
+        variables[name.removeprefix(":")] = (*points.dimensions, *inner[name]), _shaped(whole, points), told
     coordinates: dict[str, Any] = {name: np.arange(sizes[name]) for name in ("bead", "contact") if name in sizes}
     if "lane" in sizes:
         coordinates["lane"] = np.array([*lanes], dtype=object)
     return xr.Dataset(variables, coordinates | _axis_coordinates(points), dict(attributes))
 
 
+RESERVED = ("status", "warned", "reason")  # variables beside the measures
 REASON = 'what went wrong; "" where nothing did'
 
 
@@ -70,11 +75,11 @@ def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -
 
 
 def _attributes(name: str, own: Measure | None, units: Mapping[str, str]) -> dict[str, Any]:
-    if name == "status":  # by the conventions for flags
+    if name == STATUS:  # by the conventions for flags
         codes = np.array([status.value for status in PointStatus], dtype=np.int8)
         words = " ".join(status.name.lower() for status in PointStatus)
         return {"long_name": "what became of the point", "flag_values": codes, "flag_meanings": words}
-    if name == "warned":
+    if name == WARNED:
         return {"long_name": "number of warnings"}
     return {"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")}
 
@@ -128,7 +133,7 @@ def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
     """Name with unit, least, mean, greatest number and how many points have none, of every measure."""
     rows = []
     for name, variable in found.data_vars.items():
-        if name in ("status", "warned", "reason") or variable.dtype.kind != "f":
+        if name in RESERVED or variable.dtype.kind != "f":
             continue
         values = variable.to_numpy()
         known = values[np.isfinite(values)]

@@ -16,7 +16,7 @@ from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
-from softcradle.sandbox.sweeps.chunk_work import Chunk, Outcome, PointStatus, Work
+from softcradle.sandbox.sweeps.chunk_work import STATUS, WARNED, Chunk, Outcome, PointStatus, Work
 from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, lost_points, open_dataset, write_dataset
 from softcradle.sandbox.sweeps.executors import (
     PATIENCE,
@@ -231,7 +231,7 @@ def drop_kept(kept: Path) -> None:
 
 
 def _rows(chunk: Chunk) -> list[dict[str, Any]]:
-    columns = {name: column for name, column in chunk.columns.items() if name not in ("status", "warned")}
+    columns = {name: column for name, column in chunk.columns.items() if name not in (STATUS, WARNED)}
     rows = [{name: column[k] for name, column in columns.items()} for k in range(chunk.end - chunk.begin)]
     for k, text in chunk.reasons.items():
         rows[k - chunk.begin]["reason"] = text
@@ -239,7 +239,7 @@ def _rows(chunk: Chunk) -> list[dict[str, Any]]:
 
 
 def _refuse_broken(chunk: Chunk, points: Points) -> None:
-    broken = np.flatnonzero(chunk.columns["status"] >= PointStatus.REFUSED)
+    broken = np.flatnonzero(chunk.columns[STATUS] >= PointStatus.REFUSED)
     if broken.size:
         number = chunk.begin + int(broken[0])
         values = {name: column[0] for name, column in points.columns(number, number + 1).items()}

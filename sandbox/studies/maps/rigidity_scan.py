@@ -83,7 +83,7 @@ def compute_map(
     at = points.columns(0, points.count)
     columns = {scanned.abscissa: at["abscissa"], "n": at["n"]}
     columns |= {name.replace("_", " "): found[name] for name in ("rigidity_at_detachment", "rigidity_at_the_end")}
-    return columns | {name: found[f"run_{name}"].astype(int) for name in ("status", "warned")}
+    return columns | {name: found[name].astype(int) for name in ("status", "warned")}
 
 
 def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[str, float]:
@@ -96,8 +96,8 @@ def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[
     return {
         "rigidity_at_detachment": _rigidity(detached, leaving),
         "rigidity_at_the_end": _rigidity(end, leaving),
-        "run_status": float(max((end.status, detached.status), key=_severity)),
-        "run_warned": float(bool(detached.warnings or end.warnings)),
+        "status": float(max((end.status, detached.status), key=_severity)),
+        "warned": float(bool(detached.warnings or end.warnings)),
     }
 
 

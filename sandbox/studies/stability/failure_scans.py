@@ -170,7 +170,7 @@ def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers:
         runs = map_points(partial(scan_numbers, scan.name), points, None, progress, workers)
         for (value, method, fineness), row in zip(rows, runs, strict=True):
             numbers = {name: number.item() for name, number in row.items()}
-            switches, warned = int(numbers.pop("switches")), bool(numbers.pop("has_warned"))
+            switches, warned = int(numbers.pop("switches")), bool(numbers.pop("warned"))
             found.append(ScanRun(scan.name, value, method, fineness, switches=switches, warned=warned, **numbers))
     names = [scan.name for scan in scans]
     return sorted(found, key=lambda run: (names.index(run.scan), order.index(run.method)))
@@ -180,7 +180,6 @@ def scan_numbers(name: str, value: float, method: str, fineness: float) -> dict[
     """What one run of the scan of that name tells, in numbers."""
     scan = next(scan for scan in SCANS if scan.name == name)
     run = asdict(scan_run(scan, value, find_method(method), fineness))
-    run["has_warned"] = run.pop("warned")
     return {key: float(number) for key, number in run.items() if key not in ("scan", "value", "method", "fineness")}
 
 

@@ -14,7 +14,7 @@ import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, sobol, store, sweep
-from softcradle.sandbox.sweeps.chunk_work import PointStatus, Work, packed
+from softcradle.sandbox.sweeps.chunk_work import STATUS, PointStatus, Work, packed
 from softcradle.sandbox.sweeps.executors import Here, Place
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
 from softcradle.sandbox.sweeps.schedule import ChunkSchedule
@@ -165,7 +165,7 @@ def test_the_guilty_point_alone_is_given_up(alone):
     executor = Dying(work, deadly_points=(17,), innocent=(40,))
     ChunkSchedule([(0, 63)], kept.keep, told.append, 1e-3).run(DyingPlace(work.compute, executor, 2))
     found = merged(kept.chunks(), 63)
-    assert np.flatnonzero(found.columns["status"] == PointStatus.LOST).tolist() == [17]
+    assert np.flatnonzero(found.columns[STATUS] == PointStatus.LOST).tolist() == [17]
     assert sum(told) == 63 == kept.done
     assert sorted(executor.computed) == sorted(set(range(63)) - {17})
     expected = alone["product"].to_numpy().ravel()
@@ -475,3 +475,14 @@ def test_points_of_one_shape_run_side_by_side_and_are_not_computed_alone(monkeyp
     points = [{"lanes.0.mass.0": mass, "lanes.0.velocity.0": 1.0} for mass in (0.7, 1.0, 2.0)]
     monkeypatch.setattr(Work, "outcome", lambda *_: pytest.fail("computed alone"))
     assert [outcome.status for outcome in work._at_once(points)] == [PointStatus.SEPARATED] * 3
+
+
+def test_a_study_may_use_the_names_of_columns_and_a_dataset_refuses_them():
+    points = grid({"x": [1.0, 2.0]})
+    assert [row["status"] + row["warned"] for row in map_points(own_status, points, executor="here")] == [7.0, 8.0]
+    with pytest.raises(StudyError, match="a measure cannot be called 'status'"):
+        sweep(own_status, {"x": [1.0]}, executor="here")
+
+
+def own_status(x):
+    return {"status": 5.0, "warned": 1.0 + x}
