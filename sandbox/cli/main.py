@@ -16,8 +16,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TextIO
 
-from softcradle.sandbox.cli.command_list import COMMANDS, CommandModule
-from softcradle.sandbox.cli.parsers import Parser, command_parsers
+from softcradle.sandbox.cli.command_list import COMMANDS, CommandModule, Parser, command_parsers
 from softcradle.sandbox.console import is_quiet, set_quiet
 from softcradle.sandbox.user_error import (
     CLOSED_PIPE,

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.draw.drawable_trajectory import longest_lead, motion_of
-from softcradle.sandbox.draw.shared_scales import Scales, scales_of
+from softcradle.sandbox.draw.shared_scales import Scales, longest_lead, motion_of, scales_of
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 

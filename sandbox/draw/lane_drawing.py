@@ -3,33 +3,66 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
 import pygame
 from softcradle.physics import Chain
-from softcradle.sandbox.draw.bead_arrows import ARROWS
 from softcradle.sandbox.draw.bead_sprites import bead_sprite, cylinder_sprite, number_sprite, piston_sprite, wall_sprite
 from softcradle.sandbox.draw.bodies import (
     CYLINDER_HEIGHT,
     CYLINDER_LENGTH,
     EQUAL_MASSES,
     body_height,
+    cluster_ends,
+    has_marks,
     is_gear,
     mass_labels,
+    rigid_forces,
     solid_force,
 )
 from softcradle.sandbox.draw.number_format import LARGEST_PLAIN, factor, fixed, prefixed, round_down, scientific, ticks
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
-from softcradle.sandbox.draw.rigid_clusters import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
 from softcradle.sandbox.draw.text import width, write
-from softcradle.sandbox.languages import _, label_words
+from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE
 from softcradle.scenes import View
+
+Shares = Callable[[Motion, int, Scales], Array]
+
+
+def _velocity(motion: Motion, row: int, scales: Scales) -> Array:
+    return motion.velocity[row] / max(map(abs, scales.velocity))
+
+
+def _momentum(motion: Motion, row: int, scales: Scales) -> Array:
+    mass = motion.chain.finite_mass
+    shares: Array = mass * motion.velocity[row] / (mass.max() * max(map(abs, scales.velocity)) or 1.0)
+    return shares
+
+
+def _force(motion: Motion, row: int, scales: Scales) -> Array:
+    """The force of both contacts of each bead together."""
+    force = np.concatenate(([0.0], motion.force[row], [0.0]))
+    shares: Array = np.clip(-np.diff(force) / scales.force, -1.0, 1.0)
+    return shares
+
+
+def _none(motion: Motion, row: int, scales: Scales) -> Array:
+    return np.zeros(len(motion.chain.mass))
+
+
+ARROWS: dict[str, Shares] = {
+    N_("velocity"): _velocity,
+    N_("momentum"): _momentum,
+    N_("net force"): _force,
+    N_("none"): _none,
+}
+
 
 KEY = 26.0  # design pixels of the line with name and key, above the bars
 FORCE_LABEL = 17.0  # design pixels of a force above its bar

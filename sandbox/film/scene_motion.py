@@ -8,14 +8,43 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from softcradle.physics import Chain
+from softcradle.physics import Chain, Trajectory
+from softcradle.physics.scales import closing_speed
 from softcradle.physics.simulation import solve
-from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.draw import longest_lead, motion_of
-from softcradle.sandbox.film.quiet_end import quiet_end
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
+
+PATIENCE = 100.0  # times what has been seen so far: a longer pause is the end of what a film shows
+
+
+def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
+    """When `trajectories`, the lanes of a scene, are over [s], and a sentence where more would follow after a long pause.
+
+    What has been seen so far lasts from the start to the last opening, the flight over all gaps at the closing speed included:
+    beads that are far apart have all the time that they need.
+    """
+    end = max(float(found.time[-1]) for found in trajectories)
+    spans = sorted(span for found in trajectories for spans in found.contact_intervals for span in spans)
+    flight = max(_flight_time(found) for found in trajectories)
+    until = spans[0][0] if spans else end
+    for closed, opened in [*spans, (end, end)]:
+        if closed > PATIENCE * (until + flight) and until > 0.0:
+            sentence = (
+                f"the motion is shown up to t = {until:.4g} s, when its last contact has opened for long: slow beads would meet "
+                f"again at t = {closed:.3g} s; give the scene a duration to see more, or less"
+            )
+            return until, sentence
+        until = max(until, min(opened, end))
+    return end, ""
+
+
+def _flight_time(found: Trajectory) -> float:
+    """Time [s] in which the closing speed of the start crosses all gaps of a chain."""
+    gaps = float(np.maximum(found.chain.gap, 0.0).sum())
+    return gaps / closing_speed(found.velocity[0])
+
 
 FILM_METHOD = "conserving"  # keeps energy to round-off, and its kernel is compiled in a few seconds
 LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a share of its motion

@@ -1,7 +1,6 @@
 """The languages of the window: English in the code, the others in a catalogue each, LC_MESSAGES/softcradle.po."""
 
 from softcradle.sandbox.languages.refusals import error_words, refusal_words
-from softcradle.sandbox.languages.scene_words import label_words, scene_words
 from softcradle.sandbox.languages.translation import (
     ENGLISH,
     LANGUAGES,
@@ -12,11 +11,13 @@ from softcradle.sandbox.languages.translation import (
     _,
     english,
     gettext,
+    label_words,
     language,
     language_of_environment,
     localized,
     ngettext,
     pgettext,
+    scene_words,
     use_language,
 )
 

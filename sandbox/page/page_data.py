@@ -12,9 +12,8 @@ from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.records import COUNTERS
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 from softcradle.physics.scales import speed_scale
-from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, is_gear, mass_labels, solid_force
+from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, cluster_ends, is_gear, mass_labels, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
-from softcradle.sandbox.draw.rigid_clusters import cluster_ends
 from softcradle.sandbox.languages import label_words, scene_words
 from softcradle.sandbox.languages.translation import LANGUAGES, language, use_language
 from softcradle.sandbox.page.packed_motion import packed_lanes

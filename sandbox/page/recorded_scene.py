@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from softcradle.physics import Trajectory
 from softcradle.physics.default_step import default_step
-from softcradle.sandbox.film.quiet_end import quiet_end
+from softcradle.sandbox.film.scene_motion import quiet_end
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.scenes import Scene

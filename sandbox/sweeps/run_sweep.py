@@ -21,6 +21,7 @@ from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, lost_points, op
 from softcradle.sandbox.sweeps.executors import (
     PATIENCE,
     Callers,
+    ChunkSchedule,
     Dask,
     Here,
     Place,
@@ -32,7 +33,6 @@ from softcradle.sandbox.sweeps.executors import (
 )
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
-from softcradle.sandbox.sweeps.schedule import ChunkSchedule
 from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, merged, partial_folder, study_in
 from softcradle.sandbox.sweeps.study_text import lanes_of, study_text, sweep_work
 from softcradle.sandbox.user_error import StudyError, reason

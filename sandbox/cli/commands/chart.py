@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
@@ -129,8 +129,7 @@ def _peers() -> ModuleType | None:
 
 def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
     from softcradle.sandbox.studies.machine_stamp import machine_stamp
-    from softcradle.sandbox.studies.picture_files import save_figure
-    from softcradle.sandbox.studies.plot_style import styled
+    from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.precision.precision_chart import draw_chart
     from softcradle.sandbox.studies.precision.precision_table import write_csv
 

@@ -6,7 +6,7 @@ import argparse
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
 from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
 
 def _measure_and_show(args: argparse.Namespace) -> None:
     from softcradle.sandbox.output_files import filled_folder, output_file
-    from softcradle.sandbox.studies.claims.claim_outputs import markdown, write_studies
+    from softcradle.sandbox.studies.claims.study_figure import markdown, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
@@ -76,7 +76,7 @@ def _measure_and_show(args: argparse.Namespace) -> None:
 
 def _print(found: list[Study], args: argparse.Namespace) -> None:
     from softcradle.sandbox.console import console
-    from softcradle.sandbox.studies.claims.claim_outputs import print_studies, print_study
+    from softcradle.sandbox.studies.claims.study_figure import print_studies, print_study
 
     if args.json:
         _print_json(found)
@@ -99,7 +99,7 @@ def _print_json(found: list[Study]) -> None:
     import json
 
     from softcradle.physics.trajectory_file import versions
-    from softcradle.sandbox.studies.claims.claim_outputs import as_json
+    from softcradle.sandbox.studies.claims.study_figure import as_json
 
     print(
         json.dumps({"claims": [as_json(study) for study in found], "versions": versions()}, indent=2, allow_nan=False)

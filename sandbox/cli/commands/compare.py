@@ -8,8 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_method, picture_size, positive_number
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_method, add_open, picture_size, positive_number
 from softcradle.sandbox.output_files import make_folder
 from softcradle.sandbox.user_error import GAVE_UP
 

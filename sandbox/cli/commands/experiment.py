@@ -28,8 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
     from softcradle.sandbox.console import ProgressShown
-    from softcradle.sandbox.studies.bed_experiment import STRIKERS
-    from softcradle.sandbox.studies.experiment_sweep import compute_experiment
+    from softcradle.sandbox.studies.bed_experiment import STRIKERS, compute_experiment
     from softcradle.sandbox.studies.piston_experiment import critical_speed_with_error
 
     with ProgressShown("launch speeds") as progress:

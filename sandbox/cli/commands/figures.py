@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open, open_with_desktop
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, open_with_desktop
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.output_files import filled_folder
 from softcradle.sandbox.user_error import unknown

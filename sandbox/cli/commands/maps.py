@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
 from softcradle.sandbox.user_error import UserError, unknown
 
 if TYPE_CHECKING:
@@ -76,8 +76,7 @@ def _computed(wanted: RigidityMap, kept: Path) -> Table:
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:
     from softcradle.sandbox.studies.maps.map_figure import draw_map
-    from softcradle.sandbox.studies.picture_files import write_picture
-    from softcradle.sandbox.studies.plot_style import styled
+    from softcradle.sandbox.studies.plot_style import styled, write_picture
 
     with styled():
         return write_picture(draw_map(wanted, table), table, folder / f"map-{wanted.name}")

@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.cli.arguments import add_scene, positive_number
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, add_scene, positive_number
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 

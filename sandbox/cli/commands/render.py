@@ -6,8 +6,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_method, add_scene, picture_size, positive_number
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import (
+    WrittenFiles,
+    add_method,
+    add_open,
+    add_scene,
+    picture_size,
+    positive_number,
+)
 from softcradle.sandbox.console import is_quiet
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError

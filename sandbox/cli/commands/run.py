@@ -8,8 +8,14 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_method, add_scene, positive_number, whole_number
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import (
+    WrittenFiles,
+    add_method,
+    add_open,
+    add_scene,
+    positive_number,
+    whole_number,
+)
 from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.user_error import GAVE_UP, UserError
 

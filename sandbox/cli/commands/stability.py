@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.written_files import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.user_error import UserError, unknown
 
@@ -57,8 +57,7 @@ def main(args: argparse.Namespace) -> int:
 def _write(
     runs: Sequence[ScanRun], scans: Sequence[Scan], picture: Path, numbers: Path, details: Path | None = None
 ) -> None:
-    from softcradle.sandbox.studies.picture_files import save_figure
-    from softcradle.sandbox.studies.plot_style import styled
+    from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.stability.failure_scans import write_csv
     from softcradle.sandbox.studies.stability.scan_maps import draw_details, draw_overview
 

@@ -26,8 +26,7 @@ from softcradle.sandbox.studies.figures import (
     wave_figure,
 )
 from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
-from softcradle.sandbox.studies.picture_files import write_picture
-from softcradle.sandbox.studies.plot_style import styled
+from softcradle.sandbox.studies.plot_style import styled, write_picture
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 

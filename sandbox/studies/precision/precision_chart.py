@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
-from softcradle.sandbox.studies.precision.curve_analysis import (
+from softcradle.sandbox.studies.precision.measurement import Point, Series
+from softcradle.sandbox.studies.precision.precision_table import (
     LARGEST_ERROR,
+    MeasuredCase,
+    curve_rows,
     fitted_order,
     frontier,
     most_exact,
+    ratio_sentence,
     series_by_name,
 )
-from softcradle.sandbox.studies.precision.measurement import Point, Series
-from softcradle.sandbox.studies.precision.precision_table import MeasuredCase, curve_rows, ratio_sentence
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,7 +17,7 @@ from softcradle.physics import METHODS, Chain, Contact, Trajectory, one_on, powe
 from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
 from softcradle.physics.methods import Method, find_method
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.studies.csv_files import write_rows
+from softcradle.sandbox.studies.data_table import write_rows
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from softcradle.physics import Chain
+from softcradle.sandbox.draw.bodies import has_marks
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.palette import Colour, tones
-from softcradle.sandbox.draw.rigid_clusters import has_marks
 from softcradle.sandbox.draw.shared_scales import Scales, left_edges
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array, Motion

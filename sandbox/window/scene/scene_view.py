@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import pygame
-from softcradle.sandbox.draw.bead_arrows import ARROWS
+from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, write

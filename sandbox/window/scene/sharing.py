@@ -16,7 +16,7 @@ from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
 STEEL = N_("steel balls")
-OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/scene_words.py
+OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/translation.py
 
 
 class Sharing:

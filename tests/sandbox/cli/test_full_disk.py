@@ -56,7 +56,7 @@ def test_a_full_disk_is_noticed(arguments, tmp_path):
 def test_figures_on_a_full_disk(suffix, tmp_path):
     program = (
         "import resource\nfrom pathlib import Path\n"
-        "from softcradle.sandbox.studies.picture_files import save_figure\n"
+        "from softcradle.sandbox.studies.plot_style import save_figure\n"
         "from softcradle.sandbox.studies.plot_style import new_figure\n"
         "figure, axes = new_figure()\naxes.plot([0, 1], [0, 1])\n"
         "save_figure(figure, Path('whole" + suffix + "'))\n"

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from softcradle.sandbox.draw.rigid_clusters import cluster_ends, has_marks, rigid_forces
+from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
 
 MASSES = [1.0] * 5
 CLOSED = [0.0] * 4

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
-from softcradle.sandbox.draw.rigid_clusters import rigid_forces
 from softcradle.sandbox.page import write_page
 from softcradle.scenes.catalogue import parse
 

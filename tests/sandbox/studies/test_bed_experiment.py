@@ -16,9 +16,9 @@ from softcradle.sandbox.studies.bed_experiment import (
     PRECOMPRESSION,
     STIFFNESS,
     STRIKERS,
+    compute_experiment,
     fit_friction,
 )
-from softcradle.sandbox.studies.experiment_sweep import compute_experiment
 from softcradle.sandbox.studies.figures import train_figure
 from softcradle.sandbox.studies.piston_experiment import (
     PISTON,

@@ -8,8 +8,7 @@ from dataclasses import replace
 import pytest
 from softcradle.sandbox.studies.claims.claim import Case, Claim, Side, Study, Verdict, grid
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS
-from softcradle.sandbox.studies.claims.claim_outputs import as_json
-from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
+from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, study_table
 from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
 

@@ -18,8 +18,7 @@ from softcradle.sandbox.studies.figures.figure_list import (
     figures_named,
     write_figure,
 )
-from softcradle.sandbox.studies.picture_files import SUFFIXES
-from softcradle.sandbox.studies.plot_style import styled
+from softcradle.sandbox.studies.plot_style import SUFFIXES, styled
 
 from tests.helpers.figure_layout import (
     keys_on_curves,

@@ -8,12 +8,14 @@ import math
 import pytest
 from softcradle.physics import one_on, power_law
 from softcradle.sandbox.studies.precision.cases import CaseDefinition
-from softcradle.sandbox.studies.precision.curve_analysis import fastest, fitted_order, frontier
 from softcradle.sandbox.studies.precision.measurement import TimeLimits, measure_series
 from softcradle.sandbox.studies.precision.precision_table import (
     MeasuredCase,
     auto_sentence,
     curve_rows,
+    fastest,
+    fitted_order,
+    frontier,
     ratio,
     ratio_sentence,
     write_csv,

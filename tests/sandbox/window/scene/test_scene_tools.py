@@ -7,7 +7,7 @@ import io
 
 import pygame
 import pytest
-from softcradle.sandbox.draw.bead_arrows import ARROWS
+from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.session.shared_text import scene_from_text, shared_text
 from softcradle.sandbox.window.scene.pick import Pick

@@ -7,9 +7,9 @@ import re
 
 import pygame
 import pytest
+from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.rigid_clusters import rigid_forces
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.pick import Pick
 
