@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from softcradle.physics import Trajectory
 
 
+PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # of units, the one that suits first
+
+
 @dataclass(frozen=True)
 class BeadSummary:
     """One bead: its mass [kg] (None: a wall), its velocities [m/s] at the start and at the end, and the error of the last.
@@ -89,6 +92,68 @@ class Summary:
     status: str
     choice: str = ""
     gave_up: bool = False
+
+
+@dataclass(frozen=True)
+class ResultTable:
+    """Titles with units, and rows of texts: what a terminal, a page and a notebook show, each in its own way."""
+
+    titles: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def bead_table(summary: Summary) -> ResultTable:
+    """A row a bead."""
+    last = "velocity when it gave up [m/s]" if summary.gave_up else "final velocity [m/s]"
+    rows = (
+        (
+            str(i),
+            "wall" if bead.mass is None else f"{bead.mass:g}",
+            _speed(bead.start_velocity),
+            _speed(bead.final_velocity),
+        )
+        for i, bead in enumerate(summary.beads)
+    )
+    return ResultTable(("bead", "mass [kg]", "velocity at start [m/s]", last), tuple(rows))
+
+
+def contact_table(summary: Summary) -> ResultTable:
+    """A row a contact."""
+    pulls = any(contact.largest_pull for contact in summary.contacts)
+    size, prefix = unit_prefix(
+        max((max(item.largest_force, item.largest_pull) for item in summary.contacts), default=0.0)
+    )
+    titles = "contact", "closed [s]", "opened [s]", "times", "largest overlap [m]", f"largest force [{prefix}N]"
+    rows = (
+        (
+            f"{i}-{i + 1}",
+            _time(contact.closed),
+            _time(contact.opened),
+            str(contact.times),
+            f"{contact.largest_overlap:.4g}",
+            f"{contact.largest_force / size:.6g}",
+            *[f"{contact.largest_pull / size:.6g}"] * pulls,
+        )
+        for i, contact in enumerate(summary.contacts)
+    )
+    return ResultTable((*titles, *[f"largest pull [{prefix}N]"] * pulls), tuple(rows))
+
+
+def unit_prefix(largest: float) -> tuple[float, str]:
+    """(size, prefix) of the unit that suits numbers up to `largest`, of which 1000 are 1 k."""
+    return next((size, name) for size, name in PREFIXES if size == 1.0 or largest >= size)
+
+
+def _speed(velocity: float) -> str:
+    """Eight decimals; of a speed that these would not fit or show, eight digits."""
+    fits = velocity == 0.0 or 1e-4 <= abs(velocity) < 1e6
+    return f"{velocity:.8f}" if fits else f"{velocity:.8g}"
+
+
+def _time(time: float | None) -> str:
+    if time is None:
+        return "never"
+    return f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}"
 
 
 def summarise(label: str, trajectory: Trajectory) -> Summary:

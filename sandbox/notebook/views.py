@@ -50,20 +50,10 @@ def _picture(trajectory: Trajectory) -> str:
 
 
 def _trajectory_table(trajectory: Trajectory) -> str:
-    from softcradle.sandbox.trajectory_summary import summarise
+    from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 
     summary = summarise("", trajectory)
-    last = "velocity when it gave up [m/s]" if summary.gave_up else "final velocity [m/s]"
-    beads = [
-        (
-            i,
-            "wall" if bead.mass is None else f"{bead.mass:g}",
-            f"{bead.start_velocity:.6g}",
-            f"{bead.final_velocity:.6g}",
-        )
-        for i, bead in enumerate(summary.beads)
-    ]
-    table = _table(("bead", "mass [kg]", "velocity at start [m/s]", last), beads)
+    table = "".join(_table(found.titles, found.rows) for found in (bead_table(summary), contact_table(summary)))
     if summary.velocity_error is not None:
         table += f"<p>velocities at the end to {summary.velocity_error:.1e} m/s</p>"
     return table + "".join(f"<p>warning: {escape(warning)}</p>" for warning in summary.warnings)

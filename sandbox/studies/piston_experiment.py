@@ -11,8 +11,8 @@ stated.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -20,7 +20,20 @@ import numpy as np
 from softcradle.physics import Chain, draft_gear, simulate
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.chain import GRAVITY
-from softcradle.sandbox.studies.bed_experiment import MASS, PRECOMPRESSION, STIFFNESS, STRIKERS, friction_range
+from softcradle.sandbox.studies.bed_experiment import (
+    MASS,
+    PRECOMPRESSION,
+    SPEEDS,
+    STIFFNESS,
+    STRIKERS,
+    Deficits,
+    Fit,
+    fit_friction,
+    friction_range,
+)
+from softcradle.sandbox.studies.data_table import Array
+from softcradle.sandbox.sweeps import grid
+from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 PISTON = 0.020  # [kg], ours
 FRAMES = 2052.0  # [1/s] of the camera, as stated
@@ -137,3 +150,32 @@ def deficits_at(speed: float) -> list[FittedDeficits]:
         for name, strikers in STRIKERS.items()
         for window in (0.0, *WINDOWS)
     ]
+
+
+def compute_experiment(
+    speeds: Sequence[float] = SPEEDS, progress: Progress | None = None, workers: int | None = None
+) -> tuple[list[Fit], list[FittedDeficits]]:
+    """Fits of the friction of the bed alone, and the deficits with pistons, of both experiments at these speeds [m/s]."""
+    found = map_points(speed_numbers, grid({"speed": list(speeds)}), None, progress, workers)
+    fits, pistons = list[Fit](), list[FittedDeficits]()
+    for speed, numbers in zip(speeds, found, strict=True):
+        fits += [_fit(name, speed, row) for name, row in zip(STRIKERS, numbers["fits"], strict=True)]
+        cases = [(name, window) for name in STRIKERS for window in (0.0, *WINDOWS)]
+        pistons += [_piston(*case, speed, row) for case, row in zip(cases, numbers["pistons"], strict=True)]
+    return fits, pistons
+
+
+def speed_numbers(speed: float) -> dict[str, list[list[float]]]:
+    """The numbers of one launch speed, a row an experiment and with pistons a row each of its windows, too."""
+    fits = [[fit.friction, *astuple(fit.deficits)] for fit in fit_friction(speed)]
+    return {"fits": fits, "pistons": [[*found.momentum, *found.energy] for found in deficits_at(speed)]}
+
+
+def _fit(experiment: str, speed: float, row: Array) -> Fit:
+    friction, *deficits = row.tolist()
+    return Fit(experiment, speed, friction, Deficits(*deficits))
+
+
+def _piston(experiment: str, window: float, speed: float, row: Array) -> FittedDeficits:
+    momentum, momentum_error, energy, energy_error = row.tolist()
+    return FittedDeficits(experiment, speed, window, Measured(momentum, momentum_error), Measured(energy, energy_error))

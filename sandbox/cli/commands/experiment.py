@@ -28,8 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
     from softcradle.sandbox.console import ProgressShown
-    from softcradle.sandbox.studies.bed_experiment import STRIKERS, compute_experiment
-    from softcradle.sandbox.studies.piston_experiment import critical_speed_with_error
+    from softcradle.sandbox.studies.bed_experiment import STRIKERS
+    from softcradle.sandbox.studies.piston_experiment import compute_experiment, critical_speed_with_error
 
     with ProgressShown("launch speeds") as progress:
         fits, pistons = compute_experiment(progress=lambda _, done, count: progress.tell("launch speeds", done, count))

@@ -37,10 +37,12 @@ def test_texts_are_short(found):
 
 
 @pytest.mark.parametrize("n", [4, 200])
-def test_a_trajectory_is_a_picture_and_a_table(n):
+def test_a_trajectory_is_a_picture_and_two_tables(n):
     shown = simulate(one_on(n, hertz(1.0)), [1] + [0] * n, duration=1.0, method="verlet", step=1e-2)._repr_html_()
-    assert shown.count("<tr>") <= 13
-    assert "final velocity [m/s]" in shown
+    beads, contacts = shown.split("<table>")[1:]
+    assert max(beads.count("<tr>"), contacts.count("<tr>")) <= 13
+    assert "final velocity [m/s]" in beads
+    assert "largest force [N]" in contacts
     data = re.search(r'src="data:image/png;base64,([^"]+)"', shown)
     assert data is not None
     assert base64.b64decode(data[1]).startswith(b"\x89PNG")

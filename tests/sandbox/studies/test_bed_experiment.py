@@ -16,7 +16,6 @@ from softcradle.sandbox.studies.bed_experiment import (
     PRECOMPRESSION,
     STIFFNESS,
     STRIKERS,
-    compute_experiment,
     fit_friction,
 )
 from softcradle.sandbox.studies.figures import train_figure
@@ -25,6 +24,7 @@ from softcradle.sandbox.studies.piston_experiment import (
     PRECOMPRESSION_ERROR,
     STIFFNESS_ERROR,
     Setup,
+    compute_experiment,
     critical_speed_with_error,
     deficits,
     deficits_at,
