@@ -13,6 +13,7 @@ from softcradle.physics.scales import closing_speed
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import longest_lead, motion_of
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.scene_runs import SHOWN
 from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 
@@ -46,7 +47,6 @@ def _flight_time(found: Trajectory) -> float:
     return gaps / closing_speed(found.velocity[0])
 
 
-FILM_METHOD = "conserving"  # keeps energy to round-off, and its kernel is compiled in a few seconds
 LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a share of its motion
 AFTER = 0.35  # free flight after the end of a scene that does not say how much, as a share of its motion
 LONGEST_FILM = 100_000  # frames: beyond that, slow motion was probably mistyped
@@ -121,7 +121,7 @@ def _solved(
     scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
 ) -> list[Trajectory]:
     try:
-        settings = scene.settings(method=method or scene.method or FILM_METHOD, step=step, **settings)
+        settings = scene.settings(method=method or scene.method or SHOWN, step=step, **settings)
         chains = [lane.chain() for lane in scene.lanes]
         found = [
             solve(chain, lane.velocity, most_steps=most and most // chain.contacts, **settings)

@@ -10,13 +10,14 @@ from softcradle.physics.methods import refusal_of
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.motion import Array
+from softcradle.sandbox.scene_runs import TOLD
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.player import Player
 from softcradle.sandbox.session.recording import hash_of
 
-METHOD = "accurate"
+METHOD = TOLD
 TOLERANCE = 1e-9  # of that run
 MOST_STEPS = 20_000  # of that run from one check to the next: some tenths of a second; beyond it the error is not known
 LEAST_FRAMES = 30  # between two checks: a quarter of a second
