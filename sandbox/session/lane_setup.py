@@ -27,8 +27,9 @@ TYPED_STEP_FRAME_COST = 30_000.0  # us, the most with a typed step: beyond it a 
 def choose_method(chain: Chain, speed: float) -> tuple[str, float]:
     """The cheapest method whose final velocities are right within ERROR, and its step [s].
 
-    It is that of all that is shown, `conserving`, whose energy and momentum are exact at any step, with the step that the rule of method "auto" has for
-    this error. That holds ERROR in every scene of the catalogue, for 0.3 microseconds a contact and step.
+    It is that of all that is shown, `conserving`, whose energy and momentum are exact at any step, with the step that the
+    rule of method "auto" has for this error. That holds ERROR in every scene of the catalogue, for 0.3 microseconds a contact
+    and step.
     """
     return SHOWN, suitable_step(SHOWN, chain, speed)
 

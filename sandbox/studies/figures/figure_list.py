@@ -10,16 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.figures import (
-    collapse_figure,
     collision_figure,
     coupler_figure,
-    coupling_figure,
     disorder_figure,
-    driven_figure,
-    equivalence_figure,
-    hypothesis_figure,
     rigidity_figure,
-    ringing_figure,
     scaling_figure,
     train_figure,
     variant_figure,
@@ -67,19 +61,19 @@ FIGURES: tuple[FigureEntry, ...] = (
         partial(collision_figure.velocities, SOFTER_ALPHA), partial(collision_figure.draw_velocities, alpha=SOFTER_ALPHA),
     ),
     FigureEntry(
-        "2a", "Fig. 2a", "the two modes of the mode-coupling model", coupling_figure.modes, coupling_figure.draw_modes
+        "2a", "Fig. 2a", "the two modes of the mode-coupling model", collision_figure.modes, collision_figure.draw_modes
     ),
     FigureEntry(
-        "2b", "Fig. 2b", "forces, mode coupling against full", coupling_figure.forces, coupling_figure.draw_forces
+        "2b", "Fig. 2b", "forces, mode coupling against full", collision_figure.forces, collision_figure.draw_forces
     ),
     FigureEntry(
         "2c", "Fig. 2c", "their relative discrepancies; (a) ends at 1.4e-3, which f01 leaves as it ends: (b) shows how",
-        coupling_figure.discrepancies, coupling_figure.draw_discrepancies,
+        collision_figure.discrepancies, collision_figure.draw_discrepancies,
     ),
-    FigureEntry("2d", "Fig. 2d", "the initial rise of the forces", coupling_figure.rise, coupling_figure.draw_rise),
+    FigureEntry("2d", "Fig. 2d", "the initial rise of the forces", collision_figure.rise, collision_figure.draw_rise),
     FigureEntry(
         "B", "App. B", "test of the evanescent hypothesis, nine cases",
-        hypothesis_figure.panels, hypothesis_figure.draw_panels,
+        rigidity_figure.panels, rigidity_figure.draw_panels,
     ),
     FigureEntry(
         "spread", "Fig. 3 of ref. [1]", "velocity spread of the targets",
@@ -96,22 +90,22 @@ FIGURES: tuple[FigureEntry, ...] = (
     ),
     FigureEntry(
         "collapse", "Sec. IV", "the end of rigid-like behaviour, and its scaling variable",
-        collapse_figure.spreads, collapse_figure.draw_spreads,
+        scaling_figure.spreads, scaling_figure.draw_spreads,
     ),
     FigureEntry(
         "ringing", "Sec. IV", "the inner contact oscillates about its branch",
-        ringing_figure.history, ringing_figure.draw_history,
+        collision_figure.history, collision_figure.draw_history,
     ),
     FigureEntry(
         "equivalence", "App. C", "which gear speed equals which alpha",
-        equivalence_figure.nearest, equivalence_figure.draw_nearest,
+        coupler_figure.nearest, coupler_figure.draw_nearest,
     ),
     FigureEntry(
         "driven", "Sec. V, not shown", "a steady force on a cluster at rest",
-        driven_figure.history, driven_figure.draw_history,
+        wave_figure.history, wave_figure.draw_history,
     ),
     FigureEntry(
-        "driven-scan", "Sec. V, not shown", "its period and amplitude", driven_figure.scan, driven_figure.draw_scan
+        "driven-scan", "Sec. V, not shown", "its period and amplitude", wave_figure.scan, wave_figure.draw_scan
     ),
     FigureEntry(
         "disorder", "Sec. V, not shown", "random chains, soft and usual",

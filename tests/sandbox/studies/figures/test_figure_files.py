@@ -11,7 +11,7 @@ from PIL import Image
 from softcradle.sandbox.cli.commands.figures import KEPT
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.data_table import write_table
-from softcradle.sandbox.studies.figures import coupling_figure, figure_list
+from softcradle.sandbox.studies.figures import collision_figure, figure_list
 from softcradle.sandbox.studies.figures.figure_list import (
     FIGURES,
     compute_tables,
@@ -109,7 +109,7 @@ def test_the_command_draws_them(tmp_path):
 
 
 def test_csv_reads_back_equal(tmp_path):
-    table = coupling_figure.modes()
+    table = collision_figure.modes()
     write_table(table, tmp_path / "modes.csv")
     with open(tmp_path / "modes.csv", newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)

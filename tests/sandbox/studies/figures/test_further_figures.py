@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
 from softcradle.sandbox.studies.figures import (
-    collapse_figure,
     disorder_figure,
-    driven_figure,
     rigidity_figure,
     scaling_figure,
     train_figure,
@@ -96,11 +94,11 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
 
 def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     table = tables["driven"]
-    np.testing.assert_allclose(table["V"], DRIVE / driven_figure.SHOWN_BEADS * table["t"], atol=1e-9)
+    np.testing.assert_allclose(table["V"], DRIVE / wave_figure.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
     maxima = (np.diff(np.sign(np.diff(psi))) < 0).sum()
-    assert maxima == driven_figure.PERIODS
+    assert maxima == wave_figure.PERIODS
     first, others = table["v1 - V"], np.column_stack([table[f"v{i} - V"] for i in (2, 3, 4)])
     assert np.corrcoef(first, others.mean(axis=1))[0, 1] < -0.99
     assert np.ptp(others, axis=1).max() < 0.1 * np.ptp(first)
@@ -119,13 +117,13 @@ def test_period_and_amplitude_of_the_driven_mode(tables):
 
 def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
     table = tables["collapse"]
-    thresholds = {n: collapse_figure.threshold(table, n, "n alpha") for n in collapse_figure.SIZES}
+    thresholds = {n: scaling_figure.threshold(table, n, "n alpha") for n in scaling_figure.COLLAPSE_SIZES}
     assert (np.diff(list(thresholds.values())) < 0.0).all()
     for n, found in thresholds.items():
-        assert found == pytest.approx(float(collapse_figure.threshold_law(np.array(n), 1.0 / 0.87)), rel=0.1)
+        assert found == pytest.approx(float(scaling_figure.threshold_law(np.array(n), 1.0 / 0.87)), rel=0.1)
     above = {n: rows_where(table, n=n)["n alpha"] > 1.2 * found for n, found in thresholds.items()}
     for n, rows in above.items():
-        assert (rows_where(table, n=n)["spread"][rows] > collapse_figure.THRESHOLD).all()
+        assert (rows_where(table, n=n)["spread"][rows] > scaling_figure.THRESHOLD).all()
 
 
 def test_inner_contacts_ring_at_the_frequency_of_their_branch(tables):
