@@ -14,7 +14,6 @@ import pytest
 from rich.console import Console
 from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox import console
-from softcradle.sandbox.cli.command_list import COMMANDS
 from softcradle.sandbox.cli.main import main, use_plain_characters
 from softcradle.sandbox.cli.result_tables import print_report
 from softcradle.sandbox.console import print_table, set_quiet, table
@@ -286,13 +285,6 @@ def test_a_shell_completes(line, words, tmp_path):
 def test_the_lines_for_a_shell(shell, capsys):
     assert main(["completion", shell]) == 0
     assert "softcradle" in capsys.readouterr().out
-
-
-def test_every_command_can_be_quiet(capsys):
-    for command in COMMANDS:
-        with pytest.raises(SystemExit, match="0"):
-            main([command.name, "--help"])
-        assert "--quiet" in capsys.readouterr().out
 
 
 def test_streams_without_an_encoding_are_left_alone(monkeypatch):
