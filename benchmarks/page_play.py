@@ -21,6 +21,7 @@ from tests.helpers.browser import Browser
 BOOKED = 1e-10  # relative error of the energy
 PICTURES = 60  # a second of the page's time
 CHUNK = 1800  # pictures in one call
+LEAST_MOVED = 0.5  # of the pictures: those in which time goes on
 MOST_GROWN = 8e6  # bytes of memory that an hour may add: texts and caches of the browser
 COSTS = (
     ("", 1),
@@ -35,12 +36,12 @@ def play(browser: Browser, page: Path, minutes: float) -> None:
     """Play for so long, and say what came out."""
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"{SCRIPTS}; prelude()")
     browser.visit(page, "")
-    seed, off, done, used = 1, 0.0, 0, []
+    seed, off, done, moved, used = 1, 0.0, 0, 0, []
     while done < 60 * PICTURES * minutes:
         found = browser.run(f"play({seed}, {CHUNK})")
         assert not found["bad"], f"a number is not finite after {done + found['bad']} pictures"
         assert not found["thrown"], found["thrown"]
-        seed, off, done = found["seed"], max(off, found["off"]), done + CHUNK
+        seed, off, done, moved = found["seed"], max(off, found["off"]), done + CHUNK, moved + found["moved"]
         assert off < BOOKED, f"the energy is off by {off:.1e}"
         browser.call("HeapProfiler.collectGarbage")
         used.append(browser.call("Runtime.getHeapUsage")["usedSize"])
@@ -49,7 +50,11 @@ def play(browser: Browser, page: Path, minutes: float) -> None:
                 f"{done / PICTURES / 60:.0f} minutes: energy booked to {off:.0e}, {used[-1] / 1e6:.1f} MB", flush=True
             )
     half = len(used) // 2
-    print(f"{done / PICTURES / 60:.0f} minutes of play: energy booked to {off:.0e}, no exception, every number finite")
+    share = moved / done
+    print(
+        f"{done / PICTURES / 60:.0f} minutes of play: beads move in {share:.0%} of the pictures, energy booked to {off:.0e}"
+    )
+    assert share > LEAST_MOVED, "most of the time nothing moves"
     print(
         f"memory in MB: {max(used[:half]) / 1e6:.1f} at most in the first half, {max(used[half:]) / 1e6:.1f} in the second"
     )

@@ -82,6 +82,16 @@ def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     assert browser.run("page.source.time") < begun + 1.0
 
 
+def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
+    browser.visit(pages("one-on-four").output, "")
+    times = browser.run("""new Promise((done) => {
+      const times = [];
+      page.picture = (now) => { times.push(now); if (times.length < 9) page.next(); else done(times); };
+      page.again(), page.pause(), page.play(), page.pause(), page.play();
+    })""")
+    assert sorted(set(times)) == times
+
+
 def test_nobody_who_wants_less_motion_gets_some(pages, browser):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
     browser.visit(pages("one-on-four").output, "")
