@@ -43,7 +43,7 @@ const play = (seed, count) => {
     [0.0003, () => input('language', pick(['en', 'de', 'fr']), 'change')],
     [0.0005, () => { location.hash = pick(['#n=3&a=0.05', '#law=gear&with=soft', '#mu=0.02&v=0.5', '#', '#loss=0.5&n=12&m=2']); }],
   ];
-  let off = 0, bad = 0, moved = 0;
+  let off = 0, bad = 0, moved = 0, fastest = 0;
   for (let k = 0; k < count && !bad; k++) {
     random.wall += 1000 / 60;
     for (const [share, deed] of deeds) if (chance() < share) deed();
@@ -56,32 +56,30 @@ const play = (seed, count) => {
     if (page.source.time !== before) moved += 1;
     for (const row of page.source.rows) {
       off = Math.max(off, row.energyError());
+      fastest = Math.max(fastest, ...row.kernel.rate.map((rate) => Math.abs(rate) / row.spec.speed));
       if (![off, ...row.kernel.overlap, ...row.kernel.rate].every(Number.isFinite)) bad = k + 1;
     }
   }
-  return {off, bad, moved, thrown: random.thrown, seed};
+  return {off, bad, moved, fastest, thrown: random.thrown, seed};
 };
 
-// Milliseconds of physics and of drawing in a picture, the least of several runs: other processes may have the processors.
-const cost = (repeats) => {
-  const { source } = page, found = { physics: Infinity, drawing: Infinity };
-  const timed = (name, work) => {
+// The physics of `count` pictures.
+const steps = (count) => {
+  page.again();
+  page.pause();
+  for (let k = 0; k < 2 * count; k++) page.source.next();
+};
+
+// `count` pictures of a motion that does not end, and the median of milliseconds from one to the next.
+const shown = (count) => new Promise((done) => {
+  const times = [];
+  page.again();
+  page.picture = (now) => {
+    times.push(now);
+    if (page.source.over) page.restart();
+    if (times.length <= count) { Page.prototype.picture.call(page, now); return; }
+    delete page.picture;
     page.pause();
-    page.restart();
-    let count = 0;
-    const began = performance.now();
-    for (; count < 240 && !source.over; count++) work(count);
-    found[name] = Math.min(found[name], (performance.now() - began) / count);
+    done(times.slice(1).map((time, k) => time - times[k]).sort((a, b) => a - b)[count >> 1]);
   };
-  for (let k = 0; k < repeats; k++) {
-    timed('physics', () => { source.next(); source.next(); });
-    timed('drawing', (count) => { source.next(); source.next(); page.show(count % 8 === 0); });
-  }
-  found.drawing -= found.physics;
-  return found;
-};
-
-// Milliseconds from one picture to the next.
-const pace = () => new Promise((done) => { const times = []; page.again(); const tick = (now) => { times.push(now);
-  if (times.length < 150) frame(tick); else { const gaps = times.slice(1).map((t, k) => t - times[k]).sort((a, b) => a - b);
-    done({median: gaps[75], most: gaps[140]}); } }; const frame = window.requestAnimationFrame; frame(tick); });
+});

@@ -206,7 +206,7 @@ class Page {
   grab(lane, bead, across) {
     const source = /** @type {Live} */ (this.source), offset = across === null ? 0 : across - this.stages[lane].middle(bead);
     source.forget();
-    source.hand = { lane, bead, place: source.values(lane).position[bead], slow: source.slow, across, offset };
+    source.hand = { lane, bead, place: source.values(lane).position[bead], across, offset };
     this.play();
   }
 

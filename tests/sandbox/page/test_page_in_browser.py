@@ -171,6 +171,15 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
     assert browser.complaints == []
 
 
+def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
+    browser.visit(pages("one-on-four").output, "#pace=0.05")
+    browser.run("page.pause(), page.grab(0, 2, null), page.pause(), page.source.hand.place += 0.2")
+    browser.run(SET.format("pace", 4, "change"))
+    browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
+    assert np.abs(velocities(browser)).max() < 4.0  # the hand can give twice the closing speed of 1 m/s
+    assert error(browser) < BOOKED
+
+
 def test_alpha_changes_while_beads_touch(pages, browser):
     browser.visit(pages("one-on-four").output, "")
     browser.run("page.pause(), page.go(1.9)")
