@@ -139,6 +139,31 @@ def test_a_bead_is_thrown_with_a_finger_and_the_page_stays(pages, browser):
     assert browser.complaints == []
 
 
+def test_a_finger_moves_alpha_and_the_link_that_it_copies_opens_it(pages, browser):
+    browser.device(*DEVICES["telephone"])
+    browser.visit(pages("one-on-four").output, "")
+    browser.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    browser.run("page.pause(), document.getElementById('alpha').scrollIntoView({block: 'center'})")
+    left, y, width, share = browser.run("""(() => {
+      const slider = document.getElementById('alpha'), {x, y, width, height} = slider.getBoundingClientRect();
+      return [x, y + height / 2, width, slider.value / slider.max];
+    })()""")
+    browser.finger("Start", left + share * width, y)
+    for k in range(1, 10):
+        browser.finger("Move", left + (share + k / 9 * (0.8 - share)) * width, y)
+    browser.finger("End")
+    alpha = browser.run("page.experiment.alpha")
+    assert alpha > 0.5
+    assert browser.run("document.getElementById('link').offsetParent !== null")
+    browser.run("page.pause(), document.getElementById('link').click()")
+    until = time.monotonic() + 20
+    while "#" not in (link := browser.run("navigator.clipboard.readText()")):
+        assert time.monotonic() < until
+    browser.visit(pages("one-on-four").output, f"#{link.partition('#')[2]}")
+    assert browser.run("page.experiment.alpha") == pytest.approx(alpha, rel=1e-5)
+    assert browser.complaints == []
+
+
 def test_a_finger_that_moves_up_scrolls_the_page(pages, browser):
     browser.device(*DEVICES["telephone"])
     browser.visit(pages("one-on-four").output, "")
@@ -263,6 +288,23 @@ def test_what_comes_after_an_edit_is_another_motion(pages, browser):
     browser.run("page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert browser.run("page.source.last") < 2.0
     assert error(browser) < BOOKED
+
+
+CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
+  return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
+
+
+@pytest.mark.parametrize(
+    "edit", ["0", "page.throwChosen(1)", "page.go(1.2), page.source.forget(), page.throwChosen(-1)"]
+)
+def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(pages, browser, edit):
+    browser.visit(pages("one-on-four").output, "")
+    browser.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
+    browser.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
+    grown = np.array(browser.run(CHART))
+    browser.run("page.dress()")
+    assert (np.abs(grown - browser.run(CHART)) > 64).mean() < 0.004  # where pieces were joined
+    assert (grown > 0).mean() > 0.02
 
 
 def test_only_the_last_minute_is_remembered(pages, browser):
