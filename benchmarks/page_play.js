@@ -1,83 +1,85 @@
 // What benchmarks/page_play.py runs in a page: a clock of its own, random play, and what a picture costs.
 
+// What is due at the next picture by its number, the clock [ms], the bead in hand, and the last exception.
+const random = { due: new Map(), requests: 0, wall: 0, down: null, thrown: '' };
+
 // The page's clock is the script's; pointers that no hand moves can be captured as well.
 const prelude = () => {
-  window.pictures = [];
-  window.requestAnimationFrame = (work) => pictures.push(work);
+  window.requestAnimationFrame = (work) => { random.due.set(++random.requests, work); return random.requests; };
+  window.cancelAnimationFrame = (number) => { random.due.delete(number); };
   HTMLCanvasElement.prototype.setPointerCapture = () => {};
   HTMLCanvasElement.prototype.hasPointerCapture = () => true;
-  window.addEventListener('error', (event) => { window.thrown = String(event.error?.stack ?? event.message); });
-  window.addEventListener('unhandledrejection', (event) => { window.thrown = String(event.reason?.stack ?? event.reason); });
+  window.addEventListener('error', (event) => { random.thrown = String(event.error?.stack ?? event.message); });
+  window.addEventListener('unhandledrejection', (event) => { random.thrown = String(event.reason?.stack ?? event.reason); });
 };
 
 // `count` pictures of random play; a number that is not finite ends it.
 const play = (seed, count) => {
-  const random = () => (seed = Math.imul(seed, 1664525) + 1013904223 >>> 0) / 4294967296, 
-    pick = (list) => list[Math.floor(random() * list.length)];
+  const chance = () => (seed = Math.imul(seed, 1664525) + 1013904223 >>> 0) / 4294967296,
+    pick = (list) => list[Math.floor(chance() * list.length)];
   const send = (target, kind, more = {}) => target.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 7, button: 0, ...more}));
   const input = (id, value, kind) => { const e = document.getElementById(id); e.value = value; e.dispatchEvent(new Event(kind)); };
-  const pressed = () => (window.down?.stage.canvas.isConnected ? window.down : (window.down = null));
+  const pressed = () => (random.down?.stage.canvas.isConnected ? random.down : (random.down = null));
   const deeds = [
     [0.02, () => { const stage = pick(page.stages), box = stage.canvas.getBoundingClientRect();
-      if (pressed()) return; const bead = Math.floor(random() * stage.edges.length);
-      window.down = {stage, x: stage.middle(bead), y: box.top + stage.view.ground - stage.view.size / 2};
-      send(stage.canvas, 'pointerdown', {clientX: box.left + down.x, clientY: down.y}); }],
-    [0.03, () => { if (pressed()) { send(down.stage.canvas, 'pointerup'); window.down = null; } }],
+      if (pressed()) return; const bead = Math.floor(chance() * stage.edges.length);
+      random.down = {stage, x: stage.middle(bead), y: box.top + stage.view.ground - stage.view.size / 2};
+      send(stage.canvas, 'pointerdown', {clientX: box.left + random.down.x, clientY: random.down.y}); }],
+    [0.03, () => { if (pressed()) { send(random.down.stage.canvas, 'pointerup'); random.down = null; } }],
     [0.01, () => { const canvas = pick(page.stages).canvas; canvas.focus(); canvas.dispatchEvent(new KeyboardEvent('keydown',
-      {key: pick(['ArrowLeft', 'ArrowRight', 'Enter', 'Escape']), shiftKey: random() < 0.3, bubbles: true})); }],
+      {key: pick(['ArrowLeft', 'ArrowRight', 'Enter', 'Escape']), shiftKey: chance() < 0.3, bubbles: true})); }],
     [0.004, () => document.body.dispatchEvent(new KeyboardEvent('keydown', {key: pick([' ', ',', '.', 'r']), bubbles: true}))],
-    [0.012, () => input('alpha', Math.floor(1000 * random()), 'input')],
-    [0.004, () => input(pick(['friction', 'loss']), random() < 0.5 ? 0 : Math.floor(1000 * random()), 'input')],
-    [0.002, () => input('speed', Math.floor(1000 * random()), 'input')],
-    [0.001, () => { input('targets', Math.floor((random() < 0.2 ? 1000 : 200) * random()), 'input'); }],
-    [0.001, () => input('strikers', Math.floor(300 * random()), 'input')],
+    [0.012, () => input('alpha', Math.floor(1000 * chance()), 'input')],
+    [0.004, () => input(pick(['friction', 'loss']), chance() < 0.5 ? 0 : Math.floor(1000 * chance()), 'input')],
+    [0.002, () => input('speed', Math.floor(1000 * chance()), 'input')],
+    [0.001, () => { input('targets', Math.floor((chance() < 0.2 ? 1000 : 200) * chance()), 'input'); }],
+    [0.001, () => input('strikers', Math.floor(300 * chance()), 'input')],
     [0.001, () => input('law', pick(LAWS), 'change')],
     [0.001, () => input('beside', pick(BESIDE), 'change')],
     [0.002, () => input('pace', String(pick(PACES)), 'change')],
-    [0.002, () => input('time', Math.floor(1000 * random()), 'input')],
+    [0.002, () => input('time', Math.floor(1000 * chance()), 'input')],
     [0.002, () => document.getElementById('show-' + pick(SHOWN)).click()],
-    [0.002, () => document.getElementById(pick(['back', 'ahead', 'again', 'steel', 'toggle'])).click()],
+    [0.002, () => document.getElementById(pick(['back', 'ahead', 'again', 'steel', 'toggle', 'link'])).click()],
     [0.0003, () => input('language', pick(['en', 'de', 'fr']), 'change')],
     [0.0005, () => { location.hash = pick(['#n=3&a=0.05', '#law=gear&with=soft', '#mu=0.02&v=0.5', '#', '#loss=0.5&n=12&m=2']); }],
   ];
-  let off = 0, bad = 0, played = 0;
+  let off = 0, bad = 0, moved = 0, fastest = 0;
   for (let k = 0; k < count && !bad; k++) {
-    window.wall = (window.wall || 0) + 1000 / 60;
-    for (const [chance, deed] of deeds) if (random() < chance) deed();
-    if (pressed()) { down.x += 60 * (random() - 0.5); const box = down.stage.canvas.getBoundingClientRect();
-      send(down.stage.canvas, 'pointermove', {clientX: box.left + down.x, clientY: down.y}); }
-    if (!page.playing && random() < 0.05) page.toggle();
-    if (page.playing) played += 1;
-    const due = pictures.splice(0);
-    for (const work of due) work(wall);
+    random.wall += 1000 / 60;
+    for (const [share, deed] of deeds) if (chance() < share) deed();
+    if (pressed()) { random.down.x += 60 * (chance() - 0.5); const box = random.down.stage.canvas.getBoundingClientRect();
+      send(random.down.stage.canvas, 'pointermove', {clientX: box.left + random.down.x, clientY: random.down.y}); }
+    if (!page.playing && chance() < 0.05) page.toggle();
+    const before = page.source.time, due = [...random.due.values()];
+    random.due.clear();
+    for (const work of due) work(random.wall);
+    if (page.source.time !== before) moved += 1;
     for (const row of page.source.rows) {
       off = Math.max(off, row.energyError());
-      if (![...row.kernel.overlap, ...row.kernel.rate].every(Number.isFinite)) bad = k + 1;
+      fastest = Math.max(fastest, ...row.kernel.rate.map((rate) => Math.abs(rate) / row.spec.speed));
+      if (![off, ...row.kernel.overlap, ...row.kernel.rate].every(Number.isFinite)) bad = k + 1;
     }
   }
-  return {off, bad, played, thrown: window.thrown || '', seed};
+  return {off, bad, moved, fastest, thrown: random.thrown, seed};
 };
 
-// Milliseconds of physics and of drawing in a picture, the least of several runs: other processes may have the processors.
-const cost = (repeats) => {
-  const { source } = page, found = { physics: Infinity, drawing: Infinity };
-  const timed = (name, work) => {
+// The physics of `count` pictures.
+const steps = (count) => {
+  page.again();
+  page.pause();
+  for (let k = 0; k < 2 * count; k++) page.source.next();
+};
+
+// `count` pictures of a motion that does not end, and the median of milliseconds from one to the next.
+const shown = (count) => new Promise((done) => {
+  const times = [];
+  page.again();
+  page.picture = (now) => {
+    times.push(now);
+    if (page.source.over) page.restart();
+    if (times.length <= count) { Page.prototype.picture.call(page, now); return; }
+    delete page.picture;
     page.pause();
-    page.restart();
-    let count = 0;
-    const began = performance.now();
-    for (; count < 240 && !source.over; count++) work(count);
-    found[name] = Math.min(found[name], (performance.now() - began) / count);
+    done(times.slice(1).map((time, k) => time - times[k]).sort((a, b) => a - b)[count >> 1]);
   };
-  for (let k = 0; k < repeats; k++) {
-    timed('physics', () => { source.next(); source.next(); });
-    timed('drawing', (count) => { source.next(); source.next(); page.show(count % 8 === 0); });
-  }
-  found.drawing -= found.physics;
-  return found;
-};
-
-// Milliseconds from one picture to the next.
-const pace = () => new Promise((done) => { const times = []; page.again(); const tick = (now) => { times.push(now);
-  if (times.length < 150) frame(tick); else { const gaps = times.slice(1).map((t, k) => t - times[k]).sort((a, b) => a - b);
-    done({median: gaps[75], most: gaps[140]}); } }; const frame = window.requestAnimationFrame; frame(tick); });
+});

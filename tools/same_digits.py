@@ -1,4 +1,4 @@
-"""Seven motions, frame by frame, by every tier: plain Python, machine code, other processors, Node; are all digits the same?
+"""Seven motions, frame by frame, by every tier: plain Python, machine code, other processors, browsers; are all digits the same?
 
     python -m tools.same_digits [--frames 1000] [--tiers "plain Python" Node ...]
 
@@ -22,7 +22,7 @@ from softcradle.physics import Chain, State, advance, power_law
 from softcradle.physics.default_step import default_step
 
 from softcradle import scenes
-from tools.wasm_runner import WasmKernels, node
+from tools.wasm_runner import RUNNERS, WasmKernels
 
 FRAME = 1.0 / 60.0  # [s] of the viewer
 SLOW = 2.0  # a motion that is no scene is shown so many times slower
@@ -32,7 +32,7 @@ TIERS: dict[str, dict[str, str]] = {
     "plain Python": {"NUMBA_DISABLE_JIT": "1"},
     "generic processor": {"SOFTCRADLE_COMPILE": "first", "NUMBA_CPU_NAME": "generic"},
     "C library without fused products": {"NUMBA_DISABLE_JIT": "1", **WITHOUT_FMA},
-    "Node": {"NUMBA_DISABLE_JIT": "1"},
+    **{name: {"NUMBA_DISABLE_JIT": "1"} for name in RUNNERS},
 }
 
 Motion = tuple[
@@ -76,8 +76,8 @@ def by_engine(chain: Chain, state: State, duration: float, step: float) -> None:
 
 def write_frames(tier: str, count: int, out: Path) -> None:
     """Frames of all motions by this process, which is one of `tier`."""
-    if tier == "Node":
-        with node() as run:
+    if tier in RUNNERS:
+        with RUNNERS[tier]() as run:
             found = {name: frames(motion, count, WasmKernels(run).advance) for name, motion in motions().items()}
     else:
         found = {name: frames(motion, count, by_engine) for name, motion in motions().items()}

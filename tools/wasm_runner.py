@@ -5,10 +5,13 @@ from __future__ import annotations
 import base64
 import json
 import shutil
+import socket
 import subprocess
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -19,6 +22,7 @@ from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.records import COUNTERS, DONE
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 
+from tests.helpers import browser
 from tools.wasm_kernels import ARRAYS, FILE, LOSSY
 
 MOST_STEPS = 100_000  # of one frame
@@ -73,6 +77,70 @@ def node() -> Iterator[Run]:
             yield run
         finally:
             process.kill()
+
+
+@contextmanager
+def chromium() -> Iterator[Run]:
+    """The same in a page of Chromium. Raises FileNotFoundError where it is not installed."""
+    if browser.found() is None:
+        raise FileNotFoundError("Chromium is not installed")
+    with TemporaryDirectory(ignore_cleanup_errors=True) as profile, browser.Browser(Path(profile)) as page:
+        page.run(SCRIPT)
+        yield page.run
+
+
+@contextmanager
+def firefox() -> Iterator[Run]:
+    """The same in a page of Firefox, by Marionette, its own protocol. Raises FileNotFoundError where it is not installed."""
+    path = shutil.which("firefox") or shutil.which("firefox-esr")
+    if path is None:
+        raise FileNotFoundError("Firefox is not installed")
+    with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        port = Path(profile, "MarionetteActivePort")
+        Path(profile, "user.js").write_text('user_pref("marionette.port", 0);', encoding="utf-8")
+        command = [path, "--headless", "--no-remote", "--marionette", "--profile", profile]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            try:
+                while not (port.exists() and port.read_text(encoding="utf-8")):
+                    assert process.poll() is None, "Firefox has ended"
+                    time.sleep(0.05)
+                with socket.create_connection(("127.0.0.1", int(port.read_text(encoding="utf-8")))) as connection:
+                    yield _marionette(connection)
+            finally:
+                process.kill()
+
+
+def _marionette(connection: socket.socket) -> Run:
+    stream = connection.makefile("rwb")
+
+    def answer() -> Any:
+        size = b""
+        while (letter := stream.read(1)) != b":":
+            size += letter
+        return json.loads(stream.read(int(size)))
+
+    def call(name: str, parameters: dict[str, Any]) -> Any:
+        message = json.dumps([0, 1, name, parameters]).encode()
+        stream.write(b"%d:%s" % (len(message), message))
+        stream.flush()
+        _, _, error, result = answer()
+        assert error is None, error
+        return result
+
+    answer()  # its greeting
+    call("WebDriver:NewSession", {})
+    call("WebDriver:SetTimeouts", {"script": int(1000 * browser.PATIENCE)})
+    call("WebDriver:Navigate", {"url": "about:blank"})
+    script = "document.head.append(Object.assign(document.createElement('script'), {text: arguments[0]}))"
+    call("WebDriver:ExecuteScript", {"script": script, "args": [SCRIPT]})
+
+    def run(line: str) -> Any:
+        return call("WebDriver:ExecuteScript", {"script": "return window.eval(arguments[0])", "args": [line]})["value"]
+
+    return run
+
+
+RUNNERS = {"Node": node, "Chromium": chromium, "Firefox": firefox}
 
 
 class WasmKernels:

@@ -2,6 +2,8 @@
 
 const CHART_LEFT = 44, CHART_RIGHT = 34, CHART_TOP = 26, CHART_BOTTOM = 24;
 const CHART_HEIGHT = 190, MOST_POINTS = 420; // points of a curve; rows of many beads have fewer
+const SPARE = 0.3; // of its length that an axis of time may be off the time that there is, while somebody plays
+const PIECE = 24; // pixels of curves that are put onto the layer at once
 const MOST_LABELLED = 7, LABEL_PITCH = 13; // curves with a number at their end, and pixels between two of these
 
 class Chart {
@@ -10,43 +12,59 @@ class Chart {
     this.canvas = canvas;
     this.lane = lane;
     this.channel = channel;
-    this.begin = this.low = this.high = 0;
-    this.span = 1;
+    this.first = channel === "velocity" ? 0 : 1; // a contact has the colour of the bead behind it
+    this.low = this.high = this.begin = this.end = this.branch = 0;
+    this.drawn = -Infinity; // up to this time curves are on the layer
     this.pen = canvas.getContext("2d");
+    this.layer = document.createElement("canvas").getContext("2d"); // what stays from picture to picture
   }
 
   fit(theme, title) {
     const { canvas } = this, density = window.devicePixelRatio || 1, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
-    canvas.width = Math.round(width * density);
-    canvas.height = Math.round(CHART_HEIGHT * density);
+    canvas.width = this.layer.canvas.width = Math.round(width * density);
+    canvas.height = this.layer.canvas.height = Math.round(CHART_HEIGHT * density);
     canvas.style.height = `${CHART_HEIGHT}px`;
     this.density = density;
     this.theme = theme;
     this.title = title;
     this.right = width - CHART_RIGHT;
     this.foot = CHART_HEIGHT - CHART_BOTTOM;
+    this.branch = NaN; // the layer is empty
   }
 
   /** @param {any} source @param {any} data of the page @param {any} unit of the values */
   draw(source, data, unit) {
-    const { pen, density } = this, { scales } = source, { begun, last } = source;
-    this.begin = begun;
-    this.span = Math.max(last - begun, 1e-12);
-    [this.low, this.high] = this.channel === "velocity" ? padded(scales.velocity) : [0, scales.force[this.lane]];
+    const { pen, layer, density } = this, { scales } = source;
+    const [low, high] = this.channel === "velocity" ? padded(scales.velocity) : [0, scales.force[this.lane]];
+    if (this.outlived(source) || low !== this.low || high !== this.high || this.branch !== source.branch) {
+      Object.assign(this, { low, high, branch: source.branch, drawn: -Infinity });
+      layer.setTransform(density, 0, 0, density, 0, 0);
+      layer.clearRect(0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
+      this.grid(data, unit);
+    }
+    const now = source.values(this.lane)[this.channel];
     pen.setTransform(density, 0, 0, density, 0, 0);
     pen.clearRect(0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
-    this.grid(data, unit);
-    this.curves(source);
+    this.curves(source, now.length);
+    this.labels(now, Math.min(this.across(source.time), this.right));
   }
 
-  across(time) { return CHART_LEFT + (this.right - CHART_LEFT) * (time - this.begin) / this.span; }
+  // Whether the layer is of no more use. A run that somebody touches has no known end: its axis ends later than it does.
+  outlived({ begun, last, touched }) {
+    const span = this.end - this.begin, late = begun - this.begin, room = this.end - last;
+    const holds = touched ? late >= 0 && late < SPARE * span && room >= 0 && room < SPARE * span : !late && !room;
+    if (!holds) { this.begin = begun; this.end = touched ? last + 0.5 * SPARE * (last - begun) : last; }
+    return !holds;
+  }
+
+  across(time) { return CHART_LEFT + (this.right - CHART_LEFT) * (time - this.begin) / (this.end - this.begin || 1); }
 
   down(value) { return this.foot - (this.foot - CHART_TOP) * (value - this.low) / (this.high - this.low); }
 
-  timeAt(x) { return this.begin + this.span * (x - CHART_LEFT) / (this.right - CHART_LEFT); }
+  timeAt(x) { return this.begin + (this.end - this.begin) * (x - CHART_LEFT) / (this.right - CHART_LEFT); }
 
   grid(data, unit) {
-    const { pen, theme } = this;
+    const { layer: pen, theme } = this;
     write(pen, this.title, CHART_LEFT, 15, 13, theme.ink, "left", true);
     for (const { value, text } of ticksOf(this.low / unit, this.high / unit, 4)) {
       const y = Math.round(this.down(value * unit));
@@ -54,36 +72,36 @@ class Chart {
       pen.fillRect(CHART_LEFT, y, this.right - CHART_LEFT, 1);
       write(pen, text, CHART_LEFT - 6, y + 4, 12, theme.muted, "right");
     }
-    for (const { value, text } of ticksOf(this.begin / data.unit.size, (this.begin + this.span) / data.unit.size, 5)) {
+    for (const { value, text } of this.end > this.begin ? ticksOf(this.begin / data.unit.size, this.end / data.unit.size, 5) : []) {
       write(pen, text, this.across(value * data.unit.size), this.foot + 17, 12, theme.muted, "center");
     }
     write(pen, data.unit.name, this.right + CHART_RIGHT - 4, this.foot + 17, 12, theme.muted, "right");
   }
 
-  curves(source) {
-    const { pen, theme, channel } = this, now = source.values(this.lane)[channel], count = now.length;
-    const first = channel === "velocity" ? 0 : 1, most = Math.max(40, Math.min(MOST_POINTS, Math.floor(6000 / count)));
-    const paths = Array.from({ length: count }, () => new Path2D());
-    let begun = false;
-    source.trace(this.lane, channel, most, (time, values, at) => {
-      const x = this.across(time);
-      for (let k = 0; k < count; k++) {
-        if (begun) paths[k].lineTo(x, this.down(values[at + k])); else paths[k].moveTo(x, this.down(values[at + k]));
-      }
-      begun = true;
-    });
-    pen.lineJoin = "round";
+  // Curves on from where the layer has them: onto the layer once they are so long that no one sees where they were joined.
+  curves(source, count) {
+    const most = Math.max(40, Math.min(MOST_POINTS, Math.floor(6000 / count))), points = [];
+    source.trace(this.lane, this.channel, most, this.drawn, (time, values, at) => points.push([time, values, at]));
+    const last = points.at(-1)[0], long = this.across(last) - this.across(this.drawn) > PIECE;
+    if (long) { this.stroke(this.layer, points, count); this.drawn = last; }
+    this.pen.drawImage(this.layer.canvas, 0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
+    if (!long) this.stroke(this.pen, points, count);
+  }
+
+  stroke(pen, points, count) {
+    pen.lineJoin = pen.lineCap = "round";
     pen.lineWidth = count > MOST_LABELLED ? 1.2 : 1.9;
     for (let k = count - 1; k >= 0; k--) {
-      pen.strokeStyle = theme.bead(k + first);
-      pen.stroke(paths[k]);
+      pen.strokeStyle = this.theme.bead(k + this.first);
+      pen.beginPath();
+      for (const [time, values, at] of points) pen.lineTo(this.across(time), this.down(values[at + k]));
+      pen.stroke();
     }
-    this.labels(now, Math.min(this.across(source.time), this.right), first);
   }
 
   // A dot at each curve's end, and its number beside it, apart from one another.
-  labels(now, x, first) {
-    const { pen, theme } = this;
+  labels(now, x) {
+    const { pen, theme, first } = this;
     pen.fillStyle = theme.strong;
     pen.fillRect(Math.round(x), CHART_TOP - 4, 1, this.foot - CHART_TOP + 4);
     if (now.length > MOST_LABELLED) return;

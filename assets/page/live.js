@@ -20,6 +20,7 @@ class Live {
     /** @type {Row[]} */ this.rows = [];
     this.hand = null;
     this.pace = 1;
+    this.branch = 0;
   }
 
   /** Begin anew. @param {Spec[]} specs a row each @param {number} pace seconds of motion for those that the scene plays */
@@ -33,6 +34,7 @@ class Live {
     for (let k = 0; k < flight; k++) this.frame(null);
     const before = this.kept ?? [], rooms = this.rows.map((row) => row.width * REMEMBERED);
     this.kept = rooms.map((room, lane) => (before[lane]?.length === room ? before[lane] : new Float64Array(room)));
+    this.branch += 1; // what charts have drawn of another one is not true of this one
     this.first = this.count = 0; // of kept states: the oldest is number `first`, the newest `count - 1`
     this.shown = 0;
     this.touched = false;
@@ -61,7 +63,7 @@ class Live {
   timeOf(number) { return this.kept[0][(number % REMEMBERED) * this.rows[0].width]; }
 
   frame(hand) {
-    this.rows.forEach((row, lane) => row.frame(this.frameTime, this.steps, hand && hand.lane === lane ? hand : null));
+    this.rows.forEach((row, lane) => row.frame(this.frameTime, this.steps, this.slow, hand && hand.lane === lane ? hand : null));
   }
 
   // Follow the run to its end, for its axes and its length; rows are moved, and begin again afterwards.
@@ -120,7 +122,11 @@ class Live {
   }
 
   // What came after the moment shown is not kept once the motion goes on from there, or is changed.
-  forget() { if (this.shown < this.count - 1) this.count = this.shown + 1; }
+  forget() {
+    if (this.shown >= this.count - 1) return;
+    this.count = this.shown + 1;
+    this.branch += 1;
+  }
 
   // Show another moment: one that is kept, or computed on the way to it.
   go(time) {
@@ -131,12 +137,17 @@ class Live {
       this.keep();
       return;
     }
+    this.restore(this.numberAt(time));
+  }
+
+  // The number of the last kept state that is not after `time`, or the first one.
+  numberAt(time) {
     let low = this.first, high = this.count - 1;
     while (low < high) {
       const middle = (low + high + 1) >> 1;
       if (this.timeOf(middle) <= time) low = middle; else high = middle - 1;
     }
-    this.restore(low);
+    return low;
   }
 
   restore(number) {
@@ -162,16 +173,15 @@ class Live {
 
   values(lane) { return this.rows[lane].read(this.nows[lane]); }
 
-  // Times and values of a lane for a chart, at most `most` of them: (time, array, place of the first value in it).
-  trace(lane, channel, most, visit) {
+  // Times and values of a lane for a chart, at most `most` of them: (time, array, place of the first value in it). The first is the one
+  // at `since`, up to which they are known.
+  trace(lane, channel, most, since, visit) {
     const row = this.rows[lane], { n } = row.kernel, from = channel === "velocity" ? 7 + 3 * n : 7 + 2 * n, kept = this.kept[lane];
-    const every = Math.max(1, Math.ceil((this.count - this.first) / most)), end = this.count - 1;
-    for (let k = this.first - (this.first % every) + (this.first % every ? every : 0); k < end; k += every) {
+    const every = Math.max(1, Math.ceil((this.count - this.first) / most)), end = this.count - 1, begin = Math.max(this.first, this.numberAt(since));
+    for (let k = begin; k <= end; k = k === end ? k + 1 : Math.min(every * Math.floor(k / every + 1), end)) {
       const at = (k % REMEMBERED) * row.width;
       visit(kept[at], kept, at + from);
     }
-    const at = (end % REMEMBERED) * row.width;
-    visit(kept[at], kept, at + from);
   }
 }
 

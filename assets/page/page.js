@@ -156,10 +156,18 @@ class Page {
     this.playing = true;
     this.last = undefined;
     this.label();
-    requestAnimationFrame((now) => this.picture(now));
+    this.next();
   }
 
-  pause() { this.playing = false; this.label(); this.show(true); }
+  // One picture is due at a time, also where a pause was shorter than a picture.
+  next() { this.due = requestAnimationFrame((now) => this.picture(now)); }
+
+  pause() {
+    cancelAnimationFrame(this.due);
+    this.playing = false;
+    this.label();
+    this.show(true);
+  }
 
   toggle() { if (this.playing) this.pause(); else this.play(); }
 
@@ -173,7 +181,6 @@ class Page {
   }
 
   picture(now) {
-    if (!this.playing) return;
     this.source.advance((now - (this.last ?? now)) / 1000);
     this.last = now;
     this.follow();
@@ -181,7 +188,7 @@ class Page {
     if (texts) this.textsAt = now;
     if (this.source.over) { this.pause(); return; }
     this.show(texts);
-    requestAnimationFrame((next) => this.picture(next));
+    this.next();
   }
 
   go(time) {
@@ -199,7 +206,7 @@ class Page {
   grab(lane, bead, across) {
     const source = /** @type {Live} */ (this.source), offset = across === null ? 0 : across - this.stages[lane].middle(bead);
     source.forget();
-    source.hand = { lane, bead, place: source.values(lane).position[bead], slow: source.slow, across, offset };
+    source.hand = { lane, bead, place: source.values(lane).position[bead], across, offset };
     this.play();
   }
 

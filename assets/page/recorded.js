@@ -23,6 +23,7 @@ class Recorded {
     this.time = this.begun;
     this.touched = false;
     this.hand = null;
+    this.branch = 0;
   }
 
   setPace(pace) { this.slow = this.slowest / pace; }
@@ -33,22 +34,24 @@ class Recorded {
 
   advance(seconds) { this.go(this.time + Math.min(seconds, LONGEST) / this.slow); }
 
-  go(time) { this.time = Math.min(Math.max(time, this.begun), this.last); }
+  go(time) {
+    if (time < this.time) this.branch += 1;
+    this.time = Math.min(Math.max(time, this.begun), this.last);
+  }
 
   step(direction) { this.go(this.time + direction * (this.last - this.begun) / SHOWN_RATE); }
 
   values(lane) { return valuesAt(this.motions[lane], this.time, this.nows[lane]); }
 
   // Times and values of a lane up to the moment shown, as of a live source; samples are few enough.
-  trace(lane, channel, _most, visit) {
-    const { time, [channel]: columns } = this.motions[lane], row = new Float64Array(columns.length);
-    visit(this.begun, valuesAt(this.motions[lane], this.begun, this.nows[lane])[channel], 0);
-    for (let k = 0; k < time.length && time[k] < this.time; k++) {
-      if (time[k] <= this.begun) continue;
-      columns.forEach((column, j) => { row[j] = column[k]; });
-      visit(time[k], row, 0);
+  trace(lane, channel, _most, since, visit) {
+    const motion = this.motions[lane], { [channel]: columns } = motion, begin = Math.max(since, this.begun);
+    const at = (time) => visit(time, Float64Array.from(valuesAt(motion, time, this.nows[lane])[channel]), 0);
+    at(Math.min(begin, this.time));
+    for (let k = placeOf(motion.time, begin).row; k < motion.time.length && motion.time[k] < this.time; k++) {
+      if (motion.time[k] > begin) visit(motion.time[k], columns.map((column) => column[k]), 0);
     }
-    visit(this.time, this.values(lane)[channel], 0);
+    at(this.time);
   }
 }
 

@@ -104,9 +104,10 @@ class Row {
    * One frame; a hand pulls with a force that stays the same within it.
    * @param {number} duration of the frame [s]
    * @param {number} steps to the frame
-   * @param {{bead: number, place: number, slow: number}|null} hand at `place` [m], where the motion is `slow` times slower than the wall
+   * @param {number} slow seconds of the wall to one of the motion
+   * @param {{bead: number, place: number}|null} hand at `place` [m]
    */
-  frame(duration, steps, hand) {
+  frame(duration, steps, slow, hand) {
     const { kernel } = this, { n, force, rate } = kernel, { drive, speed } = this.spec;
     for (let i = 0; i < n; i++) this.wasClosed[i] = force[i] > 0 ? 1 : 0;
     this.rateBefore.set(rate);
@@ -114,7 +115,7 @@ class Row {
     if (pushed) {
       this.before.set(kernel.rebuilt(kernel.overlap, kernel.anchor[0], this.position));
       if (drive) kernel.push.set(drive); else kernel.push.fill(0);
-      if (hand) kernel.push[hand.bead] += this.pull(hand);
+      if (hand) kernel.push[hand.bead] += this.pull(hand, slow);
     }
     kernel.advance(duration, duration / steps, pushed);
     if (pushed) {
@@ -128,7 +129,7 @@ class Row {
   }
 
   // Force of the hand's spring, damped critically.
-  pull({ bead, place, slow }) {
+  pull({ bead, place }, slow) {
     const { kernel } = this, frequency = HAND_FREQUENCY * slow, reach = 2 * HAND_SPEED * this.spec.speed / frequency;
     kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity);
     const stretch = Math.min(Math.max(place - this.position[bead], -reach), reach);

@@ -82,6 +82,16 @@ def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     assert browser.run("page.source.time") < begun + 1.0
 
 
+def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
+    browser.visit(pages("one-on-four").output, "")
+    times = browser.run("""new Promise((done) => {
+      const times = [];
+      page.picture = (now) => { times.push(now); if (times.length < 9) page.next(); else done(times); };
+      page.again(), page.pause(), page.play(), page.pause(), page.play();
+    })""")
+    assert sorted(set(times)) == times
+
+
 def test_nobody_who_wants_less_motion_gets_some(pages, browser):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
     browser.visit(pages("one-on-four").output, "")
@@ -129,6 +139,31 @@ def test_a_bead_is_thrown_with_a_finger_and_the_page_stays(pages, browser):
     assert browser.complaints == []
 
 
+def test_a_finger_moves_alpha_and_the_link_that_it_copies_opens_it(pages, browser):
+    browser.device(*DEVICES["telephone"])
+    browser.visit(pages("one-on-four").output, "")
+    browser.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    browser.run("page.pause(), document.getElementById('alpha').scrollIntoView({block: 'center'})")
+    left, y, width, share = browser.run("""(() => {
+      const slider = document.getElementById('alpha'), {x, y, width, height} = slider.getBoundingClientRect();
+      return [x, y + height / 2, width, slider.value / slider.max];
+    })()""")
+    browser.finger("Start", left + share * width, y)
+    for k in range(1, 10):
+        browser.finger("Move", left + (share + k / 9 * (0.8 - share)) * width, y)
+    browser.finger("End")
+    alpha = browser.run("page.experiment.alpha")
+    assert alpha > 0.5
+    assert browser.run("document.getElementById('link').offsetParent !== null")
+    browser.run("page.pause(), document.getElementById('link').click()")
+    until = time.monotonic() + 20
+    while "#" not in (link := browser.run("navigator.clipboard.readText()")):
+        assert time.monotonic() < until
+    browser.visit(pages("one-on-four").output, f"#{link.partition('#')[2]}")
+    assert browser.run("page.experiment.alpha") == pytest.approx(alpha, rel=1e-5)
+    assert browser.complaints == []
+
+
 def test_a_finger_that_moves_up_scrolls_the_page(pages, browser):
     browser.device(*DEVICES["telephone"])
     browser.visit(pages("one-on-four").output, "")
@@ -159,6 +194,15 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
     assert browser.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
     assert error(browser) < BOOKED
     assert browser.complaints == []
+
+
+def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
+    browser.visit(pages("one-on-four").output, "#pace=0.05")
+    browser.run("page.pause(), page.grab(0, 2, null), page.pause(), page.source.hand.place += 0.2")
+    browser.run(SET.format("pace", 4, "change"))
+    browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
+    assert np.abs(velocities(browser)).max() < 4.0  # the hand can give twice the closing speed of 1 m/s
+    assert error(browser) < BOOKED
 
 
 def test_alpha_changes_while_beads_touch(pages, browser):
@@ -244,6 +288,23 @@ def test_what_comes_after_an_edit_is_another_motion(pages, browser):
     browser.run("page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert browser.run("page.source.last") < 2.0
     assert error(browser) < BOOKED
+
+
+CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
+  return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
+
+
+@pytest.mark.parametrize(
+    "edit", ["0", "page.throwChosen(1)", "page.go(1.2), page.source.forget(), page.throwChosen(-1)"]
+)
+def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(pages, browser, edit):
+    browser.visit(pages("one-on-four").output, "")
+    browser.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
+    browser.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
+    grown = np.array(browser.run(CHART))
+    browser.run("page.dress()")
+    assert (np.abs(grown - browser.run(CHART)) > 64).mean() < 0.004  # where pieces were joined
+    assert (grown > 0).mean() > 0.02
 
 
 def test_only_the_last_minute_is_remembered(pages, browser):
