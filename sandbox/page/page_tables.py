@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from softcradle.physics import Trajectory
-from softcradle.sandbox.draw.number_format import number_text, scientific
+from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page.page_document import note, table
 from softcradle.sandbox.page.played_motion import PlayedMotion
-from softcradle.sandbox.trajectory_summary import Summary, summarise
+from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 from softcradle.scenes.contact_text import contact_text
-
-BEAD_TITLES = ("bead", "at the start (m/s)", "at the end (m/s)", "mass (kg)")
-CONTACT_TITLES = (
-    "contact", "greatest force (N)", "greatest overlap (m)", "first closed (s)", "last opened (s)", "times", "law",
-)  # fmt: skip
 
 
 def result_tables(played: PlayedMotion) -> str:
@@ -20,8 +15,11 @@ def result_tables(played: PlayedMotion) -> str:
     parts = []
     for lane, trajectory in enumerate(played.trajectories):
         summary = summarise(played.labels[lane], trajectory)
-        parts.append(table(BEAD_TITLES, _bead_rows(summary), _named(played, lane, "Velocities")))
-        parts.append(table(CONTACT_TITLES, _contact_rows(summary, trajectory), _named(played, lane, "Contacts")))
+        beads, contacts = bead_table(summary), contact_table(summary)
+        laws = map(contact_text, trajectory.chain.contact)
+        rows = [(*row, law) for row, law in zip(contacts.rows, laws, strict=True)]
+        parts.append(table(beads.titles, beads.rows, _named(played, lane, "Velocities")))
+        parts.append(table((*contacts.titles, "law"), rows, _named(played, lane, "Contacts")))
     return "".join(parts)
 
 
@@ -53,30 +51,3 @@ def recorded_sentence(trajectory: Trajectory) -> str:
         errors.insert(0, f"velocities at the end to {scientific(summary.velocity_error)} m/s")
     cost = [f"{summary.steps} steps"] if summary.steps else []
     return f"Recorded motion, computed by {summary.method}, {fineness}; {', '.join(errors + cost)}"
-
-
-def _bead_rows(summary: Summary) -> list[list[str]]:
-    return [
-        [
-            str(k),
-            number_text(bead.start_velocity),
-            number_text(bead.final_velocity),
-            "wall" if bead.mass is None else f"{bead.mass:g}",
-        ]
-        for k, bead in enumerate(summary.beads)
-    ]
-
-
-def _contact_rows(summary: Summary, trajectory: Trajectory) -> list[list[str]]:
-    return [
-        [
-            f"{k}-{k + 1}",
-            number_text(contact.largest_force),
-            scientific(contact.largest_overlap, 3) if contact.largest_overlap > 0.0 else "0",
-            "-" if contact.closed is None else f"{contact.closed:.6g}",
-            "-" if contact.opened is None else f"{contact.opened:.6g}",
-            str(contact.times),
-            contact_text(trajectory.chain.contact[k]),
-        ]
-        for k, contact in enumerate(summary.contacts)
-    ]

@@ -26,7 +26,7 @@ UNTOUCHING = inputs.SetSlow, inputs.SetMethod, inputs.SetStep, inputs.Resume
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckedFrame:
     """The error at a frame, at which the live velocities were `velocity` (n+1,); `state` is that of the accurate run.
 
     The error is the largest of the beads' velocities, relative to the closing speed; None: unknown.
@@ -44,7 +44,7 @@ class VelocityCheck:
     def __init__(self, player: Player, lane: int) -> None:
         self.player, self.lane = player, lane
         self._base: tuple[object, ...] = ()
-        self._found: list[Checked] = []
+        self._found: list[CheckedFrame] = []
         self._busy = False
 
     def error(self) -> float | None:
@@ -54,7 +54,7 @@ class VelocityCheck:
         self._drop_stale()
         return next((one.error for one in reversed(self._found) if one.frame <= self.player.frame), None)
 
-    def job(self) -> Callable[[], Checked] | None:
+    def job(self) -> Callable[[], CheckedFrame] | None:
         """The next check, whose result :meth:`take` takes; None where none is due."""
         player = self.player
         base = self._present_base()
@@ -78,7 +78,7 @@ class VelocityCheck:
     def take(self, base: tuple[object, ...], result: object) -> None:
         """Take the result of a job that was begun for `base`."""
         self._busy = False
-        if base == self._base and isinstance(result, Checked):
+        if base == self._base and isinstance(result, CheckedFrame):
             self._found.append(result)
 
     def _drop_stale(self) -> None:
@@ -114,8 +114,8 @@ class VelocityCheck:
         return begin, hash_of(snapshot), self.player.lanes[self.lane].chain
 
 
-def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> Checked:
+def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> CheckedFrame:
     """`state` moved on accurately to `time` [s], at which the live velocities (n+1,) are `velocity`."""
     move(setup.chain, state, time - state.time, METHOD, None, TOLERANCE, MOST_STEPS)
     error = float(np.abs(state.velocity(setup.chain) - velocity).max()) / setup.speed
-    return Checked(frame, None if state.warnings else error, velocity, state)
+    return CheckedFrame(frame, None if state.warnings else error, velocity, state)

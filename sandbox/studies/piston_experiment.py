@@ -43,7 +43,7 @@ PRECOMPRESSION_ERROR = 5e-5  # [m]: half a unit of the last digit of 1.77e-2
 MASS_ERROR = 5e-5  # [kg]: half a unit of the last digit
 
 
-class Setup(NamedTuple):
+class Apparatus(NamedTuple):
     """What is known with an error: stiffness [N/m], precompression [m], friction of the bed."""
 
     stiffness: float
@@ -70,7 +70,7 @@ class FittedDeficits:
 
 
 @cache
-def deficits(strikers: int, speed: float, setup: Setup, piston: float, window: float) -> tuple[float, float]:
+def deficits(strikers: int, speed: float, setup: Apparatus, piston: float, window: float) -> tuple[float, float]:
     """Deficits of momentum and energy when `strikers` at `speed` [m/s] meet the rest, on a bed, with pistons."""
     mass, struck = np.array(MASS), strikers - 1
     gear = draft_gear(setup.stiffness, setup.precompression)
@@ -96,10 +96,10 @@ def _fitted(chain: Chain, velocity: np.ndarray, window: float) -> np.ndarray:
     return np.asarray(np.polyfit(times, position, 1)[0])
 
 
-def with_error(quantity: Callable[[Setup], float], friction: Measured) -> Measured:
+def with_error(quantity: Callable[[Apparatus], float], friction: Measured) -> Measured:
     """A quantity at the stated numbers, its error from those of stiffness, precompression and friction, independent."""
-    middle = Setup(STIFFNESS, PRECOMPRESSION, friction.value)
-    errors = Setup(STIFFNESS_ERROR, PRECOMPRESSION_ERROR, friction.error)
+    middle = Apparatus(STIFFNESS, PRECOMPRESSION, friction.value)
+    errors = Apparatus(STIFFNESS_ERROR, PRECOMPRESSION_ERROR, friction.error)
     value, squares = quantity(middle), 0.0
     for name, error in errors._asdict().items():
         if error:
@@ -124,11 +124,11 @@ def fitted_deficits(
 def critical_speed_with_error(strikers: int) -> Measured:
     """Critical speed [m/s] of the measured masses; the error has those of the masses as well."""
 
-    def at(setup: Setup, mass: tuple[float, ...] = MASS) -> float:
+    def at(setup: Apparatus, mass: tuple[float, ...] = MASS) -> float:
         return critical_speed(draft_gear(setup.stiffness, setup.precompression), mass, strikers)
 
     found = with_error(at, Measured(0.0, 0.0))
-    middle, squares = Setup(STIFFNESS, PRECOMPRESSION, 0.0), found.error**2
+    middle, squares = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), found.error**2
     for k in range(len(MASS)):
         changed = tuple(m + MASS_ERROR * (i == k) for i, m in enumerate(MASS))
         squares += (at(middle, changed) - found.value) ** 2

@@ -16,7 +16,7 @@ from softcradle.physics import Chain, Trajectory
 from softcradle.physics.status import Status
 from softcradle.sandbox.sweeps.measure_table import OF_ENDS, Measure, Run, Value, ends_of, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
-from softcradle.sandbox.sweeps.scene_points import ScenePoints, Start
+from softcradle.sandbox.sweeps.scene_points import LaneStart, ScenePoints
 from softcradle.sandbox.user_error import StudyError
 
 Array = NDArray[np.float64]
@@ -118,7 +118,7 @@ class Work:
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
         """Points whose chains run side by side, to the same digits; those that have another shape, and those that do not end
         as they should, run alone."""
-        lanes = list[list[Start]]()
+        lanes = list[list[LaneStart]]()
         for values in points:
             with suppress(Exception):  # the point alone tells why it cannot be
                 lanes.append(self.source.starts(values))  # type: ignore[union-attr]
@@ -171,9 +171,9 @@ class Work:
 def _run_of(found: Any) -> Run:
     """The Run of what a function returned."""
     if isinstance(found, Trajectory):
-        return Run(Start(found.chain, found.velocity[0], {}), found)
+        return Run(LaneStart(found.chain, found.velocity[0], {}), found)
     if isinstance(found, tuple) and len(found) in (2, 3) and isinstance(found[0], Chain):
-        return Run(Start(found[0], found[1], found[2] if len(found) == 3 else {}))
+        return Run(LaneStart(found[0], found[1], found[2] if len(found) == 3 else {}))
     kinds = "numbers by name, a Trajectory, or (chain, velocity)"
     raise StudyError(f"the function must return {kinds}, not {type(found).__name__}")
 

@@ -47,7 +47,7 @@ Where = Literal["auto", "here", "threads", "processes"]
 ALL_OF_WHERE = ("auto", "here", "threads", "processes")
 
 
-class Place:
+class Pool:
     """An executor, and what it calls with (begin, end, seconds) for a chunk.
 
     Attributes:
@@ -92,7 +92,7 @@ class _Caller(Executor):
         return found
 
 
-class Here(Place):
+class Here(Pool):
     """This process and thread, one chunk at a time."""
 
     def __init__(self, work: Work) -> None:
@@ -103,13 +103,13 @@ class Here(Place):
         return 1
 
 
-def threads(work: Work, workers: int | None) -> Place:
+def threads(work: Work, workers: int | None) -> Pool:
     """Threads of this process."""
     count = workers or cores()
-    return Place(work.compute, DaemonThreads(count), count)
+    return Pool(work.compute, DaemonThreads(count), count)
 
 
-class Callers(Place):
+class Callers(Pool):
     """An executor of the caller's, which stays open."""
 
     def __init__(self, work: Work, executor: Executor, workers: int | None) -> None:
@@ -122,7 +122,7 @@ class Callers(Place):
 # ---- processes of this machine
 
 
-class Processes(Place):
+class Processes(Pool):
     """Processes of this machine. Raises StudyError where the work cannot be sent to them."""
 
     def __init__(self, work: Work, workers: int | None) -> None:
@@ -205,7 +205,7 @@ def _is_guarded(script: Path) -> bool:
 # ---- Dask
 
 
-class Dask(Place):
+class Dask(Pool):
     """Workers of a Dask scheduler, on this machine or many; where it goes away it is waited for.
 
     Arguments:
@@ -314,7 +314,7 @@ def check_places(executor: Executor | Where, scheduler: str | Client | None, wor
         raise StudyError(f"workers must be at least 1, not {workers}")
 
 
-def processes_or_threads(work: Work, workers: int | None) -> Place:
+def processes_or_threads(work: Work, workers: int | None) -> Pool:
     """Processes of this machine; threads, said in a sentence, where these cannot compute the work."""
     why = unsendable(work)
     if not why:
@@ -358,7 +358,7 @@ class ChunkSchedule:
         """What all that is left would take one process [s]."""
         return self.left * self._seconds / self._size
 
-    def run(self, place: Place, budget: float = float("inf")) -> None:
+    def run(self, place: Pool, budget: float = float("inf")) -> None:
         """Let a place compute all that is left, or what it can in about `budget` [s]."""
         until, heard = perf_counter() + budget, perf_counter()
         while self._handed or ((self._todo or self._suspects) and perf_counter() < until):
@@ -373,7 +373,7 @@ class ChunkSchedule:
             if any(broken) or place.lost():
                 self._begin_anew(place, suspect=not place.lost())
 
-    def _hand_out(self, place: Place, left: float) -> None:
+    def _hand_out(self, place: Pool, left: float) -> None:
         """As many chunks as there is room for; suspects one by one, each alone."""
         if self._suspects:
             if not self._handed:
@@ -384,7 +384,7 @@ class ChunkSchedule:
             if self._todo:
                 self._submit(place, *self._next(1 if isinstance(place, Here) else room + len(self._handed)), left)
 
-    def _submit(self, place: Place, begin: int, end: int, left: float) -> None:
+    def _submit(self, place: Pool, begin: int, end: int, left: float) -> None:
         seconds = min(MOST_SECONDS * self._seconds, left)
         try:
             future = place.executor.submit(place.call, begin, end, seconds)
@@ -402,7 +402,7 @@ class ChunkSchedule:
             self._todo.appendleft((last, end))
         return begin, min(end, last)
 
-    def _came_back(self, place: Place, future: Future[Chunk], alone: bool) -> bool:
+    def _came_back(self, place: Pool, future: Future[Chunk], alone: bool) -> bool:
         """Take what came back; whether the place broke. It was handed out `alone`, or with others."""
         begin, end = self._handed.pop(future)
         try:
@@ -419,7 +419,7 @@ class ChunkSchedule:
             self._todo.appendleft((begin, end))
         return False
 
-    def _begin_anew(self, place: Place, suspect: bool) -> None:
+    def _begin_anew(self, place: Pool, suspect: bool) -> None:
         """Take what is done of all that was handed out; the rest is lost with its place, and one of them may have done it."""
         for future, (begin, end) in self._handed.items():
             if future.done() and not future.cancelled() and future.exception() is None:

@@ -16,7 +16,7 @@ from softcradle.physics.analysis.collision_measures import CollisionMeasures, Co
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status, Warnings
-from softcradle.sandbox.sweeps.scene_points import Start
+from softcradle.sandbox.sweeps.scene_points import LaneStart
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes.toml_table import suggestion
 
@@ -32,7 +32,7 @@ class Run:
         motion: its Trajectory, where that is known already.
     """
 
-    def __init__(self, start: Start, motion: Trajectory | RunEnd | None = None) -> None:
+    def __init__(self, start: LaneStart, motion: Trajectory | RunEnd | None = None) -> None:
         self.start = start
         if motion is not None:
             self.motion = motion  # type: ignore[assignment]
@@ -111,7 +111,7 @@ class RunEnd(NamedTuple):
     warnings: Warnings
 
 
-def ends_of(starts: Sequence[Start]) -> list[RunEnd]:
+def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
     """How runs of one shape and with the same settings end, to the digits of `solve`. ValueError where they cannot run so."""
     from softcradle.physics.batch.batch_ends import ensemble_ends
     from softcradle.physics.batch.chain_batch import ChainBatch

@@ -24,7 +24,7 @@ from softcradle.sandbox.sweeps.executors import (
     ChunkSchedule,
     Dask,
     Here,
-    Place,
+    Pool,
     Processes,
     Where,
     check_places,
@@ -251,7 +251,7 @@ def _refuse_broken(chunk: Chunk, points: Points) -> None:
 
 def _place(
     work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None, patience: float
-) -> Place | None:
+) -> Pool | None:
     """The place that is asked for, before any work, so that a wrong address is told at once; None for "auto"."""
     check_places(executor, scheduler, workers)
     if scheduler is not None:
@@ -268,7 +268,7 @@ def _place(
 def _compute_missing(
     work: Work,
     store: Store,
-    place: Place | None,
+    place: Pool | None,
     workers: int | None,
     progress: Progress | None,
     chunk_seconds: float,

@@ -22,7 +22,7 @@ Change = Callable[[Mapping[str, Any]], Any]  # gives a scene or a part of it wit
 Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # the lanes of a scene, and its keywords of `simulate`
 
 
-class Start(NamedTuple):
+class LaneStart(NamedTuple):
     """A chain, the start velocities of its beads, and keywords of `simulate`."""
 
     chain: Chain
@@ -51,7 +51,7 @@ class ScenePoints:
     def __setstate__(self, table: dict[str, Any]) -> None:
         self.scene, self._bases, self._moving = Scene.model_validate(table), {}, {}
 
-    def starts(self, values: Mapping[str, Any]) -> list[Start]:
+    def starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
         """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
         key = (*structure.items(), tuple(path for path in values if path not in structure))
@@ -60,7 +60,7 @@ class ScenePoints:
                 self._moving.clear()
             self._moving[key] = _moving_at(self._base(structure), key[-1])
         lanes, settings = self._moving[key](values)
-        return [Start(lane.chain(), lane.velocity, settings) for lane in lanes]
+        return [LaneStart(lane.chain(), lane.velocity, settings) for lane in lanes]
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
         """The scene at a point, checked as a file is. Raises SceneError."""

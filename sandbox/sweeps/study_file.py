@@ -78,7 +78,7 @@ def _span(value: Any) -> Any:
 Spans = Mapping[str, Annotated[Span, BeforeValidator(_span)]]
 
 
-class Samples(Table):
+class SampleTable(Table):
     """How many samples, from which seed, over which parameters."""
 
     count: Annotated[int, Strict(), Field(ge=1)]
@@ -103,8 +103,8 @@ class StudyFile(Table):
     set: Mapping[str, Value] = {}
     grid: Spans | None = None
     list: Spans | None = None
-    sobol: Samples | None = None
-    latin_hypercube: Samples | None = None
+    sobol: SampleTable | None = None
+    latin_hypercube: SampleTable | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -125,7 +125,7 @@ class StudyFile(Table):
 
 
 @dataclass(frozen=True)
-class Study:
+class SweepStudy:
     """What a study file says, read: the arguments of `sweep`."""
 
     title: str
@@ -134,7 +134,7 @@ class Study:
     measures: tuple[str, ...]
 
 
-def load_study(path: str) -> Study:
+def load_study(path: str) -> SweepStudy:
     """The study in a file. Raises StudyError with what is wrong with it."""
     try:
         table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -148,7 +148,7 @@ def load_study(path: str) -> Study:
     except ValidationError as error:
         raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
     try:
-        study = Study(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
+        study = SweepStudy(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
         checked_source(study.scene, study.points, study.measures)
         return study
     except StudyError as error:

@@ -11,7 +11,7 @@ from softcradle.sandbox.user_error import POINTS_LOST, UserError
 
 if TYPE_CHECKING:
     import xarray as xr
-    from softcradle.sandbox.sweeps.study_file import Study
+    from softcradle.sandbox.sweeps.study_file import SweepStudy
 
 MOST_WORKERS = 1024
 REASONS_SHOWN = 3  # of points that have no numbers
@@ -58,7 +58,7 @@ def main(args: argparse.Namespace) -> int:
     return _tell_status(study, output) if args.status else _compute(args, study, output)
 
 
-def _compute(args: argparse.Namespace, study: Study, output: Path) -> int:
+def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     """Compute the study and say what was found; the exit code says whether points are lost."""
     from softcradle.sandbox.console import ProgressShown, note
     from softcradle.sandbox.output_files import make_folder
@@ -89,7 +89,7 @@ def _compute(args: argparse.Namespace, study: Study, output: Path) -> int:
     return POINTS_LOST if lost else 0
 
 
-def _tell_status(study: Study, output: Path) -> int:
+def _tell_status(study: SweepStudy, output: Path) -> int:
     """Say how far a study is."""
     from softcradle.sandbox.sweeps.run_sweep import sweep_status
 

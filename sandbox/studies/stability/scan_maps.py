@@ -39,7 +39,7 @@ DETAIL = 2.15, 1.65  # [inches] of a map of the details with its axes
 Marker = Callable[["Axes", "ScanRun", int, int], None]  # marks a failed run at its place across and up
 
 
-class Quantity(NamedTuple):
+class MappedNumber(NamedTuple):
     """What a map shows.
 
     Attributes:
@@ -58,11 +58,11 @@ def _logarithm(value: float) -> float:
     return math.log10(max(value, 1e-300))
 
 
-FAILURES = Quantity(-0.5, 3.5, lambda run: ORDER.index(run.failure))
+FAILURES = MappedNumber(-0.5, 3.5, lambda run: ORDER.index(run.failure))
 QUANTITIES = (
-    Quantity(-8.0, 0.0, lambda run: _logarithm(run.final_energy), "energy error at the end\nlog10"),
-    Quantity(-8.0, 0.0, lambda run: _logarithm(run.spread), "r.m.s. error of target velocities\nlog10"),
-    Quantity(
+    MappedNumber(-8.0, 0.0, lambda run: _logarithm(run.final_energy), "energy error at the end\nlog10"),
+    MappedNumber(-8.0, 0.0, lambda run: _logarithm(run.spread), "r.m.s. error of target velocities\nlog10"),
+    MappedNumber(
         0.0, 4.0, lambda run: math.log10(run.switches) if run.switches else math.nan,
         "contact switches too many\nlog10 (white: none)",
     ),
@@ -122,7 +122,7 @@ def _name_finenesses(axes: Axes, method: Method, size: float) -> None:
 
 
 def _draw_map(
-    axes: Axes, scan: Scan, method: Method, runs: Sequence[ScanRun], quantity: Quantity, colours: Any, mark: Marker,
+    axes: Axes, scan: Scan, method: Method, runs: Sequence[ScanRun], quantity: MappedNumber, colours: Any, mark: Marker,
     line_colour: str, ticks: tuple[int, float],
 ) -> Any:  # fmt: skip
     """One map with the failed runs marked and the line of `stable_step`; ticks: every how many values, and their size."""

@@ -23,7 +23,7 @@ from softcradle.sandbox.studies.piston_experiment import (
     PISTON,
     PRECOMPRESSION_ERROR,
     STIFFNESS_ERROR,
-    Setup,
+    Apparatus,
     compute_experiment,
     critical_speed_with_error,
     deficits,
@@ -98,11 +98,11 @@ def test_figure_of_the_train():
 
 def test_caught_pistons_take_energy_and_no_momentum():
     """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
-    momentum, energy = deficits(1, 0.5, Setup(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
+    momentum, energy = deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
     assert abs(momentum) < 1e-12
     share = PISTON / (MASS[0] + PISTON)
     assert energy == pytest.approx(2.0 * share, rel=0.06)
-    assert deficits(1, 0.5, Setup(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx((0.0, 0.0), abs=1e-8)
 
 
 @pytest.mark.parametrize("speed", [0.25, 0.5, 1.0])
@@ -117,7 +117,7 @@ def test_bed_and_pistons_give_both_deficits(name, strikers, speed):
 
 
 def test_lines_at_the_cameras_frames_find_the_velocities_where_nothing_slows():
-    setup = Setup(STIFFNESS, PRECOMPRESSION, 0.0)
+    setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
     moments, lines = (deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
     assert lines == pytest.approx(moments, abs=1e-7)
 
