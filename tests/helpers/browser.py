@@ -111,9 +111,13 @@ class Browser:
     def open(self, path: Path) -> None:
         """Open a file and wait until it is loaded."""
         self.call("Page.navigate", url=path.resolve().as_uri())
-        until = time.monotonic() + PATIENCE
-        while self.run("document.readyState + location.protocol") != "completefile:":
-            assert time.monotonic() < until, "the page was not loaded in time"
+        self.until("document.readyState + location.protocol === 'completefile:'")
+
+    def until(self, script: str) -> None:
+        """Wait until a JavaScript expression is true, as long as other processes may have the processors."""
+        end = time.monotonic() + PATIENCE
+        while not self.run(script):
+            assert time.monotonic() < end, f"never came: {script}"
             time.sleep(0.02)
 
     def picture(self, path: Path, whole: bool = False) -> None:
@@ -165,10 +169,7 @@ class Browser:
         self.open(path)
         self.run(f"history.replaceState(null, '', '{fragment}')")
         self.call("Page.reload")
-        until = time.monotonic() + PATIENCE
-        while self.run("document.readyState") != "complete" or not self.run("typeof started === 'object'"):
-            assert time.monotonic() < until, "the page was not loaded in time"
-            time.sleep(0.02)
+        self.until("document.readyState === 'complete' && typeof started === 'object'")
         self.run("started.then((found) => { window.page = found; return 0; })")
 
     def mouse(self, kind: str, x: float, y: float) -> None:

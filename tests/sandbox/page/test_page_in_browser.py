@@ -67,10 +67,7 @@ def test_the_rows_end_as_simulate_says(pages, browser):
 
 def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     browser.visit(pages("one-on-four").output, "#pace=4")
-    until = time.monotonic() + 60
-    while browser.run("page.playing"):
-        assert time.monotonic() < until
-        time.sleep(0.05)
+    browser.until("!page.playing")
     words = browser.run("document.getElementById('words').textContent")
     assert words == (
         "Bead 0 comes back at 0.57 m/s. Bead 1 goes on at 0.17 m/s. Beads 2 to 4 go on together at 0.45 to 0.47 m/s. "
@@ -168,8 +165,7 @@ def test_a_finger_that_moves_up_scrolls_the_page(pages, browser):
     browser.device(*DEVICES["telephone"])
     browser.visit(pages("one-on-four").output, "")
     browser.swipe((195.0, 160.0), (195.0, 20.0))
-    time.sleep(0.3)
-    assert browser.run("scrollY") > 50
+    browser.until("scrollY > 50")
 
 
 def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
@@ -332,9 +328,7 @@ def test_beads_that_just_touch_are_said_to_touch(pages, browser):
     browser.visit(pages("one-on-four").output, "")
     browser.run("page.pause(), page.go(0), document.getElementById('numbers').open = true")
     states = "[...document.querySelectorAll('#tables table')[1].tBodies[0].rows].map((row) => row.cells[1].textContent)"
-    until = time.monotonic() + 20
-    while browser.run("document.querySelectorAll('#tables table').length") < 2:
-        assert time.monotonic() < until
+    browser.until("document.querySelectorAll('#tables table').length >= 2")
     assert browser.run(states) == ["apart", "touching", "touching", "touching"]
 
 
@@ -354,9 +348,7 @@ def test_a_link_opens_the_experiment(pages, browser):
     assert opened["targets"] == 15
     assert opened["beside"] == "gear"
     browser.run("location.hash = '#n=2'")
-    until = time.monotonic() + 20
-    while browser.run("page.specs[0].mass.length") != 3:
-        assert time.monotonic() < until
+    browser.until("page.specs[0].mass.length === 3")
 
 
 HOSTILE = (

@@ -55,9 +55,10 @@ def test_samples_of_an_earlier_start_are_as_much_later(case):
 
 
 def test_a_series_ends_at_its_time_limit(case):
-    found = measure_series(case, our_solver(case, "verlet"), limits=TimeLimits(run=1e-4, series=10.0))
+    solver = our_solver(case, "verlet")
+    found = measure_series(case, solver, limits=TimeLimits(run=1e-4, series=10.0))
     assert found.out_of_time
-    assert found.points[-1].seconds < 1e-3
+    assert len(found.points) < len(solver.finenesses)
     exact = measure_series(case, our_solver(case, "accurate", 1e-3, 1e-11, 1e-12, 1e-13))
     assert [point.fineness for point in exact.points] == [1e-3, 1e-11, 1e-12]
     assert not exact.out_of_time
