@@ -139,7 +139,7 @@ def _play(screen: Screen, tmp_path: Path) -> None:
     # scrub to the beginning, change the method, add a bead, save
     screen.key("space")
     screen.drag((900, 652), (28, 652))
-    screen.key("m", "Right", "a", "ctrl+s")
+    screen.key("shift+m", "Right", "a", "ctrl+s")
     saved = screen.type_path("mine.toml")
     screen.until(saved.exists)
     scene = scenes.load(saved)
