@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -117,12 +118,11 @@ def test_what_no_tolerance_resolves_says_so():
     assert kinetic_energy(found.chain, found.final_velocity) == pytest.approx(0.5, abs=1e-6)
 
 
-@pytest.mark.parametrize("method", ["radau", "accurate"])
 @pytest.mark.parametrize("law", [power_law(1.0, 0.2), hertz(5.0), draft_gear(2.0, 0.1)], ids=str)
-def test_a_driven_chain_agrees_with_the_reference(method, law):
+def test_a_driven_chain_agrees_with_the_reference(law):
     chain = Chain([1.0, 2.0, 1.0, 0.5], law, drive=[1.0, 0.0, 0.0, 0.0])
     exact = run(chain, [0.0] * 4, 2.0, "scipy", tolerance=1e-10)
-    for tolerance in (1e-4, 1e-6, 1e-8):
+    for method, tolerance in product(("radau", "accurate"), (1e-4, 1e-6, 1e-8)):
         found = run(chain, [0.0] * 4, 2.0, method, tolerance=tolerance)
         assert found.final_velocity == pytest.approx(exact.final_velocity, abs=PROMISE * tolerance)
 

@@ -125,16 +125,16 @@ def test_an_opening_behind_a_guard_that_comes_and_goes_is_not_passed_over():
     assert np.abs(found[0].final_velocity - found[1].final_velocity).max() < 1e-3
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
 @pytest.mark.parametrize("family", ["hooke-hertz", "gears", "clusters", "walls", "extreme", "loss"])
-def test_loose_tolerances_err_no_more_than_they_state(family, tolerance):
+def test_loose_tolerances_err_no_more_than_they_state(family):
     for seed in range(40):
         chosen = motion(family, seed)
-        loose, fine = (
-            solve(chosen.chain, chosen.velocity, chosen.duration, samples=2, tolerance=value)
-            for value in (tolerance, 1e-9)
-        )
-        if loose.warnings or fine.warnings:
-            continue
-        error = np.abs(loose.final_velocity - fine.final_velocity)
-        assert error.max() <= max(10.0 * tolerance * chosen.speed, float(loose.velocity_error.max())), seed
+        runs = {
+            tolerance: solve(chosen.chain, chosen.velocity, chosen.duration, samples=2, tolerance=tolerance)
+            for tolerance in (1e-9, 1e-3, 1e-4, 1e-5)
+        }
+        fine = runs.pop(1e-9)
+        for tolerance, loose in runs.items():
+            error = np.abs(loose.final_velocity - fine.final_velocity)
+            allowed = max(10.0 * tolerance * chosen.speed, float(loose.velocity_error.max()))
+            assert loose.warnings or fine.warnings or error.max() <= allowed, (seed, tolerance)

@@ -76,20 +76,15 @@ def test_page_in_a_browser(page, tmp_path):
     path, _, results = page
     with Browser(tmp_path / "profile") as browser:
         moment = 0.05
-        browser.visit(path, f"#t={moment}")
-        assert browser.run("player.slow") == 20.0
-        lanes = browser.run("player.motions.map((motion) => valuesAt(motion, player.time).velocity)")
+        browser.visit(path, "")
+        browser.run(f"page.pause(), page.go({moment})")
+        assert browser.run("page.source.slow") == 20.0
+        lanes = browser.run("page.specs.map((_, lane) => Array.from(page.source.values(lane).velocity))")
         for shown, result in zip(lanes, results, strict=True):
             rows = [np.interp(moment, result.trajectory.time, column) for column in result.trajectory.velocity.T]
             np.testing.assert_allclose(shown, rows, atol=2e-3)
-        places = browser.run(
-            "player.charts.map((chart) => [chart.cursor.getAttribute('visibility'),"
-            "Number(chart.cursor.getAttribute('transform').match(/[\\d.]+/)[0]), chart.across(player.time)])"
-        )
-        assert len(places) == 3 * len(results) + 2  # a line in every chart over time, at the time of the player
-        for visible, place, expected in places:
-            assert visible == "visible"
-            assert place == pytest.approx(expected, abs=0.1)
+        times = browser.run("page.charts.map((chart) => chart.timeAt(chart.across(page.source.time)))")
+        assert times == pytest.approx([moment] * 2 * len(results))  # velocities and forces of each lane
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
         assert tables == [1 + 14 + 5, 4, 4, 4]  # four velocities, and how well they are known
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
