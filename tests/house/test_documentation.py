@@ -153,4 +153,4 @@ def test_it_is_built_without_a_warning(tmp_path):
     assert {page.stem for page in (tmp_path / "gallery").glob("plot_*.html")} == gallery
     assert len(gallery) == 3
     assert len(list((tmp_path / "_images").glob("sphx_glr_plot_*.png"))) >= len(gallery)
-    assert (tmp_path / "_static" / "one-on-four.html").stat().st_size > 50_000
+    assert (tmp_path / "_static" / "live" / "one-on-four.html").stat().st_size > 50_000
