@@ -121,7 +121,8 @@ def ensemble_ends(
     if workers is not None and whole_number("workers", workers) < 1:
         raise ValueError(f"workers must be at least 1, not {shown(workers)}")
     _require_end(batch, duration)
-    start = start_of(batch, _velocities(batch, velocity))
+    speeds = _velocities(batch, velocity)
+    start = start_of(batch, speeds)
     durations = np.full(batch.chains, np.inf) if duration is None else _each("duration", duration, batch.chains, True)
     times = contact_times(batch, start.velocity)
     log_compilation()
@@ -150,7 +151,7 @@ def ensemble_ends(
         error, growth = adaptive_batch.errors(accuracy)
         ends.velocity_error[:] = error[:, None]
         again = np.flatnonzero(adaptive_batch.needs_another_run(batch, start.velocity, moving, error, growth))
-        _run_again(batch, start.velocity, again, durations, method, float(tolerance), ends, workers or cores())
+        _run_again(batch, speeds, again, durations, method, float(tolerance), ends, workers or cores())
     return ends
 
 
