@@ -65,6 +65,6 @@ def test_warm_loads_the_kernels_of_batches(monkeypatch):
     loaded = []
     monkeypatch.setattr(KernelTiers, "load", lambda kernels: loaded.append(kernels.name))
     warm("ensemble_ends")
-    assert set(loaded) == {"batch-lockstep", "batch-march", "batch-march-dissipative", "batch-adaptive"}
+    assert set(loaded) == {"batch-march", "batch-march-dissipative", "batch-adaptive"}
     warm()
     assert {"batch-adaptive", "adaptive", "fixed-step"} <= set(loaded)
