@@ -20,6 +20,7 @@ from types import FunctionType
 from typing import Any, TypeVar
 from zlib import crc32
 
+from softcradle.physics.compile_log import tell_first
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, target
 
@@ -39,9 +40,6 @@ WAITING = (
     "waiting for kernels (%s) that process %d compiles, for %.0f s so far: other work on this machine slows it down; "
     "Ctrl+C is harmless"
 )
-
-FIRST = "compiling for this machine, about half a minute for a method; the next start loads it from the disk"
-SLOW = "numba is not installed: methods run as plain Python, a hundred times slower; pip install 'softcradle[fast]'"
 
 logger = logging.getLogger("softcradle")
 
@@ -74,7 +72,7 @@ class KernelTiers:
             self.compile_behind()
             if self.spent + work <= PLAIN_WORK:
                 return plain(kernel)
-            _tell_first()
+            tell_first()
             self.wait()
         self._loaded = True
         return kernel
@@ -109,7 +107,7 @@ class KernelTiers:
         if self._loaded:
             return
         if not (self.in_memory or self.on_disk):
-            _tell_first()
+            tell_first()
             logger.info("compiling the kernels of %s", self.name)
             try:
                 self.wait()
@@ -212,38 +210,6 @@ class _Detached(subprocess.Popen[bytes]):
 
     def __del__(self) -> None:
         """Let it run on."""
-
-
-# ---- what is told
-
-
-@cache
-def _tell_first() -> None:
-    """Say once that it takes a while."""
-    logger.warning(FIRST)
-
-
-@cache
-def log_compilation() -> None:
-    """Say so as soon as this process itself compiles; without numba, say that. What is loaded from the disk is not told of."""
-    try:
-        from numba.core import event
-    except ImportError:
-        logger.warning(SLOW)
-        return
-
-    class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
-        """Called by numba before and after each kernel, ours and those of others."""
-
-        def on_start(self, found: Any) -> None:
-            function = getattr(found.data.get("dispatcher"), "py_func", None)
-            if (getattr(function, "__module__", None) or "").startswith("softcradle."):
-                _tell_first()
-
-        def on_end(self, found: Any) -> None:
-            """Do nothing: one kernel compiles others while it is compiled."""
-
-    event.register("numba:compile", Listener())
 
 
 # ---- plain Python

@@ -14,8 +14,8 @@ from softcradle.physics.advice.stability_limits import coarse_warnings, explicit
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
+from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.default_step import default_step
-from softcradle.physics.kernel_tiers import log_compilation
 from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
 from softcradle.physics.scales import require_computable

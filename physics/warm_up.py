@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from softcradle.physics.kernel_tiers import KernelTiers, log_compilation
+from softcradle.physics.compile_log import log_compilation
+from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
 SOFT_CHAIN, ENSEMBLE_ENDS = "SoftChain", "ensemble_ends"  # what else has kernels, by its name in Python

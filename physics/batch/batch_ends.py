@@ -27,8 +27,9 @@ from softcradle.physics.batch.batch_scales import (
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import integrate_each, march_each
 from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown, whole_number
+from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.ensemble_runs import cores, in_threads
-from softcradle.physics.kernel_tiers import KernelTiers, log_compilation
+from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.records import EVALUATION, STEP
 from softcradle.physics.simulation import DRIVEN, LEAST_TOLERANCE, TWO_WALLS, solve

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.extras import needed_for
-from softcradle.physics.kernel_tiers import log_compilation
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.chunk_work import STATUS, WARNED, Chunk, Outcome, PointStatus, Work
 from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, lost_points, open_dataset, write_dataset

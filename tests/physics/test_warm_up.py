@@ -8,8 +8,9 @@ import sys
 from functools import cache
 
 import pytest
-from softcradle.physics import kernel_tiers
-from softcradle.physics.kernel_tiers import FIRST, KernelTiers, log_compilation
+from softcradle.physics import compile_log
+from softcradle.physics.compile_log import FIRST, log_compilation
+from softcradle.physics.kernel_tiers import KernelTiers
 
 from softcradle import warm
 
@@ -45,7 +46,7 @@ def test_what_this_process_compiles_itself_is_told_once_and_what_others_compile_
     from numba.core import event
     from softcradle.physics.fixed_step import explicit_steps
 
-    monkeypatch.setattr(kernel_tiers, "_tell_first", cache(kernel_tiers._tell_first.__wrapped__))
+    monkeypatch.setattr(compile_log, "tell_first", cache(compile_log.tell_first.__wrapped__))
     log_compilation()
     kernel = next(value for value in vars(explicit_steps).values() if hasattr(value, "py_func"))
     for dispatcher, told in ((None, []), (kernel, [FIRST]), (kernel, [FIRST])):
