@@ -39,9 +39,9 @@ def chain_lengths() -> Iterator[Report]:
     return reports()
 
 
-def lockstep() -> Iterator[Report]:
-    """Very many short chains at once, side by side."""
-    from benchmarks.lockstep import reports
+def many_chains() -> Iterator[Report]:
+    """Very many short chains at once."""
+    from benchmarks.many_chains import reports
 
     return reports()
 
@@ -128,7 +128,7 @@ def cold_start() -> Iterator[Report]:
 BENCHMARKS: dict[str, Callable[[], Iterator[Report]]] = {
     "steps": steps,
     "chain-lengths": chain_lengths,
-    "lockstep": lockstep,
+    "many-chains": many_chains,
     "long-chains": long_chains,
     "added-cost": added_cost,
     "work-precision": work_precision,

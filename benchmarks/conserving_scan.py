@@ -18,6 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 from softcradle.physics.default_step import default_step
+from softcradle.physics.scales import closing_speed
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import WarningCode
 
@@ -27,6 +28,11 @@ from benchmarks.scan.families import motion
 FAMILIES = ("friction", "loss", "friction", "loss", "clusters", "mixed", "driven", "walls", "gears", "hooke-hertz")
 COARSER = (0.3, 3.0, 30.0)  # times the default step: the next chain takes the next
 LONGEST = 2000.0  # steps: longer motions end there
+KEEPING = ("power", "mixed", "clusters", "walls", "hooke-hertz", "gears", "extreme", "driven")  # families of `--errors`
+STEPS_OF_ERRORS = (1.0, 4.0)  # times the default step
+LONGEST_COLLISION = 12_000.0  # default steps
+FINER = 9.3  # times: the step that others are compared with
+LARGE = 1e-3  # error of the closing speed
 CHUNK = 50  # chains that a process takes at once
 
 
@@ -97,6 +103,65 @@ def report(found: Sequence[Found]) -> Report:
     return Report("Random chains by conserving", columns, rows, notes)
 
 
+@dataclass(frozen=True)
+class Error:
+    """What velocities are off by, of the closing speed, and how often contacts closed again."""
+
+    seed: int
+    coarser: float
+    returns: int
+    error: float
+    warned: bool
+
+
+def errors(number: int) -> list[Error]:
+    """What conserving is off by in the random collision of that number, at each of the steps."""
+    moving = motion(KEEPING[number % len(KEEPING)], number)
+    chain, velocity = moving.chain, np.array(moving.velocity)
+    step, found = default_step(chain, velocity), []
+    probe = solve(chain, velocity, min(moving.duration or np.inf, LONGEST_COLLISION * step), "conserving", step, 2)
+    duration = float(probe.time[-1])
+    truth = solve(chain, velocity, duration, "conserving", step / FINER, 2).final_velocity
+    for coarser in STEPS_OF_ERRORS:
+        run = solve(chain, velocity, duration, "conserving", coarser * step, 2)
+        again = sum(max(len(each) - 1, 0) for each in run.contact_intervals)
+        off = float(np.abs(run.final_velocity - truth).max()) / closing_speed(velocity)
+        warned = any(warning.code is WarningCode.RETURNS for warning in run.warnings)
+        found.append(Error(number, coarser, again, off, warned))
+    return found
+
+
+def error_report(found: Sequence[Error]) -> Report:
+    """A row for each step, with and without the warning of contacts that close again."""
+    rows = []
+    for coarser in STEPS_OF_ERRORS:
+        for warned in (False, True):
+            mine = sorted(
+                (one for one in found if one.coarser == coarser and one.warned == warned), key=lambda one: one.error
+            )
+            beyond = [one for one in mine if one.error > LARGE]
+            middle, worst = (f"{mine[k].error:.1e}" if mine else "" for k in (len(mine) // 2, -1))
+            seeds = " ".join(f"{one.seed} ({one.returns})" for one in beyond[-9:])
+            rows.append(
+                [f"{coarser:g}", "yes" if warned else "no", str(len(mine)), middle, worst, str(len(beyond)), seeds]
+            )
+    notes = [
+        f"errors of final velocities, of the closing speed, beside a step {FINER:g} times finer than the default one",
+        "where contacts rattle, the finer run is no truth either: the error is then how far two runs differ",
+        f"made by `python -m benchmarks conserving --errors --count {len(found) // len(STEPS_OF_ERRORS)}`",
+    ]
+    columns = [
+        "step / default",
+        "warned",
+        "runs",
+        "median",
+        "largest",
+        f"beyond {LARGE:g}",
+        "seeds (contacts closed again)",
+    ]
+    return Report("Errors of conserving, and its warning of contacts that close again", columns, rows, notes)
+
+
 def main(arguments: list[str]) -> int:
     """Run the scan; the exit code is 1 where a step did not converge."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks conserving", description=__doc__.splitlines()[0])
@@ -106,11 +171,18 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--markdown", type=Path, metavar="FILE", help="write the table there too, for the documentation"
     )
+    parser.add_argument(
+        "--errors", action="store_true", help="what velocities are off by, and whether a warning says so"
+    )
     args = parser.parse_args(arguments)
     numbers = range(args.first, args.first + args.count)
     with ProcessPoolExecutor(args.jobs) as processes:
-        found = list(track(processes.map(run, numbers, chunksize=CHUNK), "conserving", total=len(numbers)))
-    table = report(found)
+        if args.errors:
+            each = list(track(processes.map(errors, numbers, chunksize=CHUNK), "conserving", total=len(numbers)))
+            found, table = [], error_report([one for group in each for one in group])
+        else:
+            found = list(track(processes.map(run, numbers, chunksize=CHUNK), "conserving", total=len(numbers)))
+            table = report(found)
     table.show(Console())
     if args.markdown:
         args.markdown.write_text(table.markdown(), encoding="utf-8")

@@ -1,21 +1,29 @@
-"""What numba compiles, told to the logger `softcradle`: once a machine that takes half a minute, in which nothing else is seen.
+"""That something is compiled, told to the logger `softcradle`: once a machine that takes half a minute, and nothing else is seen.
 
-A WARNING is logged when compiling begins, an INFO for each kernel. Kernels that are loaded from the disk are not told of.
+A file of its own, for it imports no numba: a simulation by pymunk or SciPy does without.
 """
 
 from __future__ import annotations
 
 import logging
 from functools import cache
-from time import perf_counter
 from typing import Any
+
+FIRST = "compiling for this machine, about half a minute for a method; the next start loads it from the disk"
+SLOW = "numba is not installed: methods run as plain Python, a hundred times slower; pip install 'softcradle[fast]'"
 
 logger = logging.getLogger("softcradle")
 
 
 @cache
+def tell_first() -> None:
+    """Say once that it takes a while."""
+    logger.warning(FIRST)
+
+
+@cache
 def log_compilation() -> None:
-    """Log what is compiled from now on in this process; without numba, log that."""
+    """Say so as soon as this process itself compiles; without numba, say that. What is loaded from the disk is not told of."""
     try:
         from numba.core import event
     except ImportError:
@@ -23,33 +31,14 @@ def log_compilation() -> None:
         return
 
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
-        """Counts the kernels of softcradle; numba calls it before and after each."""
-
-        def __init__(self) -> None:
-            self.count, self.began = 0, 0.0
+        """Called by numba before and after each kernel, ours and those of others."""
 
         def on_start(self, found: Any) -> None:
-            kernel = _kernel_name(found.data.get("dispatcher"))
-            if not kernel:
-                return
-            if self.count == 0:
-                self.began = perf_counter()
-                logger.warning(FIRST)
-            self.count += 1
-            logger.info("compiling %s: kernel %d, %.0f s so far", kernel, self.count, perf_counter() - self.began)
+            function = getattr(found.data.get("dispatcher"), "py_func", None)
+            if (getattr(function, "__module__", None) or "").startswith("softcradle."):
+                tell_first()
 
         def on_end(self, found: Any) -> None:
             """Do nothing: one kernel compiles others while it is compiled."""
 
     event.register("numba:compile", Listener())
-
-
-SLOW = "numba is not installed: methods run as plain Python, a hundred times slower; pip install 'softcradle[fast]'"
-FIRST = "compiling for this machine, about half a minute for a method; the next start loads it from the disk"
-
-
-def _kernel_name(dispatcher: Any) -> str:
-    """Name of a kernel of softcradle; empty for other code."""
-    function = getattr(dispatcher, "py_func", None)
-    module = getattr(function, "__module__", None) or ""
-    return function.__name__.replace("_", " ") if function is not None and module.startswith("softcradle.") else ""

@@ -20,7 +20,7 @@ from types import FunctionType
 from typing import Any, TypeVar
 from zlib import crc32
 
-from softcradle.physics.compile_log import FIRST
+from softcradle.physics.compile_log import tell_first
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, target
 
@@ -72,7 +72,7 @@ class KernelTiers:
             self.compile_behind()
             if self.spent + work <= PLAIN_WORK:
                 return plain(kernel)
-            logger.warning(FIRST)
+            tell_first()
             self.wait()
         self._loaded = True
         return kernel
@@ -107,7 +107,7 @@ class KernelTiers:
         if self._loaded:
             return
         if not (self.in_memory or self.on_disk):
-            _tell_first()
+            tell_first()
             logger.info("compiling the kernels of %s", self.name)
             try:
                 self.wait()
@@ -210,12 +210,6 @@ class _Detached(subprocess.Popen[bytes]):
 
     def __del__(self) -> None:
         """Let it run on."""
-
-
-@cache
-def _tell_first() -> None:
-    """Say once that it takes a while."""
-    logger.warning(FIRST)
 
 
 # ---- plain Python

@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import dispatch
-from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings
+from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings, returning_warnings
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
@@ -115,6 +115,8 @@ def solve(
         record.warnings += explicit_warnings(problem, record)
     elif problem.step:
         record.warnings += coarse_warnings(problem)
+    if problem.step and not any(warning.code is WarningCode.CHATTER for warning in record.warnings):
+        record.warnings += returning_warnings(problem, record)
     return _trajectory(problem, record)
 
 

@@ -35,6 +35,7 @@ class WarningCode(StrEnum):
     STEP_LIMIT = "step-limit"  # the step is beyond the limit of an explicit method on this chain
     CHATTER = "chatter"  # contacts switch as often as steps are taken
     COARSE_STEP = "coarse-step"  # the step is too long to resolve the shortest contact
+    RETURNS = "returns"  # contacts close so often again that the errors of a fixed step may have grown large
     LATE_START = "late-start"  # the motion began before its first sample
     UNUSUAL = "unusual"  # a number can be computed with but is hardly meant
     UNKNOWN = "unknown"  # read from a file that knew no codes

@@ -1,1 +1,1 @@
-"""Very many short chains at once: explicit steps of several chains in vector code, the rest without Python for each chain."""
+"""Very many short chains at once: arrays with a row a chain, and kernels that move one row after the other."""

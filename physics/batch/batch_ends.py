@@ -9,8 +9,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.batch import adaptive_batch, fixed_batch
-from softcradle.physics.batch.batch_parts import LEAST_AT_ONCE, BatchRun, Part, parts_of
+from softcradle.physics.batch.batch_runs import (
+    Accuracy,
+    BatchRun,
+    integrate_part,
+    march_part,
+    needs_another_run,
+    parts_of,
+)
 from softcradle.physics.batch.batch_scales import (
     closing_scales,
     contact_times,
@@ -19,7 +25,7 @@ from softcradle.physics.batch.batch_scales import (
     velocities_of,
 )
 from softcradle.physics.batch.chain_batch import ChainBatch
-from softcradle.physics.batch.run_each import integrate_each
+from softcradle.physics.batch.run_each import integrate_each, march_each
 from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown, whole_number
 from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.ensemble_runs import cores, in_threads
@@ -71,13 +77,9 @@ def ensemble_ends(
 ) -> EnsembleEnds:
     """Let very many short chains of one shape move, each as `simulate` would; their ends as arrays.
 
-    They are those of `simulate` to the last digit, but for some of the motions that rattle, which amplify round-off: of these a
-    few in a hundred have been seen to differ, by 1.5e-8 m/s at the most.
-
-    Explicit steps are taken by several chains side by side, in the lanes of vector code; the other methods run one chain after
-    the other in compiled code, on all cores. Chains whose motion takes more than one run, because they rattle or errors have
-    grown, are run by `simulate`. There are no warnings: look at `status` and `velocity_error`, and run a doubtful chain,
-    ``batch.chain(k)``, by `simulate`.
+    They are those of `simulate` to the last digit. Chains run one after the other in compiled code, on all cores; those whose
+    motion takes more than one run, because they rattle or errors have grown, are run by `simulate`. There are no warnings: look
+    at `status` and `velocity_error`, and run a doubtful chain, ``batch.chain(k)``, by `simulate`.
 
     Parameters
     ----------
@@ -121,46 +123,40 @@ def ensemble_ends(
     if workers is not None and whole_number("workers", workers) < 1:
         raise ValueError(f"workers must be at least 1, not {shown(workers)}")
     _require_end(batch, duration)
-    start = start_of(batch, _velocities(batch, velocity))
+    speeds = _velocities(batch, velocity)
+    start = start_of(batch, speeds)
     durations = np.full(batch.chains, np.inf) if duration is None else _each("duration", duration, batch.chains, True)
     times = contact_times(batch, start.velocity)
     log_compilation()
+    threads = workers or cores()
     if chosen.adaptive:
         if step is not None:
             raise ValueError(f"method {method!r} chooses its own steps: give a tolerance instead of a step")
         if not LEAST_TOLERANCE <= tolerance <= LARGEST:
             raise ValueError(f"tolerance must be from {LEAST_TOLERANCE:g} to {LARGEST:g}, not {shown(tolerance)}")
         run = BatchRun.of(batch, start, np.zeros(batch.chains), durations, duration is None)
-        scale = closing_scales(batch, start, durations)
-        accuracy = adaptive_batch.accuracy_of(batch, method, float(tolerance), scale)
-        move: Any = partial(adaptive_batch.run_part, KERNELS["adaptive"].of(integrate_each, np.inf), accuracy, run)
+        accuracy = Accuracy.of(batch, method, float(tolerance), closing_scales(batch, start, durations))
+        move: Any = partial(integrate_part, KERNELS["adaptive"].of(integrate_each, np.inf), accuracy, run)
     else:
         steps = default_steps(batch, start.velocity, times) if step is None else _each("step", step, batch.chains)
         run = BatchRun.of(batch, start, steps, durations, duration is None)
-        kernel = fixed_batch.kernel_of(method, batch.contacts)
-        move = partial(fixed_batch.run_part, _tier(method, batch).of(kernel, np.inf), method, run)
-    least = fixed_batch.LEAST_AT_ONCE if fixed_batch.in_lockstep(method, batch.contacts) else LEAST_AT_ONCE
-    _move_all(move, list(parts_of(batch, workers or cores(), least)), workers or cores(), progress)
+        tiers = KERNELS["march-dissipative" if batch.dissipative.any() else "march"]
+        move = partial(march_part, tiers.of(march_each, np.inf), method, run)
+    parts = list(parts_of(batch, threads))
+    for k, _ in in_threads(move, parts, threads):
+        if progress is not None:
+            progress(parts[k].chains.size)
     moving = run.moving
     ends = EnsembleEnds(
         velocities_of(batch, moving.rate, moving.anchor), np.full(batch.mass.shape, np.nan), moving.time, moving.status,
         moving.counter[:, STEP].copy(), moving.counter[:, EVALUATION].copy(),
     )  # fmt: skip
     if chosen.adaptive:
-        error, growth = adaptive_batch.errors(accuracy)
+        error, growth = accuracy.errors()
         ends.velocity_error[:] = error[:, None]
-        again = np.flatnonzero(adaptive_batch.needs_another_run(batch, start.velocity, moving, error, growth))
-        _run_again(batch, start.velocity, again, durations, method, float(tolerance), ends, workers or cores())
+        again = np.flatnonzero(needs_another_run(batch, start.velocity, moving, error, growth))
+        _run_again(batch, speeds, again, durations, method, float(tolerance), ends, threads)
     return ends
-
-
-def _move_all(
-    move: Callable[[Part], None], parts: list[Part], threads: int, progress: Callable[[int], None] | None
-) -> None:
-    """Move all parts of a batch in threads."""
-    for k, _ in in_threads(move, parts, threads):
-        if progress is not None:
-            progress(parts[k].chains.size)
 
 
 def _run_again(
@@ -223,13 +219,6 @@ def _each(name: str, value: ArrayLike, count: int, zero: bool = False) -> Array:
     return np.broadcast_to(found, (count,)).copy()
 
 
-def _tier(method: str, batch: ChainBatch) -> KernelTiers:
-    """The kernels of a method of fixed steps for such chains."""
-    if fixed_batch.in_lockstep(method, batch.contacts):
-        return KERNELS["lockstep"]
-    return KERNELS["march-dissipative" if batch.dissipative.any() else "march"]
-
-
 def _call_kernels(method: str, friction: float) -> None:
     """Call the kernels once."""
     ensemble_ends(ChainBatch(np.ones((2, 3)), 0.0, 1.0, 0.1, friction=friction), [1.0, 0.0, 0.0], 1e-3, method)
@@ -238,7 +227,6 @@ def _call_kernels(method: str, friction: float) -> None:
 KERNELS = {
     name: KernelTiers(f"batch-{name}", __name__, partial(_call_kernels, method, friction))
     for name, method, friction in (
-        ("lockstep", "verlet", 0.0),
         ("march", "conserving", 0.0),
         ("march-dissipative", "conserving", 0.1),
         ("adaptive", "accurate", 0.0),

@@ -2,14 +2,45 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE, Scratch, Trial
-from softcradle.physics.batch.lockstep_loop import BatchData, BatchMotion
 from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.records import Dissipation
 
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
 NEVER = 2**62  # steps: a run is not interrupted
+
+
+class BatchData(NamedTuple):
+    """What does not move: a row a chain."""
+
+    law: Array  # (C, n, 3)
+    loss: Array  # (C, n)
+    inverse_mass: Array  # (C, n+1)
+    push: Array  # (C, n+1)
+    bed: Array  # (C, n+1)
+    step: Array  # (C,) [s]; 0 for adaptive methods
+    end: Array  # (C,) [s]; inf: none
+
+
+class BatchMotion(NamedTuple):
+    """What moves, and what the end is: a row a chain."""
+
+    overlap: Array  # (C, n)
+    rate: Array  # (C, n)
+    anchor: Array  # (C, 2)
+    force: Array  # (C, n)
+    closed: NDArray[np.int8]  # (C, n)
+    counter: Whole  # (C, COUNTERS)
+    status: Whole  # (C,)
+    time: Array  # (C,) when the run ended
 
 
 @jit

@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from softcradle.physics.methods import AUTO
 from softcradle.sandbox.sweeps.chunk_work import Work, current_versions
 from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
@@ -62,13 +61,9 @@ def _check(source: ScenePoints, points: Points) -> None:
     first = {axis.path: axis.ends()[0] for axis in points.axes}
     for changed in [first, *(first | {axis.path: axis.ends()[1]} for axis in points.axes)]:
         try:
-            scene = source.checked(changed)
+            source.checked(changed)
         except SceneError as error:
             raise StudyError(str(error).removeprefix("the scene: ")) from None
-        if scene.method == AUTO:
-            raise StudyError("a sweep needs a method by name: what 'auto' chooses depends on the machine")
-    if source.scene.method == AUTO:
-        raise StudyError("a sweep needs a method by name: what 'auto' chooses depends on the machine")
 
 
 def lanes_of(work: Work) -> tuple[tuple[str, ...], str]:

@@ -11,7 +11,7 @@ from softcradle.physics import State
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import added_cost, chain_lengths, lockstep, steps, sweep_cost
+from benchmarks import added_cost, chain_lengths, many_chains, steps, sweep_cost
 from benchmarks.reports import at_least, at_most
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
@@ -79,8 +79,8 @@ def test_what_is_added_to_a_solve_is_all_that_differs(pair):
     assert found["ratio"] == pytest.approx(found["with"] / found["without"])
 
 
-def test_chains_in_lockstep_are_measured_beside_the_same_alone():
-    found = lockstep.measure(lockstep.CASES["Hertz"], "verlet", chains=3, alone=3)
+def test_chains_of_a_batch_are_measured_beside_the_same_alone():
+    found = many_chains.measure(many_chains.CASES["Hertz"], "verlet", chains=3, alone=3)
     assert found["ratio"] == pytest.approx(found["ensemble"] / found["ends"])
     assert found["ends"] > 0.0
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks.conserving_scan import FAMILIES, report, run
+from benchmarks.conserving_scan import FAMILIES, LARGE, error_report, errors, report, run
 
 pytestmark = pytest.mark.slow
 
@@ -33,6 +33,14 @@ def test_the_table_names_the_seeds_that_fail(found):
     assert row[3] == "1"
     assert row[-1] == str(failed.seed)
     assert table.rows[-1][:2] == ["all", "21"]
+
+
+def test_errors_beyond_a_thousandth_are_warned_of():
+    """But one in hundreds, at four times the default step."""
+    found = [one for number in range(40) for one in errors(number)]
+    assert [one for one in found if one.error > LARGE and not one.warned] == []
+    table = error_report(found)
+    assert sum(int(row[2]) for row in table.rows) == len(found)
 
 
 def test_the_command_writes_its_table(tmp_path, capsys):

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, draft_gear, hertz, one_on, power_law, simulate, stable_step, step_force
+from softcradle.physics.simulation import solve
+
+from tests.helpers.random_chains import random_collision
 
 EXPLICIT = [method.name for method in METHODS if not method.set_valued]
 
@@ -15,6 +20,15 @@ def test_a_draft_gear_that_should_rest_is_reported_to_chatter(method):
     with pytest.warns(RuntimeWarning, match="chatter"):
         result = simulate(chain, [0.5, 0, 0, 0], method=method, step=1e-4)
     assert any(warning.code == "chatter" and "'conserving'" in str(warning) for warning in result.warnings)
+
+
+def test_contacts_that_close_again_and_again_are_reported():
+    """At its default step the first is off by a hundredth, with 35 openings; the other, which opens as often, brakes."""
+    chain, velocity = random_collision(64, 8)
+    for friction, codes in ((0.0, ["returns"]), (1e-6, [])):
+        run = solve(replace(chain, friction=friction), velocity, 0.3, "conserving", samples=2)
+        assert [warning.code for warning in run.warnings] == codes
+        assert sum(len(closed) - 1 for closed in run.contact_intervals) > 6
 
 
 def test_a_step_past_the_limit_is_reported():

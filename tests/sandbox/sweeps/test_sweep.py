@@ -323,6 +323,15 @@ def test_a_scene_gives_what_simulate_gives():
     assert found["rigidity"][0, 1] == np.ptp(run.final_velocity[1:]) / run.final_velocity[1:].mean()
 
 
+def test_method_auto_chooses_for_each_point_as_simulate_does():
+    over = {"lanes.0.contact.alpha": [0.5, 1.5], "method": ["auto"], "tolerance": [1e-3]}
+    found = sweep("one-on-four", over, ["final_velocity", "peak_force"], executor="here")
+    for k, alpha in enumerate((0.5, 1.5)):
+        run = simulate(one_on(4, power_law(1.0, alpha)), [1, 0, 0, 0, 0], None, "auto", samples=2, tolerance=1e-3)
+        np.testing.assert_array_equal(found["final_velocity"][k].values.ravel(), run.final_velocity)
+    assert (found["peak_force"] > 0.0).all()
+
+
 def test_measures_of_fine_samples_are_those_of_the_table():
     found = sweep(
         "one-on-four", {"method": ["conserving"], "step": [0.02]}, ["peak_force", "contact_peak_force"], executor="here"
@@ -369,7 +378,6 @@ def test_motions_of_a_function_are_measured():
             {},
             r"lanes\[0\].mass must be greater than 0, not -1",
         ),
-        (("one-on-four", {"method": ["auto"]}, ["end"]), {}, "what 'auto' chooses depends on the machine"),
         (("one-on-fore", {"lanes.0.mass": [1.0]}, ["end"]), {}, "there is no scene 'one-on-fore'"),
         ((numbers, GRID), {"output": "x.csv"}, "must end in .zarr or .nc, not 'x.csv'"),
         ((numbers, GRID), {"output": "nowhere/x.nc"}, "there is no folder"),

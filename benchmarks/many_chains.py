@@ -75,7 +75,7 @@ def reports() -> Iterator[Report]:
     ]
     columns = ["one on 4", "ensemble [ms]", "ensemble_ends [ms]", "times the rate (aim)"]
     note = f"processor time of a collision with default steps, least of {ROUNDS} rounds; both give the same digits"
-    yield Report("Very many chains in lockstep, on one core", columns, rows, [note], found)
+    yield Report("Very many short chains, on one core", columns, rows, [note], found)
     many = measure_collisions()
     rows = [
         [f"1e5 of them on {cores()} cores, s", at_most(many["seconds"], SECONDS_AIM)],
