@@ -49,13 +49,13 @@ class ProgressShown:
     """How far a command is, on standard error: on a terminal a bar that disappears, in a file a line a minute.
 
     Arguments:
-        what: what is counted.
+        what: what is counted; the "points" that a study tells of are these.
         count: how many there are; None where that is told later.
         shown: whether to show anything.
     """
 
     def __init__(self, what: str, count: int | None = None, shown: bool = True) -> None:
-        self._what, self._done, self._count = what, 0, count
+        self._points, self._what, self._done, self._count = what, what, 0, count
         self._shown, self._ended = shown and not is_quiet(), threading.Event()
         self._bar: Progress | None = None
         self._began, self._before = monotonic(), 0
@@ -77,6 +77,7 @@ class ProgressShown:
 
     def tell(self, what: str, done: int, count: int | None = None) -> None:
         """So many are done, of so many."""
+        what = self._points if what == "points" else what
         if (what, count) != (self._what, self._count):
             self._began, self._before = monotonic(), done
         self._what, self._done, self._count = what, done, count

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
+
+Named = TypeVar("Named")
 
 MISTAKE = 2  # what the user asked for cannot be done
 GAVE_UP = 3  # a run gave up before its end: what was printed and written is not the whole motion
@@ -31,6 +34,14 @@ def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
     near = difflib.get_close_matches(word, names, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return UserError(f"there is no {kind} {word!r}; {hint}there are {', '.join(names)}")
+
+
+def named(kind: str, wanted: Sequence[str], known: Mapping[str, Named]) -> list[Named]:
+    """Those of the `known` that are wanted by name, all for none. Raises UserError."""
+    wrong = next((name for name in wanted if name not in known), None)
+    if wrong is not None:
+        raise unknown(kind, wrong, known)
+    return [known[name] for name in wanted] if wanted else list(known.values())
 
 
 def reason(error: OSError) -> str:

@@ -155,8 +155,7 @@ def advance(problem: Problem) -> Status:
     memory.log.counter[:] = 0
     memory.log.closed[:] = state.closed
     status, state.time = _integrate(problem, state, _scale(problem), memory)
-    contact, time = kept_switches(memory.log)
-    state.note_switches(contact[:FRAME_LOG], time[:FRAME_LOG], int(memory.log.counter[SWITCH]))
+    state.note_switches(*kept_switches(memory.log), int(memory.log.counter[SWITCH]))
     return Status(status)
 
 
@@ -192,8 +191,8 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
     while code == PAUSED:
-        memory.log = with_free_rows(memory.log)
-        most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE)
+        memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
+        most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
         work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
         kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
         compiled = kernel is integrate

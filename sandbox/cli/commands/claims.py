@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
-from softcradle.sandbox.user_error import unknown
+from softcradle.sandbox.user_error import named
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,15 +35,11 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.console import console, print_table, table
     from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 
-    known = [claim.name for claim in CLAIMS]
-    for name in args.names:
-        if name not in known:
-            raise unknown("claim", name, known)
+    claims = named("claim", args.names, {claim.name: claim for claim in CLAIMS})
     if args.list:
         listed = table("claim", "place in the paper", "statement")
-        for claim in CLAIMS:
-            if not args.names or claim.name in args.names:
-                listed.add_row(claim.name, claim.place, claim.statement)
+        for claim in claims:
+            listed.add_row(claim.name, claim.place, claim.statement)
         print_table(console(), listed)
         return 0
     _measure_and_show(args)
@@ -92,7 +88,7 @@ def _measured(names: list[str], kept: Path | None) -> list[Study]:
     from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
     with ProgressShown("cases") as progress:
-        return measure_claims(names, lambda _, done, count: progress.tell("cases", done, count), kept=kept)
+        return measure_claims(names, progress.tell, kept=kept)
 
 
 def _print_json(found: list[Study]) -> None:

@@ -32,7 +32,7 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.studies.piston_experiment import compute_experiment, critical_speed_with_error
 
     with ProgressShown("launch speeds") as progress:
-        fits, pistons = compute_experiment(progress=lambda _, done, count: progress.tell("launch speeds", done, count))
+        fits, pistons = compute_experiment(progress=progress.tell)
     critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
     if args.json:
         print(_as_json(fits, pistons, critical))

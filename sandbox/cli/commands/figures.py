@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, open_with_desktop
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
 from softcradle.sandbox.output_files import filled_folder
-from softcradle.sandbox.user_error import unknown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,12 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Draw the figures, or list them."""
-    from softcradle.sandbox.studies.figures.figure_list import FIGURES, figures_named, write_figure
+    from softcradle.sandbox.studies.figures.figure_list import figures_named, write_figure
 
-    try:
-        figures = figures_named(args.names)
-    except KeyError as error:
-        raise unknown("figure", error.args[0], (figure.name for figure in FIGURES)) from None
+    figures = figures_named(args.names)
     if args.list:
         listed = table("name", "place in the paper", "what it shows")
         for figure in figures:
@@ -63,4 +59,4 @@ def _tables(figures: list[FigureEntry], kept: Path) -> list[Table]:
     from softcradle.sandbox.studies.figures.figure_list import compute_tables
 
     with ProgressShown("figures") as progress:
-        return list(compute_tables(figures, kept, lambda _, done, count: progress.tell("figures", done, count)))
+        return list(compute_tables(figures, kept, progress.tell))

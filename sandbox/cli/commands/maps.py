@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
-from softcradle.sandbox.user_error import UserError, unknown
+from softcradle.sandbox.user_error import UserError, named
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.data_table import Table
@@ -36,9 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compute the maps, draw them and write their numbers."""
-    for name in args.names:
-        if name not in NAMES:
-            raise unknown("map", name, NAMES)
+    names = named("map", args.names, dict(zip(NAMES, NAMES, strict=True)))
     columns, rows = _points(args.points)
     from softcradle.sandbox.output_files import filled_folder
     from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
@@ -49,7 +47,7 @@ def main(args: argparse.Namespace) -> int:
     with filled_folder(args.output) as folder:
         written = WrittenFiles(folder.iterdir())
         for wanted in rigidity_maps(columns, rows):
-            if not args.names or wanted.name in args.names:
+            if wanted.name in names:
                 kept = folder / f"map-{wanted.name}"
                 written.report(_write(wanted, _computed(wanted, kept), folder), show=args.open)
                 drop_kept(kept)
@@ -69,9 +67,8 @@ def _computed(wanted: RigidityMap, kept: Path) -> Table:
     from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
 
-    what = f"{wanted.title}: points"
-    with ProgressShown(what) as progress:
-        return compute_map(wanted, kept, lambda _, done, count: progress.tell(what, done, count))
+    with ProgressShown(f"{wanted.title}: points") as progress:
+        return compute_map(wanted, kept, progress.tell)
 
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:

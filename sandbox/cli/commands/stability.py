@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
-from softcradle.sandbox.user_error import UserError, unknown
+from softcradle.sandbox.user_error import UserError, named
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.stability.failure_scans import Scan, ScanRun
@@ -37,13 +37,15 @@ def main(args: argparse.Namespace) -> int:
     """Run the scans, draw the maps and print the summary."""
     from softcradle.sandbox.output_files import output_file
     from softcradle.sandbox.studies.plot_style import require_matplotlib
+    from softcradle.sandbox.studies.stability import failure_scans
 
     path = Path(args.output)
     if path.suffix not in SUFFIXES:
         raise UserError(f"cannot write {args.output}: stability writes {', '.join(SUFFIXES)}")
     require_matplotlib()
     details = [path.with_stem(f"{path.stem}-details")] if args.details else []
-    scans, paths = _scans(args.scans), [path, path.with_suffix(".csv"), *details]
+    scans = named("scan", args.scans, {scan.name: scan for scan in failure_scans.SCANS})
+    paths = [path, path.with_suffix(".csv"), *details]
     written = WrittenFiles(paths)
     with ExitStack() as stack:
         files = [stack.enter_context(output_file(each)) for each in paths]  # refused at once, not after the runs
@@ -68,22 +70,11 @@ def _write(
     write_csv(runs, numbers)
 
 
-def _scans(wanted: Sequence[str]) -> list[Scan]:
-    """The scans of those names; without names, all."""
-    from softcradle.sandbox.studies.stability.failure_scans import SCANS
-
-    known = {scan.name: scan for scan in SCANS}
-    for name in wanted:
-        if name not in known:
-            raise unknown("scan", name, known)
-    return [known[name] for name in wanted] if wanted else list(SCANS)
-
-
 def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
     from softcradle.sandbox.studies.stability.failure_scans import swept_runs
 
     with ProgressShown("runs") as progress:
-        return swept_runs(scans, lambda _, done, count: progress.tell("runs", done, count))
+        return swept_runs(scans, progress.tell)
 
 
 def _print(runs: Sequence[ScanRun]) -> None:

@@ -23,6 +23,7 @@ from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.plot_style import styled, write_picture
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
+from softcradle.sandbox.user_error import named
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -147,9 +148,8 @@ FIGURES: tuple[FigureEntry, ...] = (
 
 
 def figures_named(names: Sequence[str]) -> list[FigureEntry]:
-    """The figures of those names, all for none; KeyError with the first name that is not one."""
-    known = {figure.name: figure for figure in FIGURES}
-    return [known[name] for name in names] if names else list(FIGURES)
+    """The figures of those names, all for none. Raises UserError."""
+    return named("figure", names, {figure.name: figure for figure in FIGURES})
 
 
 # Seconds to minutes each: computed first, so that in the end no core waits long for another.

@@ -71,14 +71,14 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
 
 def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
     monkeypatch.setattr(console, "LINE_AFTER", 0.0)
-    with console.ProgressShown("points") as progress:
+    with console.ProgressShown("cases") as progress:
         progress.tell("points", 100, 2000)
         progress.tell("points", 135, 2000)
         told = ""
         while "135 of 2000" not in told:
             told += capsys.readouterr().err
-    assert told.splitlines()[-2].startswith("softcradle: points: ")
-    assert progress.line(70.0) == "points: 135 of 2000, after 1 min, 0.5 a second, about 1.0 h left"
+    assert told.splitlines()[-2].startswith("softcradle: cases: ")
+    assert progress.line(70.0) == "cases: 135 of 2000, after 1 min, 0.5 a second, about 1.0 h left"
 
 
 def test_progress_is_left_out_where_that_is_wanted(monkeypatch, capsys, loud):

@@ -309,7 +309,7 @@ def test_progress_counts_the_cases(monkeypatch, capsys):
     monkeypatch.setattr(console.ProgressShown, "tell", lambda _, *given: told.append(given))
     monkeypatch.setattr(claim_list, "measure_claims", lambda _, told, **__: told("points", 2, 3) or [])
     assert main(["claims", "rigid-like", "slopes", "robust", "--json"]) == 0
-    assert told == [("cases", 2, 3)]
+    assert told == [("points", 2, 3)]
     assert json.loads(capsys.readouterr().out)["claims"] == []
 
 
