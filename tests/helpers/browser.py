@@ -113,12 +113,13 @@ class Browser:
         self.call("Page.navigate", url=path.resolve().as_uri())
         self.until("document.readyState + location.protocol === 'completefile:'")
 
-    def until(self, script: str) -> None:
-        """Wait until a JavaScript expression is true, as long as other processes may have the processors."""
+    def until(self, script: str) -> Any:
+        """Value of a JavaScript expression once it is true; other processes may have the processors for long."""
         end = time.monotonic() + PATIENCE
-        while not self.run(script):
+        while not (found := self.run(script)):
             assert time.monotonic() < end, f"never came: {script}"
             time.sleep(0.02)
+        return found
 
     def picture(self, path: Path, whole: bool = False) -> None:
         """Write a screenshot of the window, or of the `whole` page."""

@@ -280,4 +280,7 @@ def test_an_empty_cache_is_filled_behind(tmp_path):
     assert before.split(" ", 1)[0] == "False"
     assert after.split(" ", 1)[0] == "True"
     assert before.split(" ", 1)[1] == after.split(" ", 1)[1]
-    assert done.stderr == ""
+    said = [
+        line for line in done.stderr.splitlines() if not line.startswith("waiting for kernels")
+    ]  # on a busy machine
+    assert said == []
