@@ -205,18 +205,20 @@ FRAMES = [
 
 @pytest.mark.parametrize(("name", "method"), FRAMES)
 def test_frames_go_where_the_whole_run_goes(name, method):
-    """Live use moves a state by a sixtieth of a second at a time."""
+    """Live use moves a state by a fiftieth of a second at a time: twenty fixed steps, which are those of the whole run."""
     case = CASES[name]
     state = State.at_start(case.chain, case.velocity)
     step = None if method in ("accurate", "radau", "dop853") else 1e-3
     tolerance = {"tolerance": TOLERANCE} if step is None else {}
-    for _ in range(12):
-        advance(case.chain, state, 1.0 / 60.0, method, step, **tolerance)
-    whole = simulate_quietly(case.chain, case.velocity, 12 / 60.0, method, step, samples=2, **tolerance)
-    assert state.time == pytest.approx(12 / 60.0)
-    assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=0.02 if step else 30.0 * TOLERANCE)
+    for _ in range(10):
+        advance(case.chain, state, 0.02, method, step, **tolerance)
+    whole = simulate_quietly(case.chain, case.velocity, 0.2, method, step, samples=2, **tolerance)
+    assert state.time == pytest.approx(0.2)
+    # a contact of "between walls" closes at 0.2 s: within a step of pymunk, by round-off
+    allowed = 1e-3 if method == "pymunk" else 1e-6 if step else 30.0 * TOLERANCE
+    assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=allowed)
     absorbed = whole.absorbed_by_contacts[-1], whole.absorbed_by_bed[-1]
-    assert state.absorbed == pytest.approx(absorbed, rel=0.02 if step else 1e-4, abs=1e-6)
+    assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if step else 1e-4, abs=1e-6)
     assert state.copy().absorbed.tolist() == state.absorbed.tolist()
 
 
