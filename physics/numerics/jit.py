@@ -63,13 +63,17 @@ else:
             """Optimise what is called as private to the function: LLVM then inlines all that is called but once.
 
             Private, not internal: kernels that are loaded later would find an internal name, and call what LLVM has made of it.
-            Rows are short, so vector code costs more than it brings.
+            Rows are short: vector code would cost more than it brings.
             """
             for called in library._final_module.functions:
                 if not called.is_declaration and called.linkage == Linkage.linkonce_odr:
                     called.linkage = Linkage.private
-            passes, builder = library._codegen._module_pass_manager(loop_vectorize=False, slp_vectorize=False)
-            passes.run(library._final_module, builder)
+            before = numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE
+            numba.config.LOOP_VECTORIZE = numba.config.SLP_VECTORIZE = 0
+            try:
+                type(library)._optimize_final_module(library)
+            finally:
+                numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE = before
 
     def jit(function: Kernel) -> Kernel:
         """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources.
