@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import MARGIN
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import OPEN, TOUCHING
 
@@ -23,7 +23,7 @@ def is_active(i, h, inactive, chain, motion):
     return rate > inactive or push * h > inactive or push * max(reach, 0.0) > inactive * inactive
 
 
-@jit
+@piece
 def next_range(after, h, inactive, chain, motion):
     """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none."""
     n = motion.mode.size

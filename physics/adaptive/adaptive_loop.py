@@ -34,7 +34,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
 from softcradle.physics.adaptive.switching import begin, fall_back, fly_to_event, open_passed, slip_by, switch
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import (
     DONE,
@@ -69,7 +69,7 @@ def accept_step(kind, motion, trial, past):
     motion.anchor[0], motion.anchor[1] = trial.anchor[0], trial.anchor[1]
 
 
-@jit
+@piece
 def nothing_moves(chain, regime, motion):
     """True where no bead moves and forces balance on each."""
     anchor, strongest = chain.anchor_bead, 0.0
@@ -94,7 +94,7 @@ def any_frozen(motion):
     return found
 
 
-@jit
+@whole
 def integrate(
     allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain_fields, regime_fields, motion_fields,
     trial_fields, look_fields, scratch_fields, steps_fields, log_fields,

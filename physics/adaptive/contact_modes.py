@@ -10,7 +10,7 @@ from __future__ import annotations
 from softcradle.physics.adaptive.constants import ROUND_OFF
 from softcradle.physics.adaptive.stick_slip_friction import GIVE, LOAD, bead_push, is_firm, load_beads, rest_exactly
 from softcradle.physics.adaptive.yield_or_slip import balance
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -113,7 +113,7 @@ def make_effective(chain, regime, motion):
             motion.mode[i] = FROZEN
 
 
-@jit
+@piece
 def resolve_modes(chain, regime, motion, slow, scratch):
     """Modes, forces and the effective chain from overlaps, rates and slides; contacts at rest are slower than `slow` [m/s].
 

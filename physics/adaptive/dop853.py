@@ -24,13 +24,13 @@ from softcradle.physics.adaptive.dop853_tableau import (
     WEIGHTS_SQUARE,
 )
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, larger, signed_force, slope_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
 
 
-@jit
+@piece
 def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, upper):
     """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage.
 
@@ -84,7 +84,7 @@ def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, 
                 acceleration[i] = 0.0
 
 
-@jit
+@piece
 def anchor_acceleration(chain, force):
     """Acceleration of the anchor bead by the contact forces (n,) and from outside."""
     inverse_mass, external, anchor_bead = chain.inverse_mass, chain.external, chain.anchor_bead
@@ -94,7 +94,7 @@ def anchor_acceleration(chain, force):
     return net * inverse_mass[anchor_bead] + (external[force.size] if external.size else 0.0)
 
 
-@jit
+@piece
 def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     """One step into `trial`: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`.
 
@@ -188,7 +188,7 @@ def nearly_opens(h, overlap, rate, end_overlap, end_rate):
     return least < GRAZE * max(overlap, end_overlap)
 
 
-@jit
+@piece
 def error_of_range(h, first, last, chain, motion, trial, force):
     """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins to push in it, ceases to, or nearly does.
 
@@ -227,20 +227,20 @@ def error_of_range(h, first, last, chain, motion, trial, force):
     return worst
 
 
-@jit
+@piece
 def frequency_of(law, inverse_mass, i, overlap):
     """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
     slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force_at(law, i, overlap))
     return (inverse_mass[i] + inverse_mass[i + 1]) * slope
 
 
-@jit
+@piece
 def force_at(law, i, overlap):
     """Force of contact i, loaded, at `overlap`."""
     return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
 
 
-@jit
+@piece
 def add_scaled(factor, source, first, last, target):
     """``target += factor * source`` in a range."""
     if factor != 0.0:
@@ -248,14 +248,14 @@ def add_scaled(factor, source, first, last, target):
             target[i] += factor * source[i]
 
 
-@jit
+@piece
 def combined(fifth, third):
     """The error of order 8 from those of orders 5 and 3, as in the authors' code."""
     scale = fifth * fifth + 0.01 * third * third
     return fifth * fifth / math.sqrt(scale) if scale != 0.0 else 0.0
 
 
-@jit
+@piece
 def hermite(x, h, d0, w0, a0, d1, w1, a1):
     """The quintic with overlaps, rates and accelerations of both ends, at the part x of the step."""
     jump = d1 - d0 - h * w0 - 0.5 * h * h * a0

@@ -18,7 +18,7 @@ from softcradle.physics.adaptive.contact_modes import loss_of, multiplier_bounds
 from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
 from softcradle.physics.adaptive.stick_slip_friction import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import NODES, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING
 
@@ -36,13 +36,13 @@ STOPS, SLIPS = np.int64(6), np.int64(7)
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
 
 
-@jit
+@piece
 def is_continued(law, i):
     """True where the force is continued to d < 0 within a step, so that a loaded contact opens by an event."""
     return law[i, 0] > 0.0 or law[i, 2] == 1.0
 
 
-@jit
+@piece
 def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     """True where a contact closes so slowly, and has so little energy at the end, that its closing may be passed over.
 
@@ -132,7 +132,7 @@ def flies_apart(i, chain, motion, trial):
     return before and (motion.force[i + 1] == 0.0 == trial.force[2, i + 1] if i < motion.force.size - 1 else True)
 
 
-@jit
+@piece
 def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, work):
     """The earliest switch within the step: (row, kind, part of the step); row -1 where there is none.
 
@@ -210,7 +210,7 @@ def stage_guard(sign, offset, y0, y1, y2, y3):
     return stage_cubic(sign * y0 + offset, sign * y1 + offset, sign * y2 + offset, sign * y3 + offset)
 
 
-@jit
+@piece
 def near_switch(h, chain, regime, motion, trial, slow):
     """The part of the step at which a guard comes near to zero without turning negative, so near that the polynomial may be
     wrong about it; 1 where none does. A step that ends there tells."""

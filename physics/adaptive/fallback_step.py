@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SHRINK
 from softcradle.physics.fixed_step.discrete_gradient import gradient_step
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.records import EVALUATION, FALLBACK, STEP, Motion
 from softcradle.physics.numerics.switches import copy_motion
 
 
-@jit
+@piece
 def fallback_step(h, chain, motion, wanted, trial, scratch, log):
     """One step of the discrete gradient: as long as it and two of half its length agree to the error of a step, `h` at most.
 

@@ -7,13 +7,13 @@ gives a time before which it cannot vanish, so the search moves on from there an
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import FIRST_PART, MOST_MOVES, ROUND_OFF
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import NODES
 
 NONE = 2.0  # in place of a part of the step: there is no root
 
 
-@jit
+@piece
 def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
     """Bernstein coefficients of the quintic through values, rates and accelerations of both ends of a step of length h."""
     return (
@@ -26,7 +26,7 @@ def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
     )
 
 
-@jit
+@piece
 def hermite_cubic(h, y0, v0, y1, v1):
     """Bernstein coefficients, of degree 5, of the cubic through values and rates of both ends of a step of length h."""
     b1, b2 = y0 + h * v0 / 3.0, y1 - h * v1 / 3.0
@@ -46,7 +46,7 @@ def elevated(b0, b1, b2, b3):
     )
 
 
-@jit
+@piece
 def stage_cubic(y0, y1, y2, y3):
     """Bernstein coefficients, of degree 5, of the cubic through the start and the stages of a step."""
     c1, c2 = NODES[0], NODES[1]
@@ -99,7 +99,7 @@ def safe_move(b):
     return 0.0 if b[1] < 0.0 or b[2] < 0.0 else FIRST_PART
 
 
-@jit
+@piece
 def first_root(b):
     """The first part x in [0, 1] at which the quintic with coefficients `b` turns from positive to negative; NONE without."""
     if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:

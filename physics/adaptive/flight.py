@@ -8,11 +8,11 @@ from softcradle.physics.adaptive.constants import ROUND_OFF
 from softcradle.physics.adaptive.event_location import CLOSES, NOTHING, STOPS
 from softcradle.physics.adaptive.stick_slip_friction import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 
-@jit
+@piece
 def nothing_pushes(chain, motion, negligible):
     """True where no contact pushes a bead that can move, or only with what gives less than `negligible` [m/s]."""
     driven = chain.external.size > 0
@@ -32,7 +32,7 @@ def nothing_pushes(chain, motion, negligible):
     return True
 
 
-@jit
+@piece
 def flown(overlap, rate, bend, time):
     """The overlap after `time` of free flight; one that is too slow to close stops at 0, however long the flight is."""
     if bend == 0.0:
@@ -40,7 +40,7 @@ def flown(overlap, rate, bend, time):
     return overlap + time * (rate + 0.5 * time * bend)
 
 
-@jit
+@piece
 def closing_time(overlap, rate, bend):
     """When ``overlap + rate t + bend t²/2`` turns positive, from overlap <= 0; inf where it does not."""
     if overlap >= 0.0 and (rate > 0.0 or (rate == 0.0 and bend > 0.0)):
@@ -83,7 +83,7 @@ def next_flight_event(chain, regime, motion, negligible, velocity):
     return flight, row, kind
 
 
-@jit
+@piece
 def next_event(time, end, chain, regime, motion, negligible, velocity):
     """Until when free flight lasts, to the first event or to `end`; row and kind of the event (-1: none before `end`)."""
     flight, row, kind = next_flight_event(chain, regime, motion, negligible, velocity)
@@ -92,7 +92,7 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
     return time + flight, row, kind
 
 
-@jit
+@piece
 def drift(passed, chain, regime, motion, velocity):
     """Move all overlaps and the anchor on by `passed` [s] of free flight, or back."""
     if regime.bed.size:
@@ -107,7 +107,7 @@ def drift(passed, chain, regime, motion, velocity):
     motion.anchor[1] += passed * bend
 
 
-@jit
+@piece
 def back_to_opening(time, chain, regime, motion, scratch):
     """Go back to when the last contact opened, from the end of the step in which it did; returns this time.
 

@@ -13,7 +13,7 @@ import math
 from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TRIES, ROUND_OFF
 from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -212,7 +212,7 @@ def move_anchor(h, chain, anchor, trial):
         end_anchor[1] += h * TABLEAU[2, j] * acceleration
 
 
-@jit
+@piece
 def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
     """One step into `trial`; `past_step` is the length of the one before, or NO_GUESS; for `origin` see `first_guess`.
 

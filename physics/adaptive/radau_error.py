@@ -6,12 +6,12 @@ import math
 
 from softcradle.physics.adaptive.constants import RATIO, ROUND_OFF
 from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import piece
 from softcradle.physics.numerics.law_curve import care, flow_into, larger, slope_at
 from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
 
 
-@jit
+@piece
 def compliance(law, mode, i, overlap, force):
     """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
     if mode[i] == OPEN or mode[i] == FROZEN:
@@ -22,7 +22,7 @@ def compliance(law, mode, i, overlap, force):
     return 1.0 / slope if slope > 0.0 else -1.0
 
 
-@jit
+@piece
 def embedded_error(h, chain, motion, trial, work):
     """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (3 or more, n+1).
 

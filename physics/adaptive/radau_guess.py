@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import FOLLOW, MOST_GUESSED, ROUND_OFF, SUDDEN
 from softcradle.physics.numerics.elementary import exp, log, power
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -80,7 +80,7 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                     set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
 
 
-@jit
+@piece
 def time_since_onset(law, mode, overlap, rate, force):
     """Time since the overlap of the soft contact that pushes most was zero, had its rate been constant; negative until then."""
     largest, since = 0.0, 1e30
@@ -90,7 +90,7 @@ def time_since_onset(law, mode, overlap, rate, force):
     return since
 
 
-@jit
+@piece
 def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_force):
     """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
     if push <= 0.0:

@@ -24,7 +24,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, finish, undetermined
+from softcradle.physics.adaptive.undetermined import DOUBT, finish, undetermined
 from softcradle.physics.adaptive.usual_budget import step_budget
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.contact import power_law
@@ -100,7 +100,7 @@ def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
     KERNELS.load_made()  # so that the cost measured is that of the motion
     record = completed(problem)
-    if problem.most_steps is None and record.status != Status.UNDETERMINED and record.growth > MOST_GROWN:
+    if problem.most_steps is None and record.status != Status.UNDETERMINED:
         record = checked(problem, record, _scale(problem), completed)
     if record.kept is not None and not problem.later:
         began = perf_counter()

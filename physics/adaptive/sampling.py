@@ -10,13 +10,13 @@ from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau_guess import INSIDE
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into
 
 
-@jit
+@piece
 def absorbed_between(chain, regime, before, moved, end, path):
     """Energy [J] that (contacts, the bed) absorb while overlaps go from `before` to `end` (n,), and the anchor bead by `path`.
 
@@ -71,7 +71,7 @@ def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, step
             at = carry(keeps, row, carry(keeps, row, at, stage_force[s]), stage_overlap[s])
 
 
-@jit
+@piece
 def keep_step(time, length, kind, chain, regime, motion, trial, steps, counter):
     """Keep the step from `time` of `length` [s] into `trial`, or the flight, with the motion at its start."""
     k = counter[KEPT]
@@ -88,7 +88,7 @@ def restore_step(k, chain, regime, motion, past, steps):
     copy_into(past[4], motion.overlap)
 
 
-@jit
+@whole
 def sample_steps(
     count, wanted, chain_fields, regime_fields, motion_fields, trial_fields, scratch_fields, steps_fields, sample_fields,
     log_fields,
@@ -113,7 +113,7 @@ def sample_steps(
             counter[SAMPLE] += 1
 
 
-@jit
+@piece
 def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch, samples, log):
     """Fill the next sample row, `passed` [s] after the start of a step of length `h`, by a shorter step into `trial`.
 
@@ -136,7 +136,7 @@ def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch
     samples.absorbed[k, 1] = motion.absorbed[1] + absorbed[1]
 
 
-@jit
+@piece
 def sample_flight(passed, chain, regime, motion, samples, k, velocity):
     """Fill sample row k, `passed` [s] after the start of a flight."""
     n = motion.mode.size

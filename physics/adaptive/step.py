@@ -30,11 +30,11 @@ from softcradle.physics.adaptive.radau_error import embedded_error
 from softcradle.physics.adaptive.radau_guess import AFTER, NO_GUESS
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, REJECTED, STEP
 
 
-@jit
+@piece
 def take_step(h, kind, firm, chain, motion, wanted, past_step, origin, trial, scratch, log):
     """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
@@ -73,7 +73,7 @@ def opened_early(h, chain, motion, trial, wanted):
     return part
 
 
-@jit
+@piece
 def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_step, trial, scratch, log, most_steps):
     """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
 

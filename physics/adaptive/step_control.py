@@ -32,7 +32,7 @@ from softcradle.physics.adaptive.step_records import (
     UNLIMITED,
 )
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import slope_at
 from softcradle.physics.numerics.records import LOADED, OPEN
 
@@ -44,7 +44,7 @@ def restart_control(control, h):
     control[LEFT] = math.inf
 
 
-@jit
+@piece
 def onset_step(chain, i, speed, wanted):
     """First step after contact i closes at `speed`: its impulse L K (v h)**a h / (1+a) is the error; inf if smooth."""
     exponent, stiffness = chain.law[i, 2], chain.law[i, 1]
@@ -54,7 +54,7 @@ def onset_step(chain, i, speed, wanted):
     return power((1.0 + exponent) * wanted / weight, 1.0 / (1.0 + exponent))
 
 
-@jit
+@piece
 def first_step(chain, motion, scale):
     """A step to begin with where no onset gives one: a hundredth of the fastest local period or crossing."""
     fastest = 0.0
@@ -96,7 +96,7 @@ def soft_contacts(chain, motion, wanted):
     return reach, left, push
 
 
-@jit
+@piece
 def before_opening(left, push, wanted):
     """A step that ends just before an opening, the closer the less it matters: its error is that of (t_o - t)**a."""
     return left * (0.9 if push > 1e3 * wanted else 0.99 if push > 10.0 * wanted else 0.999)

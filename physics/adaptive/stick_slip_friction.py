@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 
 # rows (n+1,) of the work array: known forces on beads, and the static friction of those at rest
 LOAD, GIVE = 5, 6
@@ -30,7 +30,7 @@ def bead_push(chain, regime, j):
     return found - regime.slide[j] * regime.bed[j] if regime.bed.size else found
 
 
-@jit
+@piece
 def find_slides(chain, regime, motion, velocity):
     """Which way each bead slides, from the velocities; called once, for later only events change it."""
     if regime.bed.size:
@@ -71,7 +71,7 @@ def stands(regime, j, velocity, slow):
     return is_at_rest(regime, j) or (regime.inverse_mass[j] == 0.0 and abs(velocity[j]) <= slow)
 
 
-@jit
+@piece
 def stop_bead(j, chain, regime, motion, slow, velocity):
     """Take the velocity that bead j still has at the end of its slide, and all beads that move as one with it.
 
@@ -94,7 +94,7 @@ def stop_bead(j, chain, regime, motion, slow, velocity):
         motion.anchor[1] = 0.0
 
 
-@jit
+@piece
 def stop_beside(i, chain, regime, motion, slow, velocity):
     """Let a bead of contact i, whose rate has become 0, rest where the other one stands: they have one velocity now.
 

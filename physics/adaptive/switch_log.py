@@ -15,7 +15,7 @@ from softcradle.physics.adaptive.radau_guess import AFTER
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import cubic, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
@@ -81,7 +81,7 @@ def grow_errors(row, event, chain, motion, wanted, scratch):
             scratch.grown[i] = max(scratch.grown[i], grown)
 
 
-@jit
+@piece
 def swing_push(i, weight, fastest, chain):
     """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
     preload, stiffness, exponent = chain.law[i, 0], chain.law[i, 1], chain.law[i, 2]
@@ -93,7 +93,7 @@ def swing_push(i, weight, fastest, chain):
     return weight * signed_force(preload, stiffness, exponent, depth)
 
 
-@jit
+@piece
 def return_to_touch(i, fastest, rate, least, others, chain, control):
     """Growth of errors where contact i comes back to d = 0 at `rate`, or turns at the overlap `least` before it.
 
@@ -117,7 +117,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
         control[LOCAL_SQUARE] = max(control[LOCAL_SQUARE], error * error)
 
 
-@jit
+@piece
 def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log):
     """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
     the stages tell that it may be off, by shorter steps of the method, tried in `look`."""
@@ -146,7 +146,7 @@ def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, 
                 break
 
 
-@jit
+@piece
 def opening_of_quintic(i, h, chain, motion, trial):
     """When contact i opens by the quintic through overlaps, rates and accelerations of both ends of the step, and the
     overlap that the cubic through the stages has then."""

@@ -23,12 +23,12 @@ from softcradle.physics.adaptive.step_control import onset_step, restart_control
 from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_SQUARE, NEXT, PAST_STEP
 from softcradle.physics.adaptive.stick_slip_friction import find_slides, stop_bead, stop_beside
 from softcradle.physics.adaptive.switch_log import log_switches
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import flow_into
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
 
-@jit
+@piece
 def stop_rate(i, chain, motion):
     """Give the two beads of contact i the velocity of their centre of mass: this takes its rate and leaves momentum alone.
 
@@ -85,7 +85,7 @@ def slip(j, chain, regime, motion, slow, scratch):
         regime.slide[j] = 1 if needed > 0.0 else -1
 
 
-@jit
+@piece
 def slip_by(j, force, chain, regime, motion, slow, scratch):
     """Let bead j slip at once under contact forces (n,) that a step has shown: those at its start are not yet so large."""
     needed = friction_needed(j, regime, force)
@@ -94,7 +94,7 @@ def slip_by(j, force, chain, regime, motion, slow, scratch):
         resolve_modes(chain, regime, motion, slow, scratch)
 
 
-@jit
+@piece
 def switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log):
     """Carry out the event of a row; what is held is resolved anew in the whole chain."""
     control = scratch.control
@@ -120,7 +120,7 @@ def switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log):
     log_switches(time, time, motion, wanted, scratch, log)
 
 
-@jit
+@piece
 def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps, log):
     """Open all loaded contacts, fly to the first event, and carry it out. Returns the time and the row (-1: none)."""
     for i in range(motion.mode.size):
@@ -139,7 +139,7 @@ def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, tri
     return time, row
 
 
-@jit
+@piece
 def begin(time, chain, regime, motion, wanted, slow, scratch, log):
     """Modes, first step and log at the start of a run."""
     first = math.inf
@@ -160,7 +160,7 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
     log_switches(time, time, motion, wanted, scratch, log)
 
 
-@jit
+@piece
 def fall_back(h, time, chain, regime, motion, wanted, slow, trial, scratch, log):
     """One step of the discrete gradient of length `h` at most; returns its length."""
     h = fallback_step(h, chain, motion, wanted, trial, scratch, log)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, TypeVar
 
 from softcradle.physics.numerics.kernel_cache import cache_folder
@@ -13,13 +14,15 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 try:
     import numba
+    from llvmlite.binding import Linkage
+    from numba.core.compiler import Compiler
 except ImportError:  # no wheel for this machine: the same functions run as plain Python
 
     def jit(function: Kernel) -> Kernel:
         """The function itself, uncompiled."""
         return function
 
-    inlined = jit
+    inlined = piece = whole = jit
 
 else:
     # references to arrays: kernels make no array, and counting references to views took half of the time
@@ -42,6 +45,36 @@ else:
             )
         return compiled
 
+    class _Optimized(Compiler):  # type: ignore[misc]  # numba has no types
+        """The usual compiler, but for what is done with the code of a function and of all that it calls."""
+
+        def compile_extra(self, function: Any) -> Any:
+            library = self.state.targetctx.codegen().create_library(function.__qualname__)
+            library.enable_object_caching()
+            library._optimize_final_module = partial(self.optimize, library)
+            self.state.library = library
+            return super().compile_extra(function)
+
+        def optimize(self, library: Any) -> None:
+            """Leave the code as it comes, for those who call the function."""
+
+    class _Whole(_Optimized):
+        def optimize(self, library: Any) -> None:
+            """Optimise what is called as private to the function: LLVM then inlines all that is called but once.
+
+            Private, not internal: kernels that are loaded later would find an internal name, and call what LLVM has made of it.
+            Rows are short: vector code would cost more than it brings.
+            """
+            for called in library._final_module.functions:
+                if not called.is_declaration and called.linkage == Linkage.linkonce_odr:
+                    called.linkage = Linkage.private
+            before = numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE
+            numba.config.LOOP_VECTORIZE = numba.config.SLP_VECTORIZE = 0
+            try:
+                type(library)._optimize_final_module(library)
+            finally:
+                numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE = before
+
     def jit(function: Kernel) -> Kernel:
         """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources.
 
@@ -54,7 +87,17 @@ else:
 
         Python cannot call it; code for that would take a tenth of the time to compile.
         """
-        return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+        return _compiled(
+            function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Optimized
+        )
+
+    def whole(function: Kernel) -> Kernel:
+        """`jit` for a kernel that Python calls, optimised together with its pieces: it runs in three quarters of the time."""
+        return _compiled(function, pipeline_class=_Whole)
+
+    def piece(function: Kernel) -> Kernel:
+        """`jit` for what a `whole` kernel calls: slow where Python calls it."""
+        return _compiled(function, pipeline_class=_Optimized)
 
 
 def c_function(function: Kernel, signature: Any) -> Any:

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from softcradle.physics import METHODS, simulate
 
-from tests.helpers.relations import ADAPTIVE, FIXED_STEP
+from tests.helpers.relations import ADAPTIVE, FIXED_STEP, simulate_quietly
 from tests.helpers.truth import ELASTIC, GEARS
 
-# dop853 alone on soft contacts says so
-pytestmark = pytest.mark.filterwarnings("ignore:final velocities are determined:RuntimeWarning")
 CASES = ELASTIC + GEARS
 STEPS = 3000  # of a fixed-step method in the striker's contact
 # Error of a fixed step: each onset or loss is off by its order at impacts; 30 for up to 5 contacts of up to 3 chatters
@@ -75,7 +73,7 @@ def test_tolerances(method, truth):
     tolerance, end = tolerance_of(method, truth), 1.1 * max(float(np.nanmax(truth.opened)), truth.time[-1])
     times = np.union1d(truth.time, np.linspace(0.0, end, 201))
     rows = np.searchsorted(times, truth.time)
-    found = simulate(truth.chain, truth.start, method=method.name, samples=times, tolerance=tolerance)
+    found = simulate_quietly(truth.chain, truth.start, method=method.name, samples=times, tolerance=tolerance)
     bound = promise(method, truth) * tolerance
     assert np.abs(found.final_velocity - truth.final).max() < bound * speed(truth)
     assert np.abs(found.velocity[rows] - truth.velocity).max() < bound * speed(truth)
@@ -84,13 +82,18 @@ def test_tolerances(method, truth):
     if promise(method, truth) == PROMISE:  # dop853 lets a soft contact beside others swing about its force
         stiff = truth.peak_force.max() + impedance(truth, bound) * speed(truth)
         assert (np.abs(found.force[rows] - truth.force) < bound * stiff).all()
-        assert found.warnings == ()
+    assert not found.warnings or beyond_promise(found, method, truth, tolerance)
     if method.name == "scipy":
         assert (found.step, found.tolerance) == (0.0, tolerance)
         assert 0 < found.steps < found.evaluations
         if truth not in GEARS:  # the digits of the paper's case, and more
             assert found.final_velocity == pytest.approx(truth.final, abs=2e-10)
     openings_are_located(found, truth, promise(method, truth), tolerance)
+
+
+def beyond_promise(found, method, truth, tolerance):
+    """Whether the warning is in place: dop853 alone errs by more than is promised of the others, and follows every swing."""
+    return promise(method, truth) != PROMISE and found.velocity_error.max() > PROMISE * tolerance * speed(truth)
 
 
 def openings_are_located(found, truth, promised, tolerance):
@@ -116,7 +119,8 @@ def test_a_smaller_tolerance_is_more_accurate(method, truth):
     """The others at 29 tolerances: adaptive/test_adaptive_error."""
     errors = []
     for tolerance in (1e-4, 1e-6):
-        found = simulate(truth.chain, truth.start, method=method.name, tolerance=tolerance, samples=2)
+        found = simulate_quietly(truth.chain, truth.start, method=method.name, tolerance=tolerance, samples=2)
+        assert not found.warnings or beyond_promise(found, method, truth, tolerance)
         errors.append(float(np.abs(found.final_velocity - truth.final).max()) / speed(truth))
         assert errors[-1] < promise(method, truth) * tolerance
     assert errors[1] < max(errors[0], 1e-9)

@@ -257,6 +257,23 @@ def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
 
 
 @pytest.mark.parametrize("seed", range(20))
+def test_no_stated_error_of_any_chain_exceeds_what_energy_and_momentum_allow(seed):
+    """Of chains at tolerances so loose that their errors would be anything."""
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(2, 7))
+    laws = [power_law(10.0 ** draw.uniform(-1, 1), 10.0 ** draw.uniform(-2, 0)) for _ in range(n)]
+    mass, velocity = 10.0 ** draw.uniform(-1, 1, n + 1), draw.normal(size=n + 1)
+    if draw.random() < 0.3:
+        mass[-1], velocity[-1] = math.inf, 0.0
+    chain = Chain(mass, laws)
+    found = simulate_quietly(chain, velocity, 3.0, samples=2, tolerance=10.0 ** draw.uniform(-3, 1))
+    start, end = (State.at_start(chain, motion) for motion in (velocity, found.final_velocity))
+    start.time, end.time = 0.0, 3.0
+    most = largest_error(chain, start, end) * (1.0 + 1e-9)
+    assert (found.velocity_error <= most)[np.isfinite(mass)].all()
+
+
+@pytest.mark.parametrize("seed", range(20))
 def test_velocities_of_one_momentum_and_energy_lie_in_their_room(seed):
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 6))

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.kernel_cache import cache_folder
 from softcradle.physics.source_digest import digest_of, kernel_sources
@@ -111,3 +112,37 @@ def test_compiling_leaves_other_users_of_numba_alone():
     before = numba.config.CACHE_DIR
     jit(lambda x: x)
     assert before == numba.config.CACHE_DIR
+
+
+@pytest.mark.skipif(not COMPILED, reason="machine code of numba")
+def test_what_a_whole_kernel_calls_is_private_to_it():
+    """LLVM inlines a private function that is called once, whatever its size: a quarter of the time of steps."""
+    from numba import njit
+    from softcradle.physics.numerics.jit import _Optimized, _Whole
+
+    names: dict = {}
+    exec("def long(x):\n" + 200 * "    x = x * x + 0.1\n" + "    return x\n", names)
+    long = njit(pipeline_class=_Optimized)(names["long"])
+
+    def twice(x):
+        return long(long(x))
+
+    codes = []
+    for options in ({}, {"pipeline_class": _Whole}, {}):
+        whole = njit(**options)(twice)
+        assert whole(0.25) == names["long"](names["long"](0.25))
+        (compiled,) = whole.overloads.values()
+        codes.append(compiled.library.get_llvm_str())
+    assert ["define linkonce_odr" in code for code in codes] == [True, False, True]
+    assert "define private" in codes[1]
+
+
+@pytest.mark.parametrize("order", ["adaptive fixed_step", "fixed_step adaptive"])
+def test_kernels_of_all_rooms_live_side_by_side(order):
+    """Whichever are loaded first: those that came later called functions of the others, which took other arguments."""
+    code = "from importlib import import_module\n"
+    for room in order.split():
+        code += f"for tiers in import_module('softcradle.physics.{room}.runner').TIERS.values(): tiers.load_made()\n"
+    code += "from softcradle import hertz, one_on, simulate\n"
+    code += "for method in ('accurate', 'conserving'): print(simulate(one_on(2, hertz(1.0)), [1, 0, 0], method=method).steps)"
+    assert all(int(steps) > 0 for steps in run(code).split())
