@@ -64,22 +64,17 @@ const play = (seed, count) => {
 };
 
 // The physics of `count` pictures.
-const steps = (count) => {
-  page.again();
-  page.pause();
-  for (let k = 0; k < 2 * count; k++) page.source.next();
-};
+const steps = (count) => { for (let k = 0; k < 2 * count; k++) page.source.next(); };
 
-// `count` pictures of a motion that does not end, and the median of milliseconds from one to the next.
+// `count` pictures of a motion that begins again and again, and the median of milliseconds from one to the next.
 const shown = (count) => new Promise((done) => {
   const times = [];
-  page.again();
   page.picture = (now) => {
     times.push(now);
-    if (page.source.over) page.restart();
-    if (times.length <= count) { Page.prototype.picture.call(page, now); return; }
+    if (times.length <= count) { Page.prototype.picture.call(page, now); if (!page.playing) page.again(); return; }
     delete page.picture;
     page.pause();
     done(times.slice(1).map((time, k) => time - times[k]).sort((a, b) => a - b)[count >> 1]);
   };
+  page.again();
 });

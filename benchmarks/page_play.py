@@ -76,6 +76,7 @@ def costs(browser: Browser, page: Path) -> None:
         browser.call("Performance.enable", timeDomain="threadTicks")
         browser.run(f"steps({PICTURES}), shown({PICTURES})")  # compiles
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
+        browser.run("page.again(), page.pause()")
         physics = spent(browser, f"steps({MEASURED})")["TaskDuration"]
         found = spent(browser, f"shown({MEASURED})")
         browser.call("Emulation.setCPUThrottlingRate", rate=1)

@@ -22,7 +22,7 @@ from softcradle.physics import Chain, State, advance, power_law
 from softcradle.physics.default_step import default_step
 
 from softcradle import scenes
-from tools.wasm_runner import RUNNERS, WasmKernels
+from tools.wasm_runner import RUNNERS, WasmKernels, installed
 
 FRAME = 1.0 / 60.0  # [s] of the viewer
 SLOW = 2.0  # a motion that is no scene is shown so many times slower
@@ -34,6 +34,8 @@ TIERS: dict[str, dict[str, str]] = {
     "C library without fused products": {"NUMBA_DISABLE_JIT": "1", **WITHOUT_FMA},
     **{name: {"NUMBA_DISABLE_JIT": "1"} for name in RUNNERS},
 }
+
+TIERS_HERE = [tier for tier in TIERS if tier not in RUNNERS or installed(tier)]
 
 Motion = tuple[
     Chain, list[float], list[float] | None, float
@@ -120,7 +122,7 @@ def main() -> int:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m tools.same_digits", description=__doc__)
     parser.add_argument("--frames", type=int, default=1000)
-    parser.add_argument("--tiers", nargs="+", choices=list(TIERS), default=list(TIERS))
+    parser.add_argument("--tiers", nargs="+", choices=list(TIERS), default=TIERS_HERE)
     parser.add_argument("--write", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.write:

@@ -58,12 +58,9 @@ Run = Callable[[str], Any]  # the value of a line of JavaScript
 
 @contextmanager
 def node() -> Iterator[Run]:
-    """Lines of JavaScript in a process of Node, which runs SCRIPT first. Raises FileNotFoundError where it is not installed."""
-    path = shutil.which("node")
-    if path is None:
-        raise FileNotFoundError("Node is not installed")
+    """Lines of JavaScript in a process of Node, which runs SCRIPT first."""
     with subprocess.Popen(
-        [path, "-e", SCRIPT + NODE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        ["node", "-e", SCRIPT + NODE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
         assert process.stdin is not None
         assert process.stdout is not None
@@ -81,9 +78,7 @@ def node() -> Iterator[Run]:
 
 @contextmanager
 def chromium() -> Iterator[Run]:
-    """The same in a page of Chromium. Raises FileNotFoundError where it is not installed."""
-    if browser.found() is None:
-        raise FileNotFoundError("Chromium is not installed")
+    """The same in a page of Chromium."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile, browser.Browser(Path(profile)) as page:
         page.run(SCRIPT)
         yield page.run
@@ -91,14 +86,11 @@ def chromium() -> Iterator[Run]:
 
 @contextmanager
 def firefox() -> Iterator[Run]:
-    """The same in a page of Firefox, by Marionette, its own protocol. Raises FileNotFoundError where it is not installed."""
-    path = shutil.which("firefox") or shutil.which("firefox-esr")
-    if path is None:
-        raise FileNotFoundError("Firefox is not installed")
+    """The same in a page of Firefox, by Marionette, its own protocol."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         port = Path(profile, "MarionetteActivePort")
         Path(profile, "user.js").write_text('user_pref("marionette.port", 0);', encoding="utf-8")
-        command = [path, "--headless", "--no-remote", "--marionette", "--profile", profile]
+        command = [str(installed("Firefox")), "--headless", "--no-remote", "--marionette", "--profile", profile]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
             try:
                 while not (port.exists() and port.read_text(encoding="utf-8")):
@@ -141,6 +133,15 @@ def _marionette(connection: socket.socket) -> Run:
 
 
 RUNNERS = {"Node": node, "Chromium": chromium, "Firefox": firefox}
+
+
+def installed(runner: str) -> str | None:
+    """Path of what runs JavaScript; None where it is not installed."""
+    if runner == "Chromium":
+        return browser.found()
+    return next(
+        filter(None, map(shutil.which, {"Node": ["node"], "Firefox": ["firefox", "firefox-esr"]}[runner])), None
+    )
 
 
 class WasmKernels:

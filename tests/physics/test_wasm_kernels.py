@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from tests.helpers import browser
 from tests.helpers.paths import ROOT
-from tools.same_digits import TIERS, compare, frames, motions
+from tools.same_digits import TIERS, TIERS_HERE, compare, frames, motions
 from tools.wasm_kernels import FILE, KERNELS
-from tools.wasm_runner import SCRIPT, WasmKernels, node
+from tools.wasm_runner import RUNNERS, WasmKernels, installed
 
 FRAMES = 150  # of a viewer: beads meet and push
 RUNS = ("one-on-four", "draft-gear-one-on-three", "friction", "loss", "pushed")
@@ -111,17 +109,13 @@ def test_every_browser_has_its_instructions():
 
 
 @pytest.fixture(scope="module")
-def kernels(tmp_path_factory):
+def kernels():
     """The shipped file in Node, else in a browser."""
-    if shutil.which("node"):
-        with node() as run:
-            yield WasmKernels(run)
-    elif browser.found():
-        with browser.Browser(tmp_path_factory.mktemp("profile")) as page:
-            page.run(SCRIPT)
-            yield WasmKernels(page.run)
-    else:
+    runner = next(filter(installed, RUNNERS), None)
+    if runner is None:
         pytest.skip("neither Node nor a browser is installed")
+    with RUNNERS[runner]() as run:
+        yield WasmKernels(run)
 
 
 @pytest.fixture(scope="module")
@@ -167,5 +161,4 @@ def test_built_anew_it_has_the_same_digits(kernels, plainly, tmp_path):
 
 @pytest.mark.slow
 def test_every_tier_has_the_same_digits_whatever_the_processor_and_the_c_library():
-    tiers = [tier for tier in TIERS if tier != "Node" or shutil.which("node")]
-    assert compare(tiers, 200)
+    assert compare(TIERS_HERE, 200)
