@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 import pygame
 from pygame_gui.core import UIElement
 from softcradle.sandbox.window.dialog import Dialog
-from softcradle.sandbox.window.slider import Slider
-from softcradle.sandbox.window.text_entry import TextEntry
-from softcradle.sandbox.window.window_page import Window
+from softcradle.sandbox.window.widgets import Slider, TextEntry
+from softcradle.sandbox.window.window_page import Host
 
 ROOT, STATUS, CONTROL = 1, 2, 3  # numbers of the nodes: the window, what is said, the control that has the focus
 
@@ -23,7 +22,7 @@ class Spoken(NamedTuple):
     control: str
 
 
-def spoken_by(window: Window) -> Spoken:
+def spoken_by(window: Host) -> Spoken:
     """What a window has to say now."""
     dialog, visible = window.dialog, window.messages.visible
     if isinstance(dialog, Dialog) and dialog.open:

@@ -100,7 +100,7 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
     driver.app.open("hanging-cradle")
     driver.frames(2)
     page = driver.app.page
-    driver.click(page.controls.menus["law"].rect.center)
+    driver.click(page.menus["law"].rect.center)
     driver.frames(2)
     driver.key(pygame.K_ESCAPE)
     assert driver.app.page is page
