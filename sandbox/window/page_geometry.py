@@ -83,7 +83,9 @@ def geometry(
         most = main.height - lanes * LOWEST_LANE * unit
         share = min(share, max(needed, spare) / main.height, max(most, LEAST_PLOT_ROW * unit) / main.height)
     high = round(main.height * (1.0 - share))
-    high -= max(0, card - max(0, main.height - high - round(LEAST_BESIDE_CARD * unit))) if card else 0
+    if card:
+        missing = card - max(0, main.height - high - round(LEAST_BESIDE_CARD * unit))
+        high = max(high - max(0, missing), min(high, round(LEAST_LANE * unit)))
     above = Rect(main.left, main.top, main.width, high)
     gap = round(8 * unit)
     top = above.bottom + gap + card

@@ -26,8 +26,8 @@ def spoken_by(window: Host) -> Spoken:
     """What a window has to say now."""
     dialog, visible = window.dialog, window.messages.visible
     if isinstance(dialog, Dialog) and dialog.open:
-        choices = list(dialog.choices)
-        return Spoken(f"{dialog.title}. {dialog.note}", choices[min(dialog.focus, len(choices) - 1)])
+        focused = list(dialog.choices)[dialog.focus] if dialog.focus >= 0 else ""
+        return Spoken(f"{dialog.title}. {dialog.note}", focused)
     status = visible[-1].text if visible else ""
     return Spoken(status, control_name(window.focus.control))
 

@@ -69,6 +69,7 @@ class HangingPage(Page):
         self.pointer = (0, 0)
         self.film = WindowFilm(host)
         self.toolbar = Toolbar(host, self.film)
+        self.dialogs = SaveDialogs(host, HANGING_TITLE, self.film, {})
         self.menus: dict[str, UIDropDownMenu] = {}
         self.actions: Actions = {
             "play_pause": self.play_pause,
@@ -76,7 +77,7 @@ class HangingPage(Page):
             "forward": self.step,
             "slower": partial(self.time_controls.step_slow, 1),
             "faster": partial(self.time_controls.step_slow, -1),
-            **SaveDialogs(host, HANGING_TITLE, self.film, {}).actions,
+            **self.dialogs.actions,
             **self.toolbar.actions,
             "level": host.toggle_level,
             "help": host.toggle_help,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 import pygame
-from softcradle.sandbox.languages import N_, _, error_words, pgettext
+from softcradle.sandbox.languages import N_, _, error_words, label_words, pgettext
 from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
@@ -78,7 +78,8 @@ def beside_other_balls(session: Session) -> Scene:
     found = other.to_scene()
     first, second = found.lanes
     second = second.model_copy(update={"label": STEEL if steel else second.label})
-    text = f"The same blow twice: above {first.label or 'the row as it was'}, below {second.label}."
+    above, below = (label_words(lane.label) for lane in (first, second))
+    text = _("The same blow twice: above {above}, below {below}.", above=above or _("the row as it was"), below=below)
     return found.model_copy(update={"lanes": (first, second), "text": text})
 
 
