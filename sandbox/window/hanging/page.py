@@ -73,7 +73,7 @@ class HangingPage(Page):
         self.menus: dict[str, UIDropDownMenu] = {}
         self.actions: Actions = {
             "play_pause": self.play_pause,
-            "restart": self.restart,
+            "restart": self.model.restart,
             "forward": self.step,
             "slower": partial(self.time_controls.step_slow, 1),
             "faster": partial(self.time_controls.step_slow, -1),
@@ -92,10 +92,6 @@ class HangingPage(Page):
     def play_pause(self) -> None:
         """Play or pause."""
         self.playing = not self.playing
-
-    def restart(self) -> None:
-        """Lift the balls again."""
-        self.model.restart()
 
     def step(self) -> None:
         """Pause, and go on by a frame."""
