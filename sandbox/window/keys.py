@@ -101,6 +101,8 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("data", _keys(pygame.K_x), N_("Tools"), N_("measured data over a plot, or off")),
     Binding("signals", _keys((pygame.K_8, SHIFT)), N_("Tools"), N_("choose two signals to plot")),
     Binding("sweep", _keys(pygame.K_y), N_("Tools"), N_("nine values of a slider side by side")),
+    Binding("share", _keys(pygame.K_F6), N_("Tools"), N_("the menu of files and sharing")),
+    Binding("plots_menu", _keys(pygame.K_F7), N_("Tools"), N_("the menu of plots")),
     Binding("tools", _keys(pygame.K_F10), N_("Tools"), N_("the menu of tools")),
     Binding("method", _keys((pygame.K_m, SHIFT)), N_("View"), N_("next method")),
     Binding("inspector", _keys(pygame.K_i), N_("View"), N_("hide or show the panel on the right")),

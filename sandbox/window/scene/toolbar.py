@@ -102,9 +102,8 @@ class Toolbar:
             x -= wide + round(SPACE * unit)
             place = pygame.Rect(x, y, wide, height)
             style = "#recording" if name == "film" else "#flat"
-            tip = _("menu: {name}", name=longest) if name in MENUS else hint(name)
             self.buttons[name] = UIButton(
-                place, longest, manager, object_id=style, tool_tip_text=tip, command=known[name]
+                place, longest, manager, object_id=style, tool_tip_text=hint(name), command=known[name]
             )
         self.title_room = x - (TITLE_LEFT + 10.0) * unit
         self.update()
