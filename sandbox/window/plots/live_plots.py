@@ -279,7 +279,6 @@ class Plot:
                 title = title.split(end)[0]
         self.write_title(surface, title)
         self.write_down(surface)
-        self.write_across(surface, (), f"t ({self.span.unit()[1]})")
 
     def write_title(self, surface: pygame.Surface, title: str) -> None:
         """Write what is shown above the axes."""

@@ -48,7 +48,7 @@ MENUS: dict[str, tuple[str, ...]] = {
     ),
 }
 MARGIN = 20.0  # design pixels of a button beside its text
-SPACE = 8.0  # design pixels between two buttons
+SPACE = 4.0  # design pixels between two buttons
 LONGEST_CLOCK = "88:88"  # a film's, for which its button has room from the beginning
 TITLE_LEFT = 110.0  # design pixels
 TITLE = 22.0  # design pixels, the size of the title

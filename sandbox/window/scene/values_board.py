@@ -120,13 +120,16 @@ class TablePlace:
 
 
 def table_places(
-    contacts: Sequence[int], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int]
+    contacts: Sequence[int], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
 ) -> list[TablePlace]:
-    """The tables of lanes with so many contacts, beads and contacts of each side by side; `first` says where they begin."""
-    places = []
-    for lane, count in enumerate(contacts):
-        height = area.height // len(contacts)
-        rect = pygame.Rect(area.left, area.top + lane * height, area.width, height)
+    """The tables of lanes with so many contacts, beads and contacts of each side by side; `first` says where they begin.
+
+    Where there is no room for all lanes, that of the `chosen` one.
+    """
+    places, roomy = [], area.height >= len(contacts) * (HEADING + 2.0 * LINE) * unit
+    for lane, count in enumerate(contacts) if roomy else [(chosen, contacts[chosen])]:
+        height = area.height // (len(contacts) if roomy else 1)
+        rect = pygame.Rect(area.left, area.top + (lane * height if roomy else 0), area.width, height)
         half = round(BEADS_SHARE * rect.width)
         left = pygame.Rect(rect.left, rect.top, half - round(BETWEEN * unit), rect.height)
         right = pygame.Rect(rect.left + half, rect.top, rect.width - half, rect.height)
@@ -141,7 +144,7 @@ def _place(
     """A table of `end.index` rows in `rect`; where they do not all fit, the last line says which are shown."""
     line, top, count = round(LINE * unit), rect.top + HEADING * unit, end.index
     room = max(0, int((rect.bottom - top) // line))
-    shown = count if room >= count else max(0, room - 1)
+    shown = count if room >= count else max(1, room - 1)
     begin = min(max(first.get((end.lane, end.kind), 0), 0), count - shown)
     columns = fitting(names, rect.width, unit)
     return TablePlace(end.lane, end.kind, rect, names, columns, begin, begin + shown, count, line, top)
@@ -165,8 +168,9 @@ class ValuesBoard:
     def arrange(self) -> None:
         """Find the places of the tables; the row that is selected comes into view."""
         area, contacts = self.area(), [lane.chain.contacts for lane in self.session.lanes]
-        self.places = [] if area is None else table_places(contacts, area, self.host.unit, self._first)
         pick = self.editor.selection
+        chosen = 0 if pick is None else pick.lane
+        self.places = [] if area is None else table_places(contacts, area, self.host.unit, self._first, chosen)
         if pick != self._seen and self.places:
             self._seen = pick
             self.bring_into_view(pick)
@@ -231,15 +235,13 @@ class ValuesBoard:
             for k, right in zip(columns.shown, columns.right, strict=True):
                 point = (place.rect.left + right - MARGIN * unit, place.strip(row).centery)
                 write(surface, texts[k], point, BODY * unit, tones.foreground, align=(1, 0.5))
-        if not place.whole:
-            text = _("{first} to {last} of {n}: scroll; C copies all", **_numbers(place))
+        if not place.whole and place.strip(place.last).bottom <= place.rect.bottom:
+            text = _(
+                "{first} to {last} of {n}: scroll; C copies all", first=place.first, last=place.last - 1, n=place.count
+            )
             point = (place.rect.left + 8 * unit, place.strip(place.last).centery)
             text = shortened(text, BODY * unit, place.rect.width - 16 * unit)
             write(surface, text, point, BODY * unit, tones.muted, align=(0, 0.5))
-
-
-def _numbers(place: TablePlace) -> dict[str, int]:
-    return {"first": place.first, "last": place.last - 1, "n": place.count}
 
 
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:

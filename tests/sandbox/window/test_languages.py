@@ -136,7 +136,7 @@ def any_language(request: pytest.FixtureRequest):
 
 def test_short_names_fit_their_places(any_language: str) -> None:
     summaries = [translation.gettext(method.summary) for method in METHODS]
-    assert not [text for text in summaries if any_language != "en" and width(text, 13.0) > page_geometry.PANEL - 44]
+    assert not [text for text in summaries if any_language != "en" and width(text, 13.0) > page_geometry.PANEL - 24]
     chips = [translation.pgettext("button", name) for name in inspector.KIND_NAMES.values()]
     assert not [text for text in chips if width(text, 13.0) > (page_geometry.PANEL - 24) / 3 - 12]
     labels = [translation.gettext(name) for _field, name, _choices in page.MENUS]
