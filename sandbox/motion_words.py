@@ -75,13 +75,19 @@ def clusters_in_words(velocities: Sequence[float], scale: float, brief: bool = F
     """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. A `brief` speed is read, not spoken."""
     clusters: list[list[int]] = [[0]]
     for bead in range(1, len(velocities)):
-        if abs(velocities[bead] - velocities[clusters[-1][0]]) < ALIKE * scale:
+        if _alike(velocities[bead], velocities[clusters[-1][0]], scale):
             clusters[-1].append(bead)
         else:
             clusters.append([bead])
     said = [_cluster(cluster, velocities, scale, brief) for cluster in clusters[:MOST_CLUSTERS]]
     rest = len(clusters) - MOST_CLUSTERS
     return " ".join([*said, *([ngettext("And {n} more group.", "And {n} more groups.", rest)] if rest > 0 else [])])
+
+
+def _alike(one: float, other: float, scale: float) -> bool:
+    """Whether two beads stay together: slow ones may differ by less than fast ones, for what they have gone tells them apart."""
+    faster = max(abs(one), abs(other))
+    return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster < STILL * scale
 
 
 def _cluster(cluster: list[int], velocities: Sequence[float], scale: float, brief: bool) -> str:

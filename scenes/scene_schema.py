@@ -173,6 +173,8 @@ class Scene(Table):
         Its name, as the gallery shows it.
     text : str
         What happens in it, two or three sentences.
+    question : str
+        What is asked before it is played; its text is then shown afterwards.
     source : str
         Where it is in the paper.
     lanes : tuple of Lane
@@ -191,6 +193,7 @@ class Scene(Table):
 
     title: Annotated[Text, Field(min_length=1)]
     text: Text = ""
+    question: Text = ""
     source: Text = ""
     lanes: tuple[Lane, ...]
     duration: Positive | None = None

@@ -20,8 +20,8 @@ from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.look_ahead import motions_ahead
-from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.plots.live_scales import motions_ahead
+from softcradle.sandbox.window.scene.scene_editor import Pick
 from softcradle.sandbox.window.scene.scene_page import ScenePage
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
 
@@ -79,12 +79,10 @@ def save_all(folder: Path) -> None:
     _save_explore(app, folder)
     _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
     save(app, folder, "scene")
-    for action in ("values", "tools"):
+    for action, name in (("values", "values"), ("plots_menu", "tools")):
         app.act(action)
-        if action == "values":
-            app.act("edit_values")
         run_frames(app, 2)
-        save(app, folder, action)
+        save(app, folder, name)
         if app.dialog is not None and app.dialog.open:
             app.dialog.close()
         if action == "values":

@@ -40,7 +40,7 @@ def messages() -> Iterator[Found]:
     yield from _of_scenes()
     lessons = SANDBOX / "window" / "lessons" / "lessons.toml"
     for lesson in tomllib.loads(lessons.read_text(encoding="utf-8"))["lesson"]:
-        for text in (lesson["question"], *lesson["choices"], lesson["why"]):
+        for text in (lesson["question"], *lesson["choices"], *lesson["why"]):
             yield text, _name(lessons), None
     from softcradle.physics import METHODS
 

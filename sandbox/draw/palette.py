@@ -17,7 +17,7 @@ class Tones:
         on_accent: text on a button of the accent.
         grid: lines of a grid, tracks of bars.
         steel: pistons and what contacts store.
-        accent: what is chosen or under the pointer.
+        accent: controls, and what is chosen or under the pointer: no colour of a bead.
         good, fair, bad, warning: levels of badges, and warnings.
         shadow: what dims the page behind a dialog.
         lift: share of white in the colours of beads.
@@ -53,7 +53,7 @@ LIGHT = Tones(
     on_accent=(255, 255, 255),
     grid=(231, 234, 238),
     steel=(170, 178, 187),
-    accent=(0, 114, 178),
+    accent=(45, 52, 62),
     good=(0, 120, 88),
     fair=(158, 98, 0),
     bad=(176, 18, 38),
@@ -69,10 +69,10 @@ DARK = Tones(
     foreground=(231, 234, 238),
     muted=(152, 161, 172),
     faint=(78, 85, 95),
-    on_accent=(255, 255, 255),
+    on_accent=(24, 27, 32),
     grid=(47, 52, 60),
     steel=(126, 135, 146),
-    accent=(31, 128, 193),
+    accent=(214, 219, 226),
     good=(70, 190, 150),
     fair=(230, 170, 60),
     bad=(255, 110, 110),

@@ -151,7 +151,9 @@ class Picture:
         room, line_y = header.width - 200 * unit, header.top + 35 * unit
         title = shortened(scene_words(self.scene.title), 25 * unit, room, bold=True)
         write(surface, title, header.topleft, 25 * unit, tones.foreground, bold=True)
-        line = "  ·  ".join(part for part in (scene_words(self.scene.source), self.motions[0].method) if part)
+        line = "  ·  ".join(
+            part for part in (self.scene.question or scene_words(self.scene.source), self.motions[0].method) if part
+        )
         write(surface, shortened(line, 14 * unit, room), (header.left, line_y), 14 * unit, tones.muted)
         write(surface, _speed(self.slow), (header.right, line_y), 14 * unit, tones.muted, align=(1, 0))
         for lane in self.lanes:

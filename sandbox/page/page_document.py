@@ -60,6 +60,11 @@ def paragraph(text: str) -> str:
     return f'<p class="text" id="text">{escape(text)}</p>'
 
 
+def question(text: str) -> str:
+    """What is asked before the page is played, if anything."""
+    return f'<p class="text"><strong>{escape(text)}</strong></p>' if text else ""
+
+
 def note(text: str, warning: bool = False) -> str:
     """A sentence in small letters."""
     return f'<p class="note{" warning" if warning else ""}">{escape(text)}</p>'

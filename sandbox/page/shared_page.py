@@ -14,7 +14,7 @@ from softcradle.physics import Trajectory
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.page_controls import heading, keys, numbers, player
 from softcradle.sandbox.page.page_data import can_be_computed, page_data
-from softcradle.sandbox.page.page_document import document, footer, paragraph
+from softcradle.sandbox.page.page_document import document, footer, paragraph, question
 from softcradle.sandbox.page.page_tables import result_notes, result_tables
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion
 from softcradle.sandbox.page.recorded_scene import recorded, recorded_coarsely
@@ -91,6 +91,7 @@ def _computed_text(scene: Scene) -> str:
     data = page_data(played, computed=True)
     parts = [
         heading(scene.title, scene.source),
+        question(scene.question),
         player(
             data["uniform"] is not None, len(scene.lanes) == 1, any(map(any, (lane.velocity for lane in scene.lanes)))
         ),
@@ -108,6 +109,7 @@ def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", t
     scene, title = played.scene, title or played.scene.title
     first = [
         heading(title, scene.source),
+        question(scene.question),
         player(uniform=False, alone=False, moving=False),
         paragraph(scene.text),
         numbers(tables),

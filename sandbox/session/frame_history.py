@@ -157,6 +157,11 @@ class History:
         return self.blocks[-1].first + self.blocks[-1].used - 1
 
     @property
+    def branch(self) -> tuple[object, int]:
+        """Another one where frames were dropped or replaced: what was made from them is stale."""
+        return self.blocks[-1], self.blocks[-1].revision
+
+    @property
     def first_time(self) -> float:
         """Time of the oldest frame [s]."""
         return float(self.blocks[0].time[0])

@@ -79,7 +79,7 @@ def study_text(work: Work, title: str) -> str:
     axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
     source: Any = {"function": function_name(work.source), "code": _code_digest(work.source)}
     if isinstance(work.source, ScenePoints):
-        source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "source"})
+        source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})
     found = {
         "title": title,
         "design": work.points.design,

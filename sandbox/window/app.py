@@ -1,38 +1,48 @@
-"""The application: it passes events to the pages and frames to the display, and holds what all pages share."""
+"""The application: it opens pages, passes events to them and frames to the display, and holds what all pages share."""
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterable
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from time import perf_counter
+from types import FrameType
 
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
 from softcradle.sandbox.languages import ENGLISH, LANGUAGES, N_, _, language, scene_words, use_language
+from softcradle.sandbox.session.shared_text import is_shared_text, scene_from_text
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window import main_loop, theme
-from softcradle.sandbox.window.dialog import Choices, Dialog, PathDialog
+from softcradle.sandbox.window import theme
+from softcradle.sandbox.window.dialog import Choices, Dialog, EntryDialog, FileChooser, Overlay
 from softcradle.sandbox.window.display import not_too_small, open_display, toggle_fullscreen
-from softcradle.sandbox.window.event_router import NOWHERE, EventRouter
+from softcradle.sandbox.window.event_router import NOWHERE, EventRouter, KeyboardFocus
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.help_overlay import paint_help
+from softcradle.sandbox.window.hanging.page import HANGING_NAME, HangingPage
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
-from softcradle.sandbox.window.keyboard_focus import KeyboardFocus
+from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
-from softcradle.sandbox.window.opening import page_of
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
-from softcradle.sandbox.window.settings import Settings
-from softcradle.sandbox.window.system_language import system_language
-from softcradle.sandbox.window.unsaved_scene import forget_unsaved, unsaved_path
-from softcradle.sandbox.window.widget_cleanup import collect_garbage
-from softcradle.sandbox.window.window_page import Modal, Page
-from softcradle.scenes import SceneError
+from softcradle.sandbox.window.settings import Settings, forget_unsaved, system_language, unsaved_path
+from softcradle.sandbox.window.theme import collect_garbage
+from softcradle.sandbox.window.window_page import Page
+from softcradle.scenes import SceneError, load, names, parse
 
+STANDARD_INPUT = "-"
 DESIGN = (1280, 720)  # pixels of a window whose unit is 1
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
 LEAST = (850, 500)  # design pixels into which every page fits: a larger scale is cut to what fits
+FRAMES_A_SECOND = 60
+LONGEST_FRAME = 0.25  # seconds of wall time: a window that was suspended does not catch up
+LONGEST_WAIT = 500  # milliseconds: results of the thread behind the window are taken no later
+SETTLED = 1.5  # seconds after the last event, for tooltips and buttons, until frames end
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # each is there on some systems only
 
 
 class App:
@@ -61,7 +71,7 @@ class App:
         self.scale, self.explore = self.settings.scale, self.settings.explore and not lab
         use_theme(self.settings.theme)
         use_language(self.settings.language or system_language())
-        self.dialog: Modal | None = None
+        self.dialog: Overlay | None = None
         self.gallery: GalleryPage | None = None
         self.minimised, self._quiet = False, 0.0
         self.focus = KeyboardFocus(self)
@@ -199,17 +209,31 @@ class App:
     def ask_path(self) -> None:
         """Ask for the path of a file to open."""
         note = _("a scene (.toml), a session (.npz), or the name of a scene")
-        self.put_over(PathDialog(self, _("Open"), note, "", self.open, self.settings.recent))
+        more: Choices = {_("Choose a file ..."): self._choose_file}
+        take, title = self._take_line(self.open), _("Open")
+        self.put_over(EntryDialog(self, title, note, {title: ""}, take, self.settings.recent, more))
+
+    def _choose_file(self) -> None:
+        self.put_over(FileChooser(self, _("Open"), {".toml", ".npz"}, self.open))
+
+    def _take_line(self, take: Callable[[str], None]) -> Callable[[dict[str, str]], None]:
+        return lambda texts: take(next(iter(texts.values())))
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
         """Ask for a line of text in a box over the page."""
-        self.put_over(PathDialog(self, title, note, text, take))
+        self.put_over(EntryDialog(self, title, note, {title: text}, self._take_line(take)))
 
-    def choose(self, title: str, note: str, choices: Choices) -> None:
-        """Ask a question with a button for each of the choices."""
-        self.put_over(Dialog(self, title, note, choices))
+    def ask_lines(
+        self, title: str, note: str, fields: Mapping[str, str], take: Callable[[dict[str, str]], None]
+    ) -> None:
+        """Ask for several lines of text, which begin with those of `fields`, by name."""
+        self.put_over(EntryDialog(self, title, note, fields, take))
 
-    def put_over(self, modal: Modal) -> None:
+    def choose(self, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
+        """Ask a question with a button for each of the choices; a `neutral` one marks none, and hides the page."""
+        self.put_over(Dialog(self, title, note, choices, neutral))
+
+    def put_over(self, modal: Overlay) -> None:
         """Put a dialog or a menu over the page, in place of the present one."""
         if self.dialog is not None and self.dialog.open:
             self.dialog.close()
@@ -257,8 +281,20 @@ class App:
         self.messages.show(_(text, percent=100 * shown), subject="scale")
 
     def run(self) -> None:
-        """Frames until the user quits."""
-        main_loop.run(self)
+        """Frames until the user quits; films and sounds are closed whatever ends the loop."""
+        clock = pygame.time.Clock()
+        seconds = 1.0 / FRAMES_A_SECOND
+        with _ending_at_signals(self):
+            try:
+                while self.running:
+                    events = _wait() if self.still else None
+                    if events is None or events or not self.still:
+                        self.frame(seconds, events)
+                    else:
+                        self.pass_time(LONGEST_WAIT / 1000.0)
+                    seconds = min(clock.tick(FRAMES_A_SECOND) / 1000.0, LONGEST_FRAME)
+            finally:
+                self.close()
 
     def close(self) -> None:
         """Close the page, the thread and the display."""
@@ -273,7 +309,7 @@ class App:
     @property
     def still(self) -> bool:
         """Whether no frame need be drawn before the next event."""
-        return self.minimised or (not self.page.moving and not self.page.typing and self._quiet > main_loop.SETTLED)
+        return self.minimised or (not self.page.moving and not self.page.typing and self._quiet > SETTLED)
 
     def pass_time(self, seconds: float) -> None:
         """Let time pass without a frame: only messages end, and results of the thread come in."""
@@ -341,3 +377,53 @@ class App:
         if surface.get_size() != self.size:
             self.size = surface.get_size()
             self.rebuild()
+
+
+def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
+    """The page for the name of a scene, the path of a scene or session file, or a scene as text.
+
+    SceneError, UserError, ValueError or OSError with a sentence where there is none.
+    """
+    if name_or_path == HANGING_NAME:
+        return HangingPage(host, leave)
+    from softcradle.sandbox.session.replay import Replay
+    from softcradle.sandbox.session.session import Session
+    from softcradle.sandbox.window.scene.scene_page import ScenePage
+
+    wanted = name_or_path if name_or_path in names() else str(Path(os.path.expanduser(name_or_path)))
+    text = sys.stdin.read() if name_or_path == STANDARD_INPUT else name_or_path
+    if is_shared_text(text):
+        scene = scene_from_text(text)
+    elif name_or_path == STANDARD_INPUT:
+        scene = parse(text, _("standard input"))
+    elif wanted.lower().endswith(".npz"):
+        replay = Replay.load(wanted, host.clock)
+        return ScenePage(host, replay.session, leave, replay)
+    else:
+        scene = load(wanted)
+    return ScenePage(host, Session(scene, clock=host.clock), leave)
+
+
+def _wait() -> list[pygame.Event]:
+    """The events that come within LONGEST_WAIT."""
+    first = pygame.event.wait(LONGEST_WAIT)
+    return [] if first.type == pygame.NOEVENT else [first, *pygame.event.get()]
+
+
+@contextmanager
+def _ending_at_signals(app: App) -> Iterator[None]:
+    """At a signal that asks the process to end, end the loop: an open film is then written."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        app.quit(killed=True)
+
+    before = {}
+    for name in SIGNALS:
+        number = getattr(signal, name, None)
+        if number is not None:
+            before[number] = signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,73 +1,196 @@
-"""Dialogs: a box over the dimmed page; a question with buttons, or one line to type."""
+"""What lies over a page: menus, questions with buttons, a line to type."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 
 import pygame
 import pygame_gui
-from pygame_gui.core import UIElement
-from pygame_gui.elements import UIButton, UITextEntryLine
+from pygame_gui.core.utility import set_default_manager
+from pygame_gui.elements import UIButton
+from pygame_gui.windows import UIFileDialog
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
 from softcradle.sandbox.languages import _
-from softcradle.sandbox.window.overlay import Overlay
+from softcradle.sandbox.window import theme
+from softcradle.sandbox.window.keys import hint
+from softcradle.sandbox.window.widgets import TextEntry
 from softcradle.sandbox.window.window_page import Host
 
+POINTER_EVENTS = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION, pygame.MOUSEWHEEL)
+KEY_EVENTS = (pygame.KEYDOWN, pygame.KEYUP, pygame.TEXTINPUT)
+
+
+class Overlay:
+    """A box with widgets; it takes every key and click while it is open.
+
+    Attributes:
+        open: whether it is on screen.
+        manager: of its widgets.
+        box: its rectangle.
+    """
+
+    def __init__(self, host: Host) -> None:
+        self.host, self.open = host, True
+        self.box = pygame.Rect(0, 0, 0, 0)
+        self.build()
+
+    def build(self) -> None:
+        """Make the widgets; again when the window has changed."""
+        self.manager = theme.manager(self.host.size, self.host.unit)
+        self.make_widgets()
+
+    def make_widgets(self) -> None:
+        """Take a place and make the widgets on it."""
+        raise NotImplementedError
+
+    def key(self, event: pygame.Event) -> None:
+        """Take a pressed key."""
+        raise NotImplementedError
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Take every key and click: the page below gets none."""
+        if event.type == pygame.KEYDOWN:
+            self.key(event)
+        elif event.type in (*KEY_EVENTS, *POINTER_EVENTS):
+            self.manager.process_events(event)
+        return event.type in (*KEY_EVENTS, *POINTER_EVENTS)
+
+    def update(self, seconds: float) -> None:
+        """Let time pass."""
+        self.manager.update(seconds)
+
+    def close(self) -> None:
+        """Remove it."""
+        self.open = False
+        set_default_manager(self.host.manager)  # pygame_gui would hold the other one
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw it over the page."""
+        self.manager.draw_ui(surface)
+
+
+LEAST_WIDTH = 200.0  # design pixels of a column
+ROW = 27.0  # design pixels
+
+
+class Menu(Overlay):
+    """The actions `names` of the page or the window, those `ticked` with a mark. A click elsewhere and Esc close it.
+
+    Attributes:
+        focus: number of the row that Enter takes.
+        buttons: the rows.
+    """
+
+    def __init__(self, host: Host, corner: tuple[int, int], names: Sequence[str], ticked: Sequence[str] = ()) -> None:
+        self.corner, self.names, self.ticked, self.focus = corner, names, ticked, 0
+        self.buttons: list[UIButton] = []
+        super().__init__(host)
+
+    def make_widgets(self) -> None:
+        """Take a place below the button and make the rows."""
+        unit, row, margin = self.host.unit, round(ROW * self.host.unit), round(6 * self.host.unit)
+        columns = max(1, -(-row * len(self.names) // (self.host.size[1] - self.corner[1] - 2 * margin)))
+        rows, texts = -(-len(self.names) // columns), [hint(name) for name in self.names]
+        wide = max(round(LEAST_WIDTH * unit), *(width(text, 13 * unit) + round(52 * unit) for text in texts))
+        self.box = pygame.Rect(0, 0, columns * wide, row * rows + 2 * margin)
+        self.box.topright = self.corner
+        self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
+        left, top = self.box.left + margin, self.box.top + margin
+        self.buttons = [
+            UIButton(
+                pygame.Rect(left + k // rows * wide, top + k % rows * row, wide - 2 * margin, row),
+                f"{'✓' if name in self.ticked else '   '}  {text}",
+                self.manager,
+                object_id="#menu_row",
+                command=partial(self.choose, name),
+            )
+            for k, (name, text) in enumerate(zip(self.names, texts, strict=True))
+        ]
+
+    def choose(self, name: str) -> None:
+        """Close the menu and do the action."""
+        self.close()
+        self.host.act(name)
+
+    def handle(self, event: pygame.Event) -> bool:
+        """A press elsewhere closes the menu."""
+        if event.type == pygame.MOUSEBUTTONDOWN and not self.box.collidepoint(event.pos):
+            self.close()
+        return super().handle(event)
+
+    def key(self, event: pygame.Event) -> None:
+        """Arrows move, Enter takes, Esc closes."""
+        if event.key == pygame.K_ESCAPE:
+            self.close()
+        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE):
+            self.choose(self.names[self.focus])
+        elif event.key in (pygame.K_DOWN, pygame.K_TAB):
+            self.focus = (self.focus + 1) % len(self.names)
+        elif event.key == pygame.K_UP:
+            self.focus = (self.focus - 1) % len(self.names)
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw the box, the rows, and the ring of the row that Enter takes."""
+        pygame.draw.rect(surface, tones.background, self.box, border_radius=6)
+        pygame.draw.rect(surface, tones.faint, self.box, max(1, round(1.5 * self.host.unit)), border_radius=6)
+        super().paint(surface)
+        pygame.draw.rect(surface, tones.foreground, self.buttons[self.focus].rect, 2, border_radius=4)
+
+
 WIDTH = 560.0  # design pixels
-STACKED = 36.0  # design pixels of a row of a choice, where they do not fit beside each other
-LINE = 18.0  # design pixels of a line of the note
-SHADE_OPACITY = 110  # of 255, over the page
-ENTRY_ROOM = 44.0  # design pixels of the line to type
+MARGIN = 24.0  # design pixels inside the box
+LINE = 22.0  # design pixels of a line of the note
+ROW = 36.0  # design pixels of a button or of a line to type
 RECENT = 26.0  # design pixels of a recent file
+SHADE_OPACITY = 110  # of 255, over the page
 Choices = Mapping[str, Callable[[], object]]
 
 
 class Dialog(Overlay):
     """A question. Each choice closes the box and is then called; Enter takes the first, Esc calls none.
 
+    Arguments:
+        neutral: no choice is marked, none is taken by Enter before the arrows have gone to one, and nothing is seen behind it.
+
     Attributes:
         buttons: by text.
-        focus: number of the button that Enter presses.
+        focus: number of the button that Enter presses; -1: none.
     """
 
     body = 0.0  # design pixels between the note and the buttons
 
-    def __init__(self, host: Host, title: str, note: str, choices: Choices) -> None:
-        self.title, self.note, self.choices, self.focus = title, note, choices, 0
+    def __init__(self, host: Host, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
+        self.title, self.note, self.choices, self.neutral = title, note, choices, neutral
+        self.focus = -1 if neutral else 0
         self.buttons: dict[str, UIButton] = {}
         super().__init__(host)
 
     def _lines(self) -> list[str]:
-        return wrapped(self.note, 12.5 * self.host.unit, (WIDTH - 40.0) * self.host.unit)
+        return wrapped(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
 
     def make_widgets(self) -> None:
-        """Take a place in the middle of the page and make the buttons, the first choice on the right."""
+        """Take a place in the middle of the page and make the buttons: side by side, the first on the right, or in a column."""
         unit, (page_width, height) = self.host.unit, self.host.size
         widths = [max(90.0 * unit, width(text, 13 * unit) + 26 * unit) for text in self.choices]
-        stacked = sum(widths) + 8 * unit * len(widths) > (WIDTH - 40.0) * unit
-        rows = LINE * len(self._lines()) + self.body + (STACKED * (len(widths) - 1) if stacked else 0.0)
-        self.box = pygame.Rect(0, 0, round(WIDTH * unit), round((96.0 + rows) * unit))
+        stacked = self.neutral or sum(widths) + 8 * unit * len(widths) > (WIDTH - 2 * MARGIN) * unit
+        rows = LINE * len(self._lines()) + self.body + ROW * (len(widths) if stacked else 1)
+        self.box = pygame.Rect(0, 0, round(WIDTH * unit), round((3.0 * MARGIN + 20.0 + rows) * unit))
         self.box.center = (page_width // 2, round(0.4 * height))
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
-        right, y = self.box.right - round(20 * unit), self.box.bottom - round(44 * unit)
-        y -= round(STACKED * unit) * (len(widths) - 1) if stacked else 0
+        self.inner = self.box.inflate(-2 * round(MARGIN * unit), -2 * round(MARGIN * unit))
+        self.head = self.inner.top + round((36.0 + LINE * len(self._lines())) * unit)  # where the body begins
+        right, y = self.inner.right, self.inner.bottom - round(ROW * unit) * (len(widths) if stacked else 1)
         for k, (text, command) in enumerate(self.choices.items()):
-            wide = self.box.width - round(40 * unit) if stacked else round(widths[k])
-            place = pygame.Rect(right - wide, y, wide, round(30 * unit))
-            style = "#primary" if k == 0 and not stacked else None
+            wide = self.inner.width if stacked else round(widths[k])
+            place = pygame.Rect(right - wide, y + round(6 * unit), wide, round(30 * unit))
+            style = "#primary" if k == 0 and not self.neutral else None
             self.buttons[text] = UIButton(
                 place, text, self.manager, object_id=style, command=partial(self.choose, command)
             )
-            if stacked:
-                y += round(STACKED * unit)
-            else:
-                right -= wide + round(8 * unit)
-
-    def widgets(self) -> Sequence[UIElement]:
-        """The buttons."""
-        return list(self.buttons.values())
+            right, y = (right, y + round(ROW * unit)) if stacked else (place.left - round(8 * unit), y)
 
     def choose(self, command: Callable[[], object]) -> None:
         """Close the box and do what was chosen."""
@@ -79,39 +202,48 @@ class Dialog(Overlay):
         commands = list(self.choices.values())
         if event.key == pygame.K_ESCAPE:
             self.close()
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE):
+        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE) and self.focus >= 0:
             self.choose(commands[self.focus])
         elif event.key in (pygame.K_TAB, pygame.K_LEFT, pygame.K_DOWN):
             self.focus = (self.focus + 1) % len(commands)
         elif event.key in (pygame.K_RIGHT, pygame.K_UP):
-            self.focus = (self.focus - 1) % len(commands)
+            self.focus = (max(self.focus, 0) - 1) % len(commands)
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the shade, the box, its widgets, and the ring of the button that Enter presses."""
         unit = self.host.unit
-        shade = pygame.Surface(surface.get_size())
-        shade.fill(tones.shadow)
-        shade.set_alpha(SHADE_OPACITY)
-        surface.blit(shade, (0, 0))
-        pygame.draw.rect(surface, tones.background, self.box, border_radius=round(8 * unit))
-        pygame.draw.rect(surface, tones.faint, self.box, max(1, round(2 * unit)), border_radius=round(8 * unit))
-        x, y = self.box.left + 20 * unit, self.box.top + 12 * unit
-        write(surface, self.title, (x, y), 17 * unit, tones.foreground, bold=True)
+        paint_box(surface, self.box, unit, hiding=self.neutral)
+        x, y = self.inner.topleft
+        write(surface, self.title, (x, y), 16 * unit, tones.foreground, bold=True)
         for k, line in enumerate(self._lines()):
-            write(surface, line, (x, y + (26 + LINE * k) * unit), 12.5 * unit, tones.muted)
+            write(surface, line, (x, y + (30 + LINE * k) * unit), 16 * unit, tones.foreground)
         super().paint(surface)
         self.paint_ring(surface)
 
     def paint_ring(self, surface: pygame.Surface) -> None:
         """Draw the ring of the button that Enter presses."""
-        button = list(self.buttons.values())[self.focus]
-        pygame.draw.rect(surface, tones.foreground, button.rect.inflate(6, 6), 2, border_radius=6)
+        if self.focus >= 0:
+            button = list(self.buttons.values())[self.focus]
+            pygame.draw.rect(surface, tones.foreground, button.rect.inflate(6, 6), 2, border_radius=6)
 
 
-class PathDialog(Dialog):
-    """A box with a line to type, most often a path; `take(text)` is called with what was typed.
+def paint_box(surface: pygame.Surface, box: pygame.Rect, unit: float, hiding: bool = False) -> None:
+    """Dim the page, or hide it, and draw a box over it."""
+    shade = pygame.Surface(surface.get_size())
+    shade.fill(tones.background if hiding else tones.shadow)
+    shade.set_alpha(255 if hiding else SHADE_OPACITY)
+    surface.blit(shade, (0, 0))
+    pygame.draw.rect(surface, tones.background, box, border_radius=round(8 * unit))
+    pygame.draw.rect(surface, tones.faint, box, max(1, round(2 * unit)), border_radius=round(8 * unit))
 
-    Below the line are `recent` paths to choose from.
+
+class EntryDialog(Dialog):
+    """A box with lines to type in; `take` is called with what is in each, by name.
+
+    Arguments:
+        fields: what each line begins with, by name; the name of a single one is not shown.
+        recent: paths to choose from, below the lines.
+        more: other choices.
     """
 
     def __init__(
@@ -119,69 +251,137 @@ class PathDialog(Dialog):
         host: Host,
         title: str,
         note: str,
-        text: str,
-        take: Callable[[str], None],
+        fields: Mapping[str, str],
+        take: Callable[[dict[str, str]], None],
         recent: Sequence[str] = (),
+        more: Choices | None = None,
     ) -> None:
-        self.text, self.take, self.recent = text, take, tuple(recent)
+        self.texts, self.take, self.recent = dict(fields), take, tuple(recent)
         self.rows: list[UIButton] = []
-        self.body = ENTRY_ROOM + RECENT * len(self.recent)
-        super().__init__(host, title, note, {_("OK"): self._finish, _("Cancel"): lambda: None})
+        self.entries: dict[str, TextEntry] = {}
+        self.body = ROW * len(fields) + RECENT * len(self.recent) + 8.0
+        choices: Choices = {_("OK"): self._finish, **(more or {}), _("Cancel"): lambda: None}
+        super().__init__(host, title, note, choices)
+
+    @property
+    def entry(self) -> TextEntry:
+        """The line that is typed in."""
+        return next((one for one in self.entries.values() if one.is_focused), next(iter(self.entries.values())))
 
     def make_widgets(self) -> None:
-        """The buttons, and the line above them."""
+        """The buttons, and the lines above them."""
         super().make_widgets()
-        unit, left = self.host.unit, self.box.left + round(20 * self.host.unit)
-        wide, row = self.box.width - round(40 * unit), round(RECENT * unit)
-        y = self.box.bottom - round(88 * unit) - row * len(self.recent)
-        place = pygame.Rect(left, y, wide, round(30 * unit))
+        unit, typed = self.host.unit, next((k for k, one in enumerate(self.entries.values()) if one.is_focused), 0)
+        names = [width(name, 13 * unit) for name in self.texts]
+        self.indent = round(max(names) + 12 * unit) if len(names) > 1 else 0
+        y, row = self.head, round(RECENT * unit)
+        for name, text in self.texts.items():
+            place = pygame.Rect(self.inner.left + self.indent, y, self.inner.width - self.indent, round(28 * unit))
+            self.entries[name] = TextEntry(place, self.manager, initial_text=text)
+            self.entries[name].name = name
+            y += round(ROW * unit)
         self.rows = [
             UIButton(
-                pygame.Rect(left, place.bottom + round(6 * unit) + k * row, wide, row),
-                shortened_path(path, 13 * unit, wide - 20 * unit),
+                pygame.Rect(self.inner.left, y + k * row, self.inner.width, row),
+                shortened_path(path, 13 * unit, self.inner.width - 20 * unit),
                 self.manager,
                 object_id="#menu_row",
                 tool_tip_text=path,
-                command=partial(self.choose, partial(self.take, path)),
+                command=partial(self.choose, partial(self.take, dict.fromkeys(self.texts, path))),
             )
             for k, path in enumerate(self.recent)
         ]
-        self.entry = UITextEntryLine(place, self.manager, initial_text=self.text)
-        self.entry.focus()
-        self.manager.set_focus_set({self.entry})
+        self._go_to(typed)
 
-    def widgets(self) -> Sequence[UIElement]:
-        """The buttons, the line and the recent files."""
-        return [*super().widgets(), self.entry, *self.rows]
+    def _go_to(self, k: int) -> None:
+        """Type into line `k`."""
+        for one in self.entries.values():
+            one.unfocus()
+        entry = list(self.entries.values())[k % len(self.entries)]
+        entry.focus()
+        self.manager.set_focus_set({entry})
 
     def handle(self, event: pygame.Event) -> bool:
         """Take every key and click, and the end of typing."""
-        if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED and event.ui_element is self.entry:
+        if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED and event.ui_element in self.entries.values():
             self.choose(self._finish)
             return True
         taken = super().handle(event)
-        self.text = self.entry.get_text()
+        self.texts = {name: str(entry.get_text()) for name, entry in self.entries.items()}
         return taken
 
     def key(self, event: pygame.Event) -> None:
-        """Type; arrows up and down put recent files into the line; Esc closes."""
+        """Type; Tab goes to the next line; arrows up and down put recent files into the line; Esc closes."""
+        entries = list(self.entries.values())
         if event.key == pygame.K_ESCAPE:
             self.close()
+        elif event.key == pygame.K_TAB:
+            self._go_to(entries.index(self.entry) + (-1 if event.mod & pygame.KMOD_SHIFT else 1))
         elif event.key in (pygame.K_UP, pygame.K_DOWN) and self.recent:
-            by = 1 if event.key == pygame.K_DOWN else -1
-            present = self.recent.index(self.text) + by if self.text in self.recent else (0 if by > 0 else -1)
-            self.text = self.recent[present % len(self.recent)]
-            self.entry.set_text(self.text)
+            by, text = 1 if event.key == pygame.K_DOWN else -1, self.entry.get_text()
+            present = self.recent.index(text) + by if text in self.recent else (0 if by > 0 else -1)
+            self.entry.set_text(self.recent[present % len(self.recent)])
         else:
             self.manager.process_events(event)
 
     def _finish(self) -> None:
-        text = self.entry.get_text().strip()
-        if text:
-            self.take(text)
+        found = {name: str(entry.get_text()).strip() for name, entry in self.entries.items()}
+        if any(found.values()):
+            self.take(found)
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw the names of the lines as well."""
+        super().paint(surface)
+        for name, entry in self.entries.items() if self.indent else ():
+            place = (self.inner.left, entry.rect.centery)
+            write(surface, name, place, 13 * self.host.unit, tones.foreground, align=(0, 0.5))
 
     def paint_ring(self, surface: pygame.Surface) -> None:
         """The line to type has the focus."""
+
+
+class FileChooser(Overlay):
+    """The chooser of files of pygame_gui; `take` is called with the path."""
+
+    def __init__(self, host: Host, title: str, endings: set[str], take: Callable[[str], None]) -> None:
+        self.title, self.endings, self.take = title, endings, take
+        super().__init__(host)
+
+    def make_widgets(self) -> None:
+        """Take the middle of the page."""
+        wide, high = self.host.size
+        self.box = pygame.Rect(
+            0, 0, min(wide - 20, round(640 * self.host.unit)), min(high - 20, round(480 * self.host.unit))
+        )
+        self.box.center = wide // 2, high // 2
+        self.window = UIFileDialog(
+            self.box, self.manager, self.title, self.endings, str(Path.cwd()), allow_picking_directories=False
+        )
+
+    def key(self, event: pygame.Event) -> None:
+        """Type a name; Esc closes."""
+        if event.key == pygame.K_ESCAPE:
+            self.close()
+        else:
+            self.manager.process_events(event)
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Take every key and click, and the end of choosing."""
+        if event.type == pygame_gui.UI_FILE_DIALOG_PATH_PICKED and event.ui_element is self.window:
+            self.close()
+            self.take(str(event.text))
+            return True
+        if event.type == pygame_gui.UI_WINDOW_CLOSE and event.ui_element is self.window:
+            self.close()
+            return True
+        if event.type >= pygame.USEREVENT and self.manager.process_events(event):
+            return True
+        return super().handle(event)
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw it over the dimmed page."""
+        paint_box(surface, self.box, self.host.unit)
+        super().paint(surface)
 
 
 def shortened_path(path: str, size: float, room: float) -> str:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import pygame
 from softcradle.sandbox.draw.number_format import MINUS
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 
@@ -27,14 +29,7 @@ _NAMES = {
     pygame.K_MINUS: MINUS,
     pygame.K_PLUS: "+",
     pygame.K_TAB: N_("Tab"),
-    pygame.K_F1: "F1",
-    pygame.K_F2: "F2",
-    pygame.K_F3: "F3",
-    pygame.K_F8: "F8",
-    pygame.K_F9: "F9",
-    pygame.K_F10: "F10",
-    pygame.K_F11: "F11",
-    pygame.K_F12: "F12",
+    **{getattr(pygame, f"K_F{k}"): f"F{k}" for k in range(1, 13)},
 }
 
 
@@ -50,12 +45,13 @@ class Key(NamedTuple):
 
 
 class Binding(NamedTuple):
-    """What some keys do: the name of the action, the keys, and the group and line of the help."""
+    """What some keys do: the name of the action, the keys, the group and line of the help; whether it repeats while held."""
 
     action: str
     keys: tuple[Key, ...]
     group: str
     text: str
+    repeated: bool = False
 
 
 def _keys(*keys: int | tuple[int, int]) -> tuple[Key, ...]:
@@ -64,35 +60,36 @@ def _keys(*keys: int | tuple[int, int]) -> tuple[Key, ...]:
 
 _BINDINGS: tuple[Binding, ...] = (
     Binding("play_pause", _keys(pygame.K_SPACE), N_("Time"), N_("play or pause")),
-    Binding("forward", _keys(pygame.K_PERIOD), N_("Time"), N_("one frame forward")),
-    Binding("back", _keys(pygame.K_COMMA), N_("Time"), N_("one frame back")),
-    Binding("slower", _keys(pygame.K_MINUS, pygame.K_LEFTBRACKET), N_("Time"), N_("slower motion")),
-    Binding("faster", _keys(pygame.K_PLUS, pygame.K_RIGHTBRACKET), N_("Time"), N_("faster motion")),
+    Binding("forward", _keys(pygame.K_PERIOD), N_("Time"), N_("one frame forward"), repeated=True),
+    Binding("back", _keys(pygame.K_COMMA), N_("Time"), N_("one frame back"), repeated=True),
+    Binding("slower", _keys(pygame.K_MINUS, pygame.K_LEFTBRACKET), N_("Time"), N_("slower motion"), repeated=True),
+    Binding("faster", _keys(pygame.K_PLUS, pygame.K_RIGHTBRACKET), N_("Time"), N_("faster motion"), repeated=True),
     Binding("restart", _keys(pygame.K_r), N_("Time"), N_("restart")),
     Binding("first", _keys(pygame.K_HOME), N_("Time"), N_("to the oldest frame")),
     Binding("last", _keys(pygame.K_END), N_("Time"), N_("to the latest frame")),
-    Binding("previous_event", _keys((pygame.K_COMMA, SHIFT)), N_("Time"), N_("to the previous contact event")),
-    Binding("next_event", _keys((pygame.K_PERIOD, SHIFT)), N_("Time"), N_("to the next contact event")),
-    Binding("select_left", _keys(pygame.K_LEFT), N_("Beads"), N_("select the neighbour on the left")),
-    Binding("select_right", _keys(pygame.K_RIGHT), N_("Beads"), N_("select the neighbour on the right")),
+    Binding(
+        "previous_event", _keys((pygame.K_COMMA, SHIFT)), N_("Time"), N_("to the previous contact event"), repeated=True
+    ),
+    Binding("next_event", _keys((pygame.K_PERIOD, SHIFT)), N_("Time"), N_("to the next contact event"), repeated=True),
+    Binding("select_left", _keys(pygame.K_LEFT), N_("Beads"), N_("select the neighbour on the left"), repeated=True),
+    Binding("select_right", _keys(pygame.K_RIGHT), N_("Beads"), N_("select the neighbour on the right"), repeated=True),
     Binding("add_bead", _keys(pygame.K_a), N_("Beads"), N_("add a bead right of the selected")),
     Binding("remove_bead", _keys(pygame.K_DELETE, pygame.K_BACKSPACE), N_("Beads"), N_("remove the selected bead")),
     Binding("lock", _keys(pygame.K_l), N_("Beads"), N_("lock or unlock the selected contact")),
     Binding("lock_all", _keys((pygame.K_l, SHIFT)), N_("Beads"), N_("all contacts: lock or unlock")),
     Binding("law", _keys(pygame.K_g), N_("Beads"), N_("contact: power law or draft gear")),
     Binding("law_all", _keys((pygame.K_g, SHIFT)), N_("Beads"), N_("all contacts: power law or draft gear")),
-    Binding("undo", _keys((pygame.K_z, CTRL)), N_("Beads"), N_("undo the last edit")),
-    Binding("redo", _keys((pygame.K_y, CTRL), (pygame.K_z, CTRL | SHIFT)), N_("Beads"), N_("redo")),
+    Binding("undo", _keys((pygame.K_z, CTRL)), N_("Beads"), N_("undo the last edit"), repeated=True),
+    Binding("redo", _keys((pygame.K_y, CTRL), (pygame.K_z, CTRL | SHIFT)), N_("Beads"), N_("redo"), repeated=True),
     Binding("logarithmic", _keys(pygame.K_o), N_("Plots"), N_("overlaps: logarithmic or linear axis")),
     Binding("plots", _keys(pygame.K_b), N_("Plots"), N_("hide or show all plots")),
     Binding("fit", _keys(pygame.K_f), N_("View"), N_("frame all beads")),
-    Binding("zoom_in", _keys(pygame.K_UP), N_("View"), N_("zoom in (or wheel)")),
-    Binding("zoom_out", _keys(pygame.K_DOWN), N_("View"), N_("zoom out")),
+    Binding("zoom_in", _keys(pygame.K_UP), N_("View"), N_("zoom in (or wheel)"), repeated=True),
+    Binding("zoom_out", _keys(pygame.K_DOWN), N_("View"), N_("zoom out"), repeated=True),
     Binding("pause_at_end", _keys(pygame.K_e), N_("Time"), N_("pause at the end, or play on")),
     Binding("arrows", _keys(pygame.K_v), N_("View"), N_("arrows: velocity, momentum, force")),
     Binding("lesson", _keys(pygame.K_q), N_("Tools"), N_("a question: predict, then run")),
     Binding("values", _keys(pygame.K_t), N_("Tools"), N_("table of values in place of the plots")),
-    Binding("edit_values", _keys(pygame.K_F2, pygame.K_RETURN), N_("Tools"), N_("edit a cell of the table of values")),
     Binding("tell", _keys(pygame.K_w), N_("Tools"), N_("what happened, in words")),
     Binding("copy_values", _keys(pygame.K_c), N_("Tools"), N_("copy all values as CSV")),
     Binding("copy_scene", _keys((pygame.K_c, CTRL)), N_("Tools"), N_("copy the scene as text, to share it")),
@@ -104,12 +101,15 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("data", _keys(pygame.K_x), N_("Tools"), N_("measured data over a plot, or off")),
     Binding("signals", _keys((pygame.K_8, SHIFT)), N_("Tools"), N_("choose two signals to plot")),
     Binding("sweep", _keys(pygame.K_y), N_("Tools"), N_("nine values of a slider side by side")),
+    Binding("share", _keys(pygame.K_F6), N_("Tools"), N_("the menu of files and sharing")),
+    Binding("plots_menu", _keys(pygame.K_F7), N_("Tools"), N_("the menu of plots")),
     Binding("tools", _keys(pygame.K_F10), N_("Tools"), N_("the menu of tools")),
     Binding("method", _keys((pygame.K_m, SHIFT)), N_("View"), N_("next method")),
     Binding("inspector", _keys(pygame.K_i), N_("View"), N_("hide or show the panel on the right")),
     Binding("level", _keys(pygame.K_F3), N_("View"), N_("Explore (few controls) or Lab (all)")),
     Binding("sound", _keys(pygame.K_n), N_("View"), N_("sound: clicks, tones of forces, off")),
     Binding("save_scene", _keys((pygame.K_s, CTRL)), N_("Save"), N_("save the scene as a file")),
+    Binding("words", _keys(pygame.K_F4), N_("Save"), N_("title, text, question and names of lanes")),
     Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), N_("Save"), N_("save the session, to be replayed")),
     Binding("export", _keys((pygame.K_e, CTRL)), N_("Save"), N_("export the history as .npz or .csv")),
     Binding("share_page", _keys((pygame.K_h, CTRL)), N_("Save"), N_("share what was played as a page")),
@@ -117,14 +117,14 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("film", _keys((pygame.K_r, CTRL)), N_("Save"), N_("begin or end a film of the window")),
     Binding("open", _keys((pygame.K_o, CTRL)), N_("Save"), N_("open a file (or drop it here)")),
     Binding("search", _keys((pygame.K_f, CTRL)), N_("Window"), N_("search the gallery")),
-    Binding("next_control", _keys(pygame.K_TAB), N_("Window"), N_("next control: Enter, arrows")),
-    Binding("previous_control", _keys((pygame.K_TAB, SHIFT)), N_("Window"), N_("previous control")),
+    Binding("next_control", _keys(pygame.K_TAB), N_("Window"), N_("next control: Enter, arrows"), repeated=True),
+    Binding("previous_control", _keys((pygame.K_TAB, SHIFT)), N_("Window"), N_("previous control"), repeated=True),
     Binding("help", _keys(pygame.K_F1, pygame.K_h), N_("Window"), N_("this help")),
     Binding("theme", _keys(pygame.K_F9), N_("Window"), N_("dark or light theme")),
     Binding("language", _keys(pygame.K_F8), N_("Window"), N_("language (Sprache, langue)")),
     Binding("fullscreen", _keys(pygame.K_F11), N_("Window"), N_("fullscreen")),
-    Binding("larger", _keys((pygame.K_PLUS, CTRL)), N_("Window"), N_("everything larger")),
-    Binding("smaller", _keys((pygame.K_MINUS, CTRL)), N_("Window"), N_("everything smaller")),
+    Binding("larger", _keys((pygame.K_PLUS, CTRL)), N_("Window"), N_("everything larger"), repeated=True),
+    Binding("smaller", _keys((pygame.K_MINUS, CTRL)), N_("Window"), N_("everything smaller"), repeated=True),
     Binding("normal", _keys((pygame.K_0, CTRL)), N_("Window"), N_("normal size")),
     Binding("leave", _keys(pygame.K_ESCAPE), N_("Window"), N_("close, deselect, back to the gallery")),
     Binding("quit", _keys((pygame.K_q, CTRL)), N_("Window"), N_("quit")),
@@ -139,27 +139,7 @@ SAME = {
     pygame.K_KP_0: pygame.K_0,
     pygame.K_KP_ENTER: pygame.K_RETURN,
 }
-# What a key that is held down does again and again; the rest is done once a press.
-REPEATED = frozenset(
-    [
-        "forward",
-        "back",
-        "slower",
-        "faster",
-        "previous_event",
-        "next_event",
-        "select_left",
-        "select_right",
-        "undo",
-        "redo",
-        "zoom_in",
-        "zoom_out",
-        "larger",
-        "smaller",
-        "next_control",
-        "previous_control",
-    ]
-)
+REPEATED = frozenset(binding.action for binding in _BINDINGS if binding.repeated)
 
 
 def bindings() -> tuple[Binding, ...]:
@@ -198,3 +178,83 @@ def groups() -> dict[str, list[Binding]]:
     for binding in bindings():
         found.setdefault(binding.group, []).append(binding)
     return found
+
+
+LINE = 21.0  # design pixels
+KEYS_ROOM = 126.0  # design pixels of the keys
+COLUMN = 362.0  # design pixels
+TITLE = 27.0  # design pixels
+MOUSE = (
+    (N_("drag a bead"), N_("pull it by a spring; release to throw")),
+    (N_("drag it, paused"), N_("place it")),
+    (N_("click"), N_("select a bead or a contact")),
+    (N_("wheel"), N_("zoom, over the beads")),
+    (N_("drag beside beads"), N_("move the view; F frames all beads")),
+    (N_("drag the timeline"), N_("scrub; playing on starts a new branch")),
+    (N_("over a plot"), N_("read values at the cursor")),
+    (N_("drop a file"), N_("open it; a table or a picture: over a plot")),
+)
+COLUMNS = ((N_("Time"), N_("Mouse"), N_("Save")), (N_("Beads"), N_("Window"), N_("View")), (N_("Plots"), N_("Tools")))
+
+
+def paint_help(surface: pygame.Surface, unit: float) -> None:
+    """Draw the overlay over all of `surface`."""
+    size = surface.get_size()
+    shade = pygame.Surface(size)
+    shade.fill(tones.shadow)
+    shade.set_alpha(130)
+    surface.blit(shade, (0, 0))
+    blocks = {name: [(_caps(b), _(b.text)) for b in bindings] for name, bindings in groups().items()}
+    blocks["Mouse"] = [(_(what), _(text)) for what, text in MOUSE]
+    rows = max(sum(len(blocks[name]) * LINE + TITLE + 10 for name in column) for column in COLUMNS)
+    unit = min(unit, size[1] / (rows + 100), size[0] / 1230)
+    board = pygame.Rect(0, 0, round(1190 * unit), round((rows + 78) * unit))
+    board.center = (size[0] // 2, size[1] // 2)
+    pygame.draw.rect(surface, tones.background, board, border_radius=round(10 * unit))
+    write(
+        surface,
+        _("Keys and mouse"),
+        (board.left + 26 * unit, board.top + 16 * unit),
+        22 * unit,
+        tones.foreground,
+        bold=True,
+    )
+    place = (board.right - 26 * unit, board.top + 22 * unit)
+    write(surface, _("Esc or a click closes this"), place, 13 * unit, tones.muted, align=(1, 0))
+    for k, column in enumerate(COLUMNS):
+        x, y = board.left + (26 + k * 388) * unit, board.top + 58 * unit
+        for name in column:
+            y = _block(surface, name, blocks[name], (x, y), unit)
+
+
+def _caps(binding: Binding) -> str:
+    return "  ".join(str(key) for key in binding.keys)
+
+
+def _block(
+    surface: pygame.Surface, name: str, rows: list[tuple[str, str]], place: tuple[float, float], unit: float
+) -> float:
+    """Draw one group; returns where the next begins."""
+    x, y = place
+    write(surface, _(name), (x, y), 16 * unit, tones.foreground, bold=True)
+    surface.fill(tones.faint, (round(x), round(y + 21 * unit), round(COLUMN * unit), max(1, round(unit))))
+    y += TITLE * unit
+    for keys, text in rows:
+        _cap(surface, keys, (x, y), unit)
+        write(surface, text, (x + (KEYS_ROOM + 2) * unit, y + 1 * unit), 13 * unit, tones.foreground)
+        y += LINE * unit
+    return y + 10 * unit
+
+
+def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: float) -> None:
+    """Keys, each on a small plate."""
+    x, y = place
+    for text in keys.split("  "):
+        wide = width(text, 13 * unit, bold=True) + 10 * unit
+        if x + wide > place[0] + KEYS_ROOM * unit and x > place[0]:
+            return  # no room for another key that does the same
+        plate = pygame.Rect(round(x), round(y), round(wide), round(18 * unit))
+        pygame.draw.rect(surface, tones.lane_background, plate, border_radius=round(4 * unit))
+        pygame.draw.rect(surface, tones.faint, plate, 1, border_radius=round(4 * unit))
+        write(surface, text, plate.center, 13 * unit, tones.foreground, bold=True, align=(0.5, 0.5))
+        x += wide + 4 * unit

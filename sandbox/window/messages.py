@@ -65,21 +65,21 @@ class Messages:
         y = bottom
         for message in reversed(self.visible):
             room = min(720 * unit, 0.7 * surface.get_width())
-            lines = [shortened(line, 14 * unit, room) for line in wrapped(message.text, 14 * unit, room)]
+            lines = [shortened(line, 13 * unit, room) for line in wrapped(message.text, 13 * unit, room)]
             y -= self._box(surface, message, lines, y, unit) + 6 * unit
 
     def _box(self, surface: pygame.Surface, message: Message, lines: list[str], bottom: float, unit: float) -> float:
         """Draw one message; returns its height."""
         height = (len(lines) * 20 + 14) * unit
-        wide = max(width(line, 14 * unit) for line in lines) + 40 * unit
+        wide = max(width(line, 13 * unit) for line in lines) + 40 * unit
         rect = pygame.Rect(0, 0, round(wide), round(height))
         rect.midbottom = (surface.get_width() // 2, round(bottom))
         tint = tones.warning if message.warning else tones.good
         pygame.draw.rect(surface, tones.background, rect, border_radius=round(6 * unit))
         pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
         x = rect.left + 13 * unit
-        write(surface, "!" if message.warning else "✓", (x, rect.top + 7 * unit), 14 * unit, tint, bold=True)
+        write(surface, "!" if message.warning else "✓", (x, rect.top + 7 * unit), 13 * unit, tint, bold=True)
         for k, line in enumerate(lines):
-            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 14 * unit, tones.foreground)
+            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 13 * unit, tones.foreground)
         self._places.append((rect, message))
         return height

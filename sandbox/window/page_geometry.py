@@ -6,21 +6,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pygame import Rect
+from softcradle.sandbox.window.widgets import split, stack
 
 TOOLBAR = 48.0  # design pixels, its height
 FOOTER = 92.0  # design pixels, its height
-SECOND_ROW = 34.0  # design pixels, which the footer of a narrow window has more
-NARROW = 1250.0  # design pixels of a window, below which time controls and plot buttons take two rows
 PANEL = 288.0  # design pixels, its width
 INSETS = 84.0  # design pixels, their height
 ENERGY_BARS = 36.0  # design pixels, their height
-GUTTER = 12.0  # design pixels between two plots
+GUTTER = 24.0  # design pixels between two plots
 MARGIN = 14.0  # design pixels around beads and plots
 LEAST_LANE = 120.0  # design pixels of the beads, below which insets and energy bars go
 LOW_LANE = 150.0  # design pixels of each of two lanes, below which bars of forces have no room and plots give way
 LOWEST_LANE = 130.0  # design pixels of each of two lanes, for which there are fewer rows of plots
 PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
 EXPLORED = 0.85  # of that share, where beads are more than plots
+LEAST_BESIDE_CARD = 150.0  # design pixels of plots, to which they give way for a card; then lanes do
 LEAST_PLOT_ROW = 66.0  # design pixels, the height of a row of plots
 PLOT_ROW = 80.0  # design pixels of a row of plots, to which it gives way
 MOST_PLOTS_SHARE = 0.7  # of the height, for more rows
@@ -31,7 +31,7 @@ class Geometry:
     """Rectangles of a page.
 
     Attributes:
-        toolbar, footer: above, and the two rows of time controls below.
+        toolbar, footer: above, and the time line and the time controls below.
         panel: on the right; empty where it is hidden.
         lanes: beads of each lane.
         insets: below the only lane; empty where there are more lanes or no room.
@@ -55,12 +55,21 @@ class Geometry:
 
 
 def geometry(
-    size: tuple[int, int], unit: float, lanes: int, plots: Sequence[int], panel: bool, explore: bool = False
+    size: tuple[int, int],
+    unit: float,
+    lanes: int,
+    plots: Sequence[int],
+    panel: bool,
+    explore: bool = False,
+    card: int = 0,
 ) -> Geometry:
-    """The page for a window of `size`; `plots` is the number of plots in each row; to `explore` there is no more."""
+    """The page for a window of `size`; `plots` is the number of plots in each row; to `explore` there is no more.
+
+    A `card` so high [pixels] has room between beads and plots.
+    """
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
-    foot = round((FOOTER + (SECOND_ROW if narrow(width, unit) else 0.0)) * unit)
+    foot = round(FOOTER * unit)
     footer = Rect(0, height - foot, width, foot)
     panel_width = round(PANEL * unit) if panel else 0
     right = Rect(width - panel_width, toolbar.bottom, panel_width, footer.top - toolbar.bottom)
@@ -73,16 +82,16 @@ def geometry(
         spare = main.height - lanes * LOW_LANE * unit
         most = main.height - lanes * LOWEST_LANE * unit
         share = min(share, max(needed, spare) / main.height, max(most, LEAST_PLOT_ROW * unit) / main.height)
-    above = Rect(main.left, main.top, main.width, round(main.height * (1.0 - share)))
+    high = round(main.height * (1.0 - share))
+    if card:
+        missing = card - max(0, main.height - high - round(LEAST_BESIDE_CARD * unit))
+        high = max(high - max(0, missing), min(high, round(LEAST_LANE * unit)))
+    above = Rect(main.left, main.top, main.width, high)
     gap = round(8 * unit)
-    below = Rect(main.left, above.bottom + gap, main.width, main.bottom - above.bottom - gap)
+    top = above.bottom + gap + card
+    below = Rect(main.left, top, main.width, max(round(LEAST_PLOT_ROW * unit), main.bottom - top))
     beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2, explore)
     return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
-
-
-def narrow(width: int, unit: float) -> bool:
-    """Whether the footer takes two rows of buttons."""
-    return width < NARROW * unit
 
 
 def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
@@ -92,8 +101,7 @@ def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
 
 def most_plot_rows(size: tuple[int, int], unit: float, lanes: int) -> int:
     """Rows of plots for which there is room beside so many lanes; others are scrolled to."""
-    foot = FOOTER + (SECOND_ROW if narrow(size[0], unit) else 0.0)
-    main = size[1] / unit - TOOLBAR - foot - MARGIN
+    main = size[1] / unit - TOOLBAR - FOOTER - MARGIN
     room = min(MOST_PLOTS_SHARE * main, main - lanes * LOWEST_LANE) if lanes > 1 else MOST_PLOTS_SHARE * main
     return max(1, int(room / LEAST_PLOT_ROW))
 
@@ -114,13 +122,5 @@ def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> t
 
 def _plots(rect: Rect, unit: float, counts: Sequence[int]) -> tuple[tuple[Rect, ...], ...]:
     """Rows of rectangles of equal height and, in a row, of equal width."""
-    if not counts:
-        return ()
-    gutter, gap = GUTTER * unit, 2 * unit
-    height = (rect.height - (len(counts) - 1) * gap) / len(counts)
-    rows = []
-    for k, count in enumerate(counts):
-        width = (rect.width - (count - 1) * gutter) / count
-        lefts, top = [rect.left + i * (width + gutter) for i in range(count)], rect.top + k * (height + gap)
-        rows.append(tuple(Rect(round(left), round(top), round(width), round(height)) for left in lefts))
-    return tuple(rows)
+    rows = stack(rect, [0.0] * len(counts), unit, 2.0)
+    return tuple(tuple(split(row, [0.0] * count, unit, GUTTER)) for row, count in zip(rows, counts, strict=True))

@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 import pygame
 from pygame_gui.core import UIElement
 from softcradle.sandbox.window.dialog import Dialog
-from softcradle.sandbox.window.slider import Slider
-from softcradle.sandbox.window.text_entry import TextEntry
-from softcradle.sandbox.window.window_page import Window
+from softcradle.sandbox.window.widgets import Slider, TextEntry
+from softcradle.sandbox.window.window_page import Host
 
 ROOT, STATUS, CONTROL = 1, 2, 3  # numbers of the nodes: the window, what is said, the control that has the focus
 
@@ -23,12 +22,12 @@ class Spoken(NamedTuple):
     control: str
 
 
-def spoken_by(window: Window) -> Spoken:
+def spoken_by(window: Host) -> Spoken:
     """What a window has to say now."""
     dialog, visible = window.dialog, window.messages.visible
     if isinstance(dialog, Dialog) and dialog.open:
-        choices = list(dialog.choices)
-        return Spoken(f"{dialog.title}. {dialog.note}", choices[min(dialog.focus, len(choices) - 1)])
+        focused = list(dialog.choices)[dialog.focus] if dialog.focus >= 0 else ""
+        return Spoken(f"{dialog.title}. {dialog.note}", focused)
     status = visible[-1].text if visible else ""
     return Spoken(status, control_name(window.focus.control))
 

@@ -6,8 +6,8 @@ import itertools
 
 import pygame
 from pygame_gui.core import UIElement
-from pygame_gui.elements import UIButton, UIDropDownMenu, UITooltip
-from softcradle.sandbox.window.slider import Slider
+from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine, UITooltip
+from softcradle.sandbox.window.widgets import Slider
 
 from tests.helpers.windows import Driver
 
@@ -16,7 +16,8 @@ def widgets(driver: Driver) -> list[UIElement]:
     """The widgets of the page, or of the dialog where there is one."""
     dialog = driver.app.dialog
     if dialog is not None and dialog.open:
-        return list(dialog.widgets())
+        found = dialog.manager.get_root_container().elements
+        return [one for one in found if one.visible and isinstance(one, UIButton | UITextEntryLine)]
     shown = [one for one in driver.app.manager.get_root_container().elements if one.visible]
     own = [one.button_container for one in shown if isinstance(one, Slider)]
     return [one for one in shown if one not in own and one not in floating(shown)]

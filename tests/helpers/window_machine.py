@@ -31,7 +31,7 @@ from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window import app
 from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
 from softcradle.sandbox.window.scene.scene_page import ScenePage
-from softcradle.sandbox.window.widget_cleanup import collect_garbage
+from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
 from tests.helpers.session_checks import check_invariants, check_order, check_replay, check_round_trip, read_all

@@ -3,30 +3,180 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import pygame
 import pygame_gui
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.card_drawing import paint_border, paint_caption
-from softcradle.sandbox.window.gallery.card_grid import HEADER, MARGIN, CardGrid
 from softcradle.sandbox.window.gallery.sections import FOUND, Section, found, sections_of
-from softcradle.sandbox.window.hanging.hanging_picture import hanging_thumbnail
-from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME, HANGING_SOURCE, HANGING_TEXT, HANGING_TITLE
-from softcradle.sandbox.window.look_ahead import motions_ahead
-from softcradle.sandbox.window.text_entry import TextEntry
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.hanging.page import (
+    HANGING_NAME,
+    HANGING_SOURCE,
+    HANGING_TEXT,
+    HANGING_TITLE,
+    hanging_thumbnail,
+)
+from softcradle.sandbox.window.plots.live_scales import motions_ahead
+from softcradle.sandbox.window.widgets import TextEntry
+from softcradle.sandbox.window.window_page import Host, Page
 from softcradle.scenes import SceneError, load, names
+
+MARGIN = 34.0  # design pixels on the left and right
+HEADER = 90.0  # design pixels
+GUTTER = 20.0  # design pixels between two cards
+COLUMN = 285.0  # design pixels, the least width of a card
+CAPTION = 82.0  # design pixels below a picture
+SECTION_TITLE = 30.0  # design pixels of the title of a section
+BAR = 10.0  # design pixels, the width of the bar
+
+
+class CardGrid:
+    """Where cards are.
+
+    Attributes:
+        columns: number of cards in a row.
+        picture_size: of each card's picture [pixels].
+        scroll: pixels that are scrolled out of sight above.
+    """
+
+    def __init__(self) -> None:
+        self.columns, self.picture_size, self.scroll = 1, (1, 1), 0.0
+        self.size, self.unit, self._full, self._grip = (1, 1), 1.0, 1.0, 0.0
+        self._cards: list[pygame.Rect] = []
+        self._titles: list[tuple[str, float]] = []
+        self.dragged = False
+
+    def arrange(self, size: tuple[int, int], unit: float, sections: Sequence[Section]) -> None:
+        """Find the places for a window of `size`."""
+        self.size, self.unit = size, unit
+        inner = size[0] - 2 * MARGIN * unit
+        self.columns = max(1, int((inner + GUTTER * unit) // ((COLUMN + GUTTER) * unit)))
+        wide = (inner - (self.columns - 1) * GUTTER * unit) / self.columns
+        self.picture_size = round(wide), round(wide * thumbnails.SIZE[1] / thumbnails.SIZE[0])
+        high = round(self.picture_size[1] + CAPTION * unit)
+        self._cards, self._titles, y = [], [], HEADER * unit
+        for section in sections:
+            self._titles.append((_(section.title), y))
+            y += SECTION_TITLE * unit
+            for k in range(len(section.names)):
+                row, column = divmod(k, self.columns)
+                x = MARGIN * unit + column * (wide + GUTTER * unit)
+                place = pygame.Rect(round(x), round(y + row * (high + GUTTER * unit)), self.picture_size[0], high)
+                self._cards.append(place)
+            y += -(-len(section.names) // self.columns) * (high + GUTTER * unit)
+        self._full = y
+        self.scroll_by(0.0)
+
+    def place(self, k: int) -> pygame.Rect:
+        """Rectangle of card `k` on screen."""
+        return self._cards[k].move(0, -round(self.scroll))
+
+    def titles(self) -> list[tuple[str, float]]:
+        """Titles of the sections and where they are on screen."""
+        return [(title, y - self.scroll) for title, y in self._titles]
+
+    def card_at(self, point: tuple[int, int]) -> int | None:
+        """The visible card at `point`, or None."""
+        if point[1] < HEADER * self.unit:
+            return None
+        return next((k for k in range(len(self._cards)) if self.place(k).collidepoint(point)), None)
+
+    def neighbour(self, k: int, by: int) -> int:
+        """The card nearest to card `k` in the next row below (1) or above (-1); `k` itself where there is none."""
+        here = self._cards[k]
+        rows = sorted({card.top for card in self._cards if (card.top - here.top) * by > 0}, reverse=by < 0)
+        if not rows:
+            return k
+        row = [j for j, card in enumerate(self._cards) if card.top == rows[0]]
+        return min(row, key=lambda j: abs(self._cards[j].left - here.left))
+
+    def show(self, k: int) -> None:
+        """Scroll until card `k` is in sight."""
+        card = self.place(k)
+        top, bottom = (HEADER + SECTION_TITLE) * self.unit, self.size[1] - 10
+        if card.top < top:
+            self.scroll_by(card.top - top)
+        elif card.bottom > bottom:
+            self.scroll_by(card.bottom - bottom)
+
+    def scroll_by(self, pixels: float) -> None:
+        """Scroll, as far as there are cards."""
+        self.scroll = min(max(self.scroll + pixels, 0.0), max(0.0, self._full - self.size[1]))
+
+    def _bar(self) -> tuple[pygame.Rect, pygame.Rect] | None:
+        """Track and knob of the bar; None where everything is in sight."""
+        top, unit = round(HEADER * self.unit), self.unit
+        if self._full <= self.size[1]:
+            return None
+        track = pygame.Rect(self.size[0] - round((BAR + 6) * unit), top, round(BAR * unit), self.size[1] - top - 6)
+        share = (self.size[1] - top) / (self._full - top)
+        knob = pygame.Rect(track.left, 0, track.width, max(round(24 * unit), math.ceil(share * track.height)))
+        room = track.height - knob.height
+        knob.top = track.top + round(room * self.scroll / (self._full - self.size[1]))
+        return track, knob
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Drag the knob; a press on the track takes it there."""
+        bar = self._bar()
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1 and bar is not None:
+            track, knob = bar
+            self.dragged = track.inflate(8, 0).collidepoint(event.pos)
+            self._grip = event.pos[1] - knob.top if knob.collidepoint(event.pos) else knob.height / 2
+        elif event.type == pygame.MOUSEBUTTONUP and self.dragged:
+            self.dragged = False
+            return True
+        if self.dragged and bar is not None and event.type in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEMOTION):
+            track, knob = bar
+            share = (event.pos[1] - self._grip - track.top) / max(1, track.height - knob.height)
+            self.scroll_by(share * (self._full - self.size[1]) - self.scroll)
+            return True
+        return False
+
+    def paint_bar(self, surface: pygame.Surface) -> None:
+        """Draw the bar."""
+        bar = self._bar()
+        if bar is not None:
+            track, knob = bar
+            pygame.draw.rect(surface, tones.grid, track, border_radius=5)
+            pygame.draw.rect(surface, tones.muted if self.dragged else tones.faint, knob, border_radius=5)
+
+
+HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
+PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
+
+
+def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], picture: pygame.Rect, unit: float) -> None:
+    """Title, the first two lines of the text, and source, below the `picture`."""
+    (title, text, source), room = caption, picture.width - 20 * unit
+    x, y = picture.left + 10 * unit, picture.bottom + 7 * unit
+    write(surface, shortened(title, 16 * unit, room, bold=True), (x, y), 16 * unit, tones.foreground, bold=True)
+    lines = wrapped(text, 13 * unit, room)
+    for row, line in enumerate(lines[:2]):
+        more = row == 1 and len(lines) > 2
+        shown = shortened(f"{line} …" if more else line, 13 * unit, room)
+        write(surface, shown, (x, y + (21 + 16 * row) * unit), 13 * unit, tones.muted)
+    write(surface, shortened(source, 13 * unit, room), (x, y + 54 * unit), 13 * unit, tones.muted)
+
+
+def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pressed: bool) -> None:
+    """The border, and a tint under the pointer; widgets for it took 100 MB, and a third of a second to make."""
+    if hovered:
+        tint = pygame.Surface(place.size, pygame.SRCALPHA, 32)
+        tint.fill((*tones.accent, PRESSED_OPACITY if pressed else HOVERED_OPACITY))
+        surface.blit(tint, place)
+    pygame.draw.rect(surface, tones.accent if hovered else tones.faint, place, 1)
+
 
 SCROLL = 60.0  # design pixels for a notch of the wheel
 SEARCH = 220.0  # design pixels of the line for the search
 
 
-class GalleryPage:
+class GalleryPage(Page):
     """All scenes of the catalogue; `choose(name)` is called with the one that is clicked.
 
     Attributes:
@@ -34,9 +184,6 @@ class GalleryPage:
         selected: number of the card that Enter opens.
         grid: the places of the cards.
     """
-
-    unsaved = False
-    title = ""
 
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
@@ -98,12 +245,9 @@ class GalleryPage:
                 self.pictures[name] = picture
 
     @property
-    def typing(self) -> bool:
+    def typing(self) -> bool:  # type: ignore[override]
         """Whether keys go into the search."""
         return self.entry is not None and self.entry.is_focused
-
-    def call_unsaved(self) -> None:
-        """Nothing here is saved."""
 
     def cancel_typing(self) -> None:
         """Show all scenes again."""
@@ -169,16 +313,9 @@ class GalleryPage:
         """The visible card at `point`, or None."""
         return self.grid.card_at(point)
 
-    def follow(self) -> None:
-        """Nothing here is edited."""
-
     def handle(self, event: pygame.Event) -> bool:
         """Clicks, wheel, the search, and keys that move or open."""
         return self._typed(event) or self.grid.handle(event) or self._clicked(event) or self._key(event)
-
-    def take_file(self, path: str, point: tuple[int, int]) -> bool:
-        """Files are opened."""
-        return False
 
     def _typed(self, event: pygame.Event) -> bool:
         """What was typed into the search."""
@@ -227,12 +364,9 @@ class GalleryPage:
             thumbnails.save(self.scenes[name], self.theme, self.pictures[name])
 
     @property
-    def moving(self) -> bool:
+    def moving(self) -> bool:  # type: ignore[override]
         """Whether thumbnails are still to come."""
         return len(self.pictures) < len(self.captions)
-
-    def update(self, seconds: float) -> None:
-        """Nothing moves by itself."""
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the cards in their sections, and the header above them."""
@@ -246,14 +380,14 @@ class GalleryPage:
                 self._card(surface, k, place)
         surface.fill(tones.background, (0, 0, width, round((HEADER - 4) * unit)))
         x, y = MARGIN * unit, 16 * unit
-        write(surface, "softcradle", (x, y), 28 * unit, tones.foreground, bold=True)
+        write(surface, "softcradle", (x, y), 22 * unit, tones.foreground, bold=True)
         line = _("Beads that only push on each other, softly. Choose a scene, or drop a scene file here.")
         room = width - 2 * x - 80 * unit
-        write(surface, shortened(line, 15 * unit, room), (x, y + 38 * unit), 15 * unit, tones.muted)
-        write(surface, _("F1: help"), (width - x, y + 38 * unit), 15 * unit, tones.muted, align=(1, 0))
+        write(surface, shortened(line, 16 * unit, room), (x, y + 38 * unit), 16 * unit, tones.muted)
+        write(surface, _("F1: help"), (width - x, y + 38 * unit), 16 * unit, tones.muted, align=(1, 0))
         if not self.names:
             text = _("No scene has {text!r} in its title, text or source. Esc shows all.", text=self.search)
-            write(surface, text, (x, (HEADER + 20) * unit), 15 * unit, tones.muted)
+            write(surface, text, (x, (HEADER + 20) * unit), 16 * unit, tones.muted)
         self.grid.paint_bar(surface)
 
     def _card(self, surface: pygame.Surface, k: int, place: pygame.Rect) -> None:
@@ -281,12 +415,6 @@ class GalleryPage:
         if key not in self.scaled:
             self.scaled[key] = pygame.transform.smoothscale(self.pictures[name].convert(), self.grid.picture_size)
         return self.scaled[key]
-
-    def paint_over(self, surface: pygame.Surface) -> None:
-        """Nothing lies above the cards."""
-
-    def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
-        """The gallery is not filmed."""
 
     def close(self) -> None:
         """Drop the scaled pictures; where it was scrolled to stays."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from softcradle.sandbox.languages import N_
-from softcradle.sandbox.window.hanging.hanging_text import HANGING_NAME
+from softcradle.sandbox.window.hanging.page import HANGING_NAME
 
 
 class Section(NamedTuple):

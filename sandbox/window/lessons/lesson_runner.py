@@ -1,40 +1,119 @@
-"""The lesson that is under way: a prediction, the motion, and what was measured."""
+"""Lessons: a question about a scene, a prediction, the motion, and the answer that is measured in it."""
 
 from __future__ import annotations
 
-from functools import partial
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
 
+import numpy as np
 from softcradle.sandbox.languages import _, scene_words
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.lessons.lesson_list import Lesson, lessons
+from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.window.scene.scene_clock import SceneClock
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import load
 
+FILE = Path(__file__).parent / "lessons.toml"
+FAST = 0.5  # of the fastest target: a bead that is as fast leaves with it
+STILL = 0.05  # of the striker's speed: a slower bead stands still
+TOGETHER = 0.1  # of their mean speed: the largest spread of targets that leave together
 
-class LessonRunner:
-    """Asks the questions about the scene of a page.
+
+@dataclass(frozen=True)
+class Lesson:
+    """A question about a scene.
 
     Attributes:
-        predicted: the choice that was made; None while none is waiting for its answer.
+        scene: name of the scene.
+        question, choices: what is asked.
+        measure: name of what finds the right choice, in MEASURES.
+        why: the reason of each choice, in a sentence.
     """
 
-    def __init__(self, host: Host, session: Session, clock: SceneClock) -> None:
-        self.host, self.session, self.clock = host, session, clock
+    scene: str
+    question: str
+    choices: tuple[str, ...]
+    measure: str
+    why: tuple[str, ...]
+
+    def answer(self, velocities: Sequence[tuple[Array, Array]]) -> int:
+        """Number of the right choice, from the velocities (n+1,) of each lane at its start and end."""
+        return MEASURES[self.measure](velocities)
+
+
+@lru_cache(maxsize=1)
+def lessons() -> tuple[Lesson, ...]:
+    """All lessons, in order."""
+    tables = tomllib.loads(FILE.read_text(encoding="utf-8"))["lesson"]
+    return tuple(Lesson(**{**table, **{key: tuple(table[key]) for key in ("choices", "why")}}) for table in tables)
+
+
+def _leaving(velocities: Sequence[tuple[Array, Array]]) -> int:
+    """0: one target is fast; 1: more than half of them are; 2: fewer are."""
+    _, end = velocities[0]
+    fast = int((end[1:] > FAST * end.max()).sum())
+    return 0 if fast == 1 else (1 if 2 * fast > len(end) - 1 else 2)
+
+
+def _striker(velocities: Sequence[tuple[Array, Array]]) -> int:
+    """0: the first bead stands still; 1: it bounces back; 2: it goes on."""
+    start, end = velocities[0]
+    if abs(end[0]) < STILL * abs(start[0]):
+        return 0
+    return 1 if end[0] * start[0] < 0.0 else 2
+
+
+def _together(velocities: Sequence[tuple[Array, Array]]) -> int:
+    """0 or 1: the lane in which targets leave together; 2: both."""
+    apart = [float(np.ptp(end[1:])) > TOGETHER * float(abs(end[1:]).mean()) for _, end in velocities]
+    return 2 if not any(apart) else apart.index(False)
+
+
+MEASURES: dict[str, Callable[[Sequence[tuple[Array, Array]]], int]] = {
+    "leaving": _leaving,
+    "striker": _striker,
+    "together": _together,
+}
+
+
+class LessonRunner:
+    """Asks the questions about the scene of a page: those of the lessons, or the scene's own, answered in one's own words.
+
+    Attributes:
+        predicted: the choice that was made, or the words; None while none is waiting for its answer.
+        answered: whether a motion has come to its end: what the scene says of it may be read.
+    """
+
+    def __init__(self, host: Host, session: Session, clock: SceneClock, reveal: Callable[[], None]) -> None:
+        self.host, self.session, self.clock, self.reveal = host, session, clock, reveal
         self.own = [lesson for lesson in lessons() if load(lesson.scene) == session.scene]
-        self.predicted: int | None = None
+        self.predicted: int | str | None = None
+        self.answered = False
         self._next = self._edits = 0
+
+    @property
+    def question(self) -> str:
+        """What is asked before the scene is played; empty where nothing is, or where it has been played."""
+        if self.answered or self.session.edited:
+            return ""
+        return _(self.own[0].question) if self.own else self.session.scene.question
 
     def ask(self) -> None:
         """Ask the next question about this scene."""
-        if not self.own:
+        title = _("What do you predict?")
+        if self.own:
+            choices = {_(text): partial(self._predict, k) for k, text in enumerate(self.lesson.choices)}
+            self.host.choose(title, _(self.lesson.question), choices, neutral=True)
+        elif self.session.scene.question:
+            self.host.ask(title, self.session.scene.question, "", self._predict)
+        else:
             scenes = ", ".join(dict.fromkeys(scene_words(load(lesson.scene).title) for lesson in lessons()))
             self.host.messages.show(_("there are lessons about: {scenes}", scenes=scenes))
-            return
-        lesson = self.own[self._next % len(self.own)]
-        choices = {_(text): partial(self._predict, k) for k, text in enumerate(lesson.choices)}
-        self.host.choose(_("What do you predict?"), _(lesson.question), choices)
 
     @property
     def lesson(self) -> Lesson:
@@ -46,7 +125,7 @@ class LessonRunner:
         """Whether the scene is another one than the catalogue's, or a bead was pulled while it ran."""
         return self.session.edited or any(step.number > self._edits for step in self.session.undo_stack.done)
 
-    def _predict(self, choice: int) -> None:
+    def _predict(self, choice: int | str) -> None:
         self.predicted = choice
         self._edits = max((step.number for step in self.session.undo_stack.done), default=0)
         self.session.pause()
@@ -55,12 +134,23 @@ class LessonRunner:
 
     def update(self) -> None:
         """Show the answer at the end of the motion."""
-        if self.predicted is None or not self.clock.end.reached:
+        if not self.clock.end.reached:
             return
-        predicted, self.predicted, lesson = self.predicted, None, self.lesson
-        begin = [slice_at(self.session.history, k, self.session.history.first) for k in range(len(self.session.lanes))]
-        ends = [lane.velocity for lane in self.session.lanes]
-        answer = lesson.answer([(one.velocity[0], end) for one, end in zip(begin, ends, strict=True)])
+        if not self.answered:
+            self.answered = True
+            self.reveal()
+        predicted, self.predicted = self.predicted, None
+        if isinstance(predicted, str):
+            text = _("You predicted: {words} Measured: {outcome}", words=predicted, outcome=outcome_text(self.session))
+            self.host.choose(_("What happened"), text, {_("Close"): lambda: None})
+        elif predicted is not None:
+            self._answer(predicted)
+
+    def _answer(self, predicted: int) -> None:
+        """Say what was measured, and why where the scene is the catalogue's."""
+        history, lanes, lesson = self.session.history, self.session.lanes, self.lesson
+        begin = [slice_at(history, k, history.first).velocity[0] for k in range(len(lanes))]
+        answer = lesson.answer([(one, lane.velocity) for one, lane in zip(begin, lanes, strict=True)])
         self._next += 1
         title = _("As you predicted") if answer == predicted else _("Not as you predicted")
         why = "" if self._edited else _(lesson.why[answer])  # reasons are of the scene as it is in the catalogue

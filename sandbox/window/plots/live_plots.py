@@ -10,6 +10,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.curve_panels import Axis, ticks_apart
+from softcradle.sandbox.draw.number_format import ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.surface_cache import cached_surfaces
@@ -18,14 +19,149 @@ from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
-from softcradle.sandbox.window.plots.scrolling_surface import ScrollingSurface
-from softcradle.sandbox.window.plots.time_axis import TimeSpan
 
-LEFT, RIGHT, TOP, BOTTOM = 44.0, 38.0, 22.0, 20.0  # design pixels around the axes
+REDRAWN = 4  # columns drawn again at the newest end, where the curve goes on
+
+
+class ScrollingSurface:
+    """The curves of one plot.
+
+    Arguments:
+        background: what it looks like without curves; the same in every column.
+        draw: gives columns `first` to `last` (not included): `draw(first, last) -> surface` that wide.
+
+    Attributes:
+        surface: what is drawn.
+        left: the column at its left edge.
+        low, high: the columns that are drawn: low to high, not included.
+    """
+
+    def __init__(self, background: pygame.Surface, draw: Callable[[int, int], pygame.Surface]) -> None:
+        self.background, self.surface, self.draw = background, background.copy(), draw
+        self.left = 0
+        self.low = self.high = 0
+
+    @property
+    def width(self) -> int:
+        """Pixels."""
+        return self.surface.get_width()
+
+    def invalidate(self) -> None:
+        """All columns are stale."""
+        self.low = self.high = 0
+
+    def invalidate_from(self, column: int) -> None:
+        """Columns from `column` on are stale."""
+        self.high = max(self.low, min(self.high, column))
+
+    def scroll(self, left: int) -> None:
+        """Put column `left` at the left edge."""
+        by, self.left = left - self.left, left
+        if abs(by) >= self.width:
+            self.invalidate()
+        elif by:
+            self.surface.scroll(-by, 0)
+            self._clear(0 if by < 0 else self.width - by, abs(by))
+            self.low, self.high = max(self.low, left), min(self.high, left + self.width)
+
+    def update(self, first: float, last: float, grown: bool, budget: int) -> int:
+        """Draw about `budget` missing columns of `first` to `last`, those of the history; returns how many it drew.
+
+        `grown` says whether the newest column has changed since the last call.
+        """
+        oldest, newest = max(self.left, math.floor(first)), min(self.left + self.width, math.floor(last) + 1)
+        if newest <= oldest:
+            self._clear(0, self.width)
+            self.invalidate()
+            return 0
+        if self.high <= self.low or self.low >= newest or self.high <= oldest:
+            self.low = self.high = newest
+            self._clear(0, self.width)
+        done = self._draw_newer(newest, oldest, budget) if grown or newest != self.high else 0
+        if done < budget and self.low > oldest:
+            done += self._draw_older(oldest, budget - done)
+        return done
+
+    def _draw_newer(self, newest: int, oldest: int, budget: int) -> int:
+        start = max(self.low, oldest, min(self.high, newest) - REDRAWN)
+        if newest - start > max(budget, 3 * REDRAWN):
+            self.low = start = newest - budget
+        self._draw(start, newest)
+        self.low, self.high = min(self.low, start), newest
+        self._clear(newest - self.left, self.width)
+        return newest - start
+
+    def _draw_older(self, oldest: int, budget: int) -> int:
+        start = max(oldest, self.low - budget)
+        self._draw(start, self.low)
+        done, self.low = self.low - start, start
+        return done
+
+    def _draw(self, first: int, last: int) -> None:
+        if last > first:
+            self.surface.blit(self.draw(first, last), (first - self.left, 0))
+
+    def _clear(self, x: int, width: int) -> None:
+        place = pygame.Rect(x, 0, width, self.surface.get_height())
+        self.surface.blit(self.background, place, place)
+
+
+SECONDS = 8.0  # of wall time that a plot spans
+LATEST = 0.92  # rightmost place of the cursor, as a share of the width
+EARLIEST = 0.08  # leftmost place of the cursor, as a share of the width, but at the start of the scene
+
+
+@dataclass
+class TimeSpan:
+    """The time axis.
+
+    Attributes:
+        seconds: model time that it spans [s].
+        width: pixels, one a column.
+        left: the column at the left edge; column 0 is t = 0.
+    """
+
+    seconds: float
+    width: int
+    left: int = 0
+
+    @property
+    def column(self) -> float:
+        """Model time of one column [s]."""
+        return self.seconds / self.width
+
+    def follow(self, time: float) -> None:
+        """Scroll by whole columns until `time` is visible; the start of the scene stays as long as it can."""
+        place = time / self.column - self.left
+        if place > LATEST * self.width:
+            self.left += round(place - LATEST * self.width)
+        elif place < EARLIEST * self.width:
+            self.left = max(round(time / self.column - EARLIEST * self.width), min(0, round(time / self.column)))
+
+    def x(self, time: float) -> float:
+        """Pixel of `time` from the left edge."""
+        return time / self.column - self.left
+
+    def time(self, x: float) -> float:
+        """The time [s] at pixel `x` from the left edge."""
+        return (x + self.left) * self.column
+
+    def unit(self) -> tuple[float, str]:
+        """(seconds in the unit of the labels, its name)."""
+        return time_unit(self.seconds)
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """(time [s], label) of the round times that are visible."""
+        size, _ = self.unit()
+        low, high = self.left * self.column / size, (self.left + self.width) * self.column / size
+        return [(value * size, text) for value, text in ticks(low, high, 5)]
+
+
+LEFT, RIGHT, TOP, BOTTOM = 44.0, 30.0, 22.0, 22.0  # design pixels around the axes
 THICKNESS = 2.0  # design pixels of a curve
 POINTS_A_COLUMN = 3  # frames of the history that a column of pixels takes, where there are more
 SMOOTH_TURN = 0.97  # cosine of the largest turn of a curve that is drawn without a round joint
-LINE = 12.0  # design pixels between labels, and between names that are written
+LINE = 13.0  # design pixels between labels, and between names that are written
 MOST_MARKED = 10  # curves that have a marker at the cursor
 VEIL_OPACITY = 150  # of 255, over what is later than the cursor
 
@@ -137,25 +273,46 @@ class Plot:
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
-        unit, area, title = self.unit, self.area, self.content.title
+        title = self.content.title
         for end in (" · ", ": "):  # the name of the lane, then what explains the title
-            if width(title, 13 * unit) > area.width + 20 * unit:
+            if width(title, 13 * self.unit) > self.area.width + 20 * self.unit:
                 title = title.split(end)[0]
+        self.write_title(surface, title)
+        self.write_down(surface)
+
+    def write_title(self, surface: pygame.Surface, title: str) -> None:
+        """Write what is shown above the axes."""
+        unit, area = self.unit, self.area
         title = shortened(title, 13 * unit, area.width + 20 * unit)
         write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
-        for value, text in ticks_apart(self.axis.ticks, area.height / (self.axis.high - self.axis.low), LINE * unit):
-            y = area.top + float(self.y(np.array(value)))
-            if area.top - 1 <= y <= area.bottom + 1:
-                write(surface, text, (area.left - 6 * unit, y), 11.5 * unit, tones.muted, align=(1, 0.5))
-        place = (area.right, area.bottom + 3 * unit)
-        write(surface, f"t ({self.span.unit()[1]})", place, 11.5 * unit, tones.muted, align=(1, 0))
+
+    def write_down(self, surface: pygame.Surface) -> list[float]:
+        """Write the labels of the vertical axis; returns their pixels."""
+        unit, area = self.unit, self.area
+        apart = ticks_apart(self.axis.ticks, area.height / (self.axis.high - self.axis.low), LINE * unit)
+        places = [(area.top + float(self.y(np.array(value))), text) for value, text in apart]
+        shown = [(y, text) for y, text in places if area.top - 1 <= y <= area.bottom + 1]
+        for y, text in shown:
+            write(surface, text, (area.left - 6 * unit, y), 13 * unit, tones.muted, align=(1, 0.5))
+        return [y for y, _text in shown]
+
+    def write_across(self, surface: pygame.Surface, labels: Sequence[tuple[float, str]], name: str) -> None:
+        """Write the labels of the horizontal axis at their pixels, and its name at its end."""
+        unit, area = self.unit, self.area
+        room = area.right - width(name, 13 * unit) - 8 * unit
+        for x, text in labels:
+            half = 0.5 * width(text, 13 * unit)
+            if area.left - 12 * unit <= x - half and x + half < room:
+                write(surface, text, (x, area.bottom + 3 * unit), 13 * unit, tones.muted, align=(0.5, 0))
+        write(surface, name, (area.right, area.bottom + 3 * unit), 13 * unit, tones.muted, align=(1, 0))
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
         """Draw the curves, the times below them, and the cursor at `time` with the curves' `values` (k,) there."""
         area = self.area
         surface.blit(self.curves.surface, area)
         place = area.left + self.span.x(time)
-        self._times(surface)
+        labels = [(area.left + self.span.x(at), text) for at, text in self.span.ticks()]
+        self.write_across(surface, labels, f"t ({self.span.unit()[1]})")
         if not area.left <= place <= area.right:
             return
         self._paint_veil(surface, round(place))
@@ -163,34 +320,26 @@ class Plot:
         if self.marked and len(self.content.names) <= MOST_MARKED:
             self._markers(surface, place, values)
 
-    def _times(self, surface: pygame.Surface) -> None:
-        area, unit = self.area, self.unit
-        for time, text in self.span.ticks():
-            x = area.left + self.span.x(time)
-            if area.left - 1 <= x <= area.right - 46 * unit:
-                surface.fill(tones.muted, (round(x), area.bottom, 1, round(3 * unit)))
-                write(surface, text, (x, area.bottom + 3 * unit), 11.5 * unit, tones.muted, align=(0.5, 0))
-
     def _paint_veil(self, surface: pygame.Surface, x: int) -> None:
         """Make what is later than the cursor pale: a new branch will drop it."""
         if self.curves.left + x - self.area.left + 2 < self.curves.high:
             surface.blit(veil(self.area.size), (x, self.area.top), (0, 0, self.area.right - x, self.area.height))
 
     def _markers(self, surface: pygame.Surface, x: float, values: Array) -> None:
-        """A marker on every curve at the cursor, and the same one with the curve's name beside the axes."""
+        """A marker on every curve at the cursor, and its name beside it, moved apart where curves are close."""
         area, unit, colours = self.area, self.unit, self.content.colours
         count = min(len(values), len(colours))
         heights = np.nan_to_num(self.y(self.axis.on(values[:count]))).tolist()
         for k in range(count - 1, -1, -1):
             if 0.0 <= heights[k] <= area.height:
                 draw_marker(surface, k, (x + 0.5, area.top + heights[k] + 0.5), 3.4 * unit, colours[k])
-        places = spread(heights, 13.0 * unit, 2.0 * unit, area.height - 4.0 * unit)
+        places = spread(heights, 14.0 * unit, 2.0 * unit, area.height - 4.0 * unit)
         written = -math.inf  # where the last name is; where there is no room, markers stand alone
         for k, y in sorted(enumerate(places), key=lambda pair: pair[1]):
-            draw_marker(surface, k, (area.right + 8 * unit, area.top + y), 3.4 * unit, colours[k])
             if y >= written + LINE * unit:
-                written, place = y, (area.right + 14 * unit, area.top + y)
-                write(surface, self.content.names[k], place, 12 * unit, tones.foreground, align=(0, 0.5))
+                written, place = y, (x + 16 * unit, area.top + y)
+                draw_marker(surface, k, (x + 10 * unit, place[1]), 3.4 * unit, colours[k])
+                write(surface, self.content.names[k], place, 13 * unit, tones.foreground, align=(0, 0.5))
 
 
 def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:

@@ -1,12 +1,14 @@
-"""Scales of a running scene: those of a run ahead, or estimated before there is one, and of what the history holds."""
+"""Scales of a running scene: those of a run ahead, or estimated before there is one, which follow edits and the history."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
+from softcradle.physics.methods import AUTO, Family, find_method
 from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
@@ -14,7 +16,32 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
+
+ROWS = 240  # of the motion, at least
+ROWS_PER_SECOND = 60.0  # of the scene as it is shown, at least
+METHOD = "conserving"  # where the scene gives none, or one that runs in Python alone: a picture needs no more digits
+IN_PYTHON = (Family.PYMUNK, Family.REFERENCE)  # of which a step takes up to a thousand times as long
+# steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
+MOST_AT_ONCE = 1_000_000
+MOST_BEHIND = 6_000_000  # likewise of one on a thread, some seconds: scales are not worth more
+
+
+def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
+    """The motion of each lane, near enough for a picture; its warnings are left to the badges of whoever plays the scene.
+
+    Most scenes take some milliseconds. Raises GaveUpError where a lane takes more than `most` steps times contacts.
+    """
+    from softcradle.sandbox.film.scene_motion import scene_motions_quietly
+
+    rate = max(ROWS / (scene.duration or 1.0), ROWS_PER_SECOND * scene.view.slow)
+    method = scene.method if scene.method not in (None, AUTO) else METHOD
+    if find_method(method).family in IN_PYTHON:
+        method = METHOD
+    motions, _ = scene_motions_quietly(scene, rate, method=method, most=most)
+    return motions
+
 
 GROWTH = 1.25  # of a scale, relative to the value that was beyond it
 DEEPER = 1.5  # overlap relative to the deepest so far at which magnifications change
@@ -128,3 +155,43 @@ def _rounded(value: float) -> float:
     if value == 0.0:
         return 0.0
     return math.copysign(round_step(GROWTH * abs(value), 4) * 4, value)
+
+
+EDIT_SECONDS = 0.3  # after which no other edit of the gesture is waited for
+
+
+class EditFollower:
+    """Gives `scales` of the edited scene, and calls `changed`."""
+
+    def __init__(self, host: Host, session: Session, scales: LiveScales, changed: Callable[[], None]) -> None:
+        self.host, self.session, self.scales, self.changed = host, session, scales, changed
+        self._age: float | None = None  # seconds since the edit that scales are to follow
+
+    def notice(self) -> None:
+        """There was an edit."""
+        self._age = 0.0
+
+    @property
+    def pending(self) -> bool:
+        """Whether scales are still to follow an edit."""
+        return self._age is not None
+
+    def update(self, seconds: float) -> None:
+        """Begin a run ahead where it is time."""
+        if self._age is None:
+            return
+        self._age += seconds
+        if self._age > EDIT_SECONDS:
+            self._age = None
+            try:
+                scene = self.session.to_scene()
+            except ValueError:  # what no scene file can say keeps the scales that it has
+                return
+            self.host.warmup.submit(partial(self._take, scene), partial(motions_ahead, scene))
+
+    def _take(self, scene: Scene, motions: object) -> None:
+        """Take the scales, estimated where the run has failed; where there was another edit, those of that one are to come."""
+        if not self.pending:
+            found = scales_of(scene, motions) if isinstance(motions, list) else estimated_scales(scene, self.session)
+            self.scales.take(found)
+            self.changed()

@@ -5,23 +5,62 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
+import numpy as np
 import pygame
+from softcradle.sandbox.draw.number_format import fixed, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
+from softcradle.sandbox.draw.supersampling import draw_marker
+from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import label_words
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.plots.cursor_readout import paint_readout
 from softcradle.sandbox.window.plots.data_overlay import Overlaid
-from softcradle.sandbox.window.plots.live_plots import Plot
+from softcradle.sandbox.window.plots.live_plots import SECONDS, Plot, TimeSpan
 from softcradle.sandbox.window.plots.plot_kinds import PAIR, PLOT_KINDS, PlotSetting
-from softcradle.sandbox.window.plots.time_axis import SECONDS, TimeSpan
+
+MOST_CURVES = 10
+
+
+def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], time: float, values: Array) -> None:
+    """Draw a box beside `point` with `time` [s] and the `values` (k,) of `plot` there."""
+    unit, chosen = plot.unit, _chosen(plot, point, values)
+    size, name = plot.span.unit()
+    head = f"t = {fixed(time / size, 3)} {name}"
+    lines = [f"{plot.content.names[k]} = {scientific(float(values[k]), 2)}" for k in chosen]
+    wide = max(width(line, 13 * unit) for line in (head, *lines)) + 34 * unit
+    box = pygame.Rect(0, 0, round(wide), round((len(lines) + 1) * 16 * unit + 10 * unit))
+    box.topleft = (point[0] + 14, point[1] - box.height // 2)
+    box.clamp_ip(surface.get_rect().inflate(-8, -8))
+    if box.collidepoint(point):
+        box.right = point[0] - 14
+    pygame.draw.rect(surface, tones.background, box, border_radius=4)
+    pygame.draw.rect(surface, tones.faint, box, 1, border_radius=4)
+    write(surface, head, (box.left + 8 * unit, box.top + 4 * unit), 13 * unit, tones.foreground, bold=True)
+    for row, (k, line) in enumerate(zip(chosen, lines, strict=True)):
+        y = box.top + (20 + 16 * row) * unit
+        draw_marker(surface, k, (box.left + 14 * unit, y + 8 * unit), 3.4 * unit, plot.content.colours[k])
+        write(surface, line, (box.left + 24 * unit, y), 13 * unit, tones.foreground)
+
+
+def _chosen(plot: Plot, point: tuple[int, int], values: Array) -> list[int]:
+    """Numbers of the curves that are listed; of many, those nearest to the pointer."""
+    count = min(len(values), len(plot.content.names), len(plot.content.colours))
+    if count <= MOST_CURVES:
+        return list(range(count))
+    heights = plot.area.top + plot.y(plot.axis.on(values[:count]))
+    return sorted(np.argsort(abs(heights - point[1]))[:MOST_CURVES].tolist())
+
 
 COLUMNS_AT_ONCE = 8  # of each plot, before the clock is read again
 DRAWING_SECONDS = 0.003  # of a frame, for columns that are missing
 LEAST_WIDTH = 190.0  # design pixels of a plot
 
 
-def _balanced(names: list[str], most: int) -> list[list[str]]:
+Key = tuple[str, int]  # the kind and the lane of a plot
+
+
+def _balanced(names: list[Key], most: int) -> list[list[Key]]:
     """`names` in as few rows as hold at most `most` each, all about as long."""
     count = -(-len(names) // most)
     ends = [round(k * len(names) / count) for k in range(count + 1)]
@@ -49,35 +88,39 @@ class PlotBoard:
         self.hidden, self.logarithmic, self.single = False, True, ""
         self.pair = PAIR
         self.plots: list[Plot] = []
-        self.keys: list[tuple[str, int]] = []
-        self.overlays: dict[tuple[str, int], list[Overlaid]] = {}
+        self.keys: list[Key] = []
+        self.overlays: dict[Key, list[Overlaid]] = {}
         self.span = TimeSpan(SECONDS / session.slow, 100)
-        self._seen: tuple[object, int, int] = (None, -1, -1)
+        self._seen: tuple[object, int] = (None, -1)
 
     def available(self) -> list[str]:
         """Names of the kinds that this session can show."""
         return [name for name, kind in PLOT_KINDS.items() if len(self.session.lanes) == 2 or not kind.two_lanes]
 
-    def rows(self, width: float) -> list[tuple[int, list[str]]]:
-        """Lane and kinds of each row of plots, at least LEAST_WIDTH of the `width` [design pixels] wide.
+    @property
+    def present(self) -> list[str]:
+        """Names of the kinds that are on screen."""
+        return [] if self.hidden else [self.single] if self.single else self.shown
 
-        Two lanes have rows of their own; those of each end with their difference.
+    def rows(self, width: float) -> list[list[Key]]:
+        """The plots of each row, at least LEAST_WIDTH of the `width` [design pixels] wide.
+
+        Two lanes have rows of their own, which end with their difference; single plots of them are side by side.
         """
         most = max(1, int(width / LEAST_WIDTH))
-        return [(lane, row) for lane, names in self._kinds() for row in _balanced(names, most)]
+        return [row for keys in self._wanted() for row in _balanced(keys, most)]
 
-    def _kinds(self) -> list[tuple[int, list[str]]]:
-        """The kinds of each lane; those of the only lane in halves where there are many."""
-        if self.hidden:
-            return []
-        if self.single:
-            return [(lane, [self.single]) for lane in range(len(self.session.lanes))]
-        own = [name for name in self.shown if not PLOT_KINDS[name].two_lanes]
-        shared = [name for name in self.shown if PLOT_KINDS[name].two_lanes]
-        if len(self.session.lanes) == 1:
-            half = (len(own) + 1) // 2
-            return [(0, own[:half]), (0, own[half:])] if len(own) > 3 else [(0, own)] if own else []
-        return [(lane, [*own, *shared]) for lane in range(len(self.session.lanes))] if own or shared else []
+    def _wanted(self) -> list[list[Key]]:
+        """The plots of each lane; those of the only lane in halves where there are many."""
+        lanes = range(len(self.session.lanes))
+        if self.single and not self.hidden:
+            return [[(self.single, lane) for lane in lanes]]
+        shown = sorted(self.present, key=lambda name: PLOT_KINDS[name].two_lanes)
+        wanted = [[(name, lane) for name in shown] for lane in lanes]
+        if len(wanted) == 1 and len(shown) > 3:
+            half = (len(shown) + 1) // 2
+            wanted = [wanted[0][:half], wanted[0][half:]]
+        return [row for row in wanted if row]
 
     def toggle(self, name: str) -> None:
         """Show or hide a kind."""
@@ -89,22 +132,18 @@ class PlotBoard:
         self.shown = [other for other in PLOT_KINDS if other in chosen]
 
     def build(
-        self,
-        rows: Sequence[tuple[int, list[str]]],
-        rects: Sequence[Sequence[pygame.Rect]],
-        unit: float,
-        scales: Scales,
+        self, rows: Sequence[Sequence[Key]], rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales
     ) -> None:
         """Make the plots anew; their curves come back within some frames."""
         self.plots = [
             self._plot(name, lane, rect, unit, scales)
-            for (lane, names), places in zip(rows, rects, strict=True)
-            for name, rect in zip(names, places, strict=True)
+            for keys, places in zip(rows, rects, strict=True)
+            for (name, lane), rect in zip(keys, places, strict=True)
         ]
-        self.keys = [(name, lane) for lane, names in rows for name in names]
+        self.keys = [key for row in rows for key in row]
         if self.plots:
             self._set_span(min(plot.area.width for plot in self.plots))
-        self._seen = (None, -1, -1)
+        self._seen = (None, -1)
 
     def _plot(self, name: str, lane: int, rect: pygame.Rect, unit: float, scales: Scales) -> Plot:
         kind, live, session = PLOT_KINDS[name], self.session.lanes[lane], self.session
@@ -143,11 +182,10 @@ class PlotBoard:
         """Draw what is new, then some of what is missing."""
         history = self.session.history
         self.span.follow(self.session.time)
-        block, last = history.blocks[-1], history.last
-        if (block, block.revision) != self._seen[:2]:
+        seen = history.branch, history.last
+        if seen[0] != self._seen[0]:
             self._invalidate_branch()
-        grown = self._seen[2] != last or (block, block.revision) != self._seen[:2]
-        self._seen = block, block.revision, last
+        grown, self._seen = seen != self._seen, seen
         began = self.clock()
         for plot in self.plots:
             plot.update(grown, COLUMNS_AT_ONCE)

@@ -1,7 +1,8 @@
-"""The table of live plots: an entry is all that a plot needs. The board, keys, buttons and help are made from it."""
+"""The table of live plots: their kinds, what each shows, and the signals that a person can choose."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -13,14 +14,76 @@ from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import N_, NP_, _
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
-from softcradle.sandbox.window.plots.difference_plot import DifferencePlot
-from softcradle.sandbox.window.plots.kymograph_plot import KymographPlot
+from softcradle.sandbox.quantities import BEAD, CHAIN, CONTACT, FORCE, OVERLAP, QUANTITIES, VELOCITY, Quantity
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
-from softcradle.sandbox.window.plots.phase_plot import PhasePlot
-from softcradle.sandbox.window.plots.signals import Signal
-from softcradle.sandbox.window.plots.stacked_plot import StackedPlot
-from softcradle.sandbox.window.plots.strip_plot import StripPlot
+from softcradle.sandbox.window.plots.plot_shapes import DifferencePlot, KymographPlot, PhasePlot, StackedPlot, StripPlot
+
+KEY = N_(
+    "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"
+)
+
+
+BEADS_NUMBERED = N_("{text!r}: the beads of this lane are numbered 0 to {last}")
+CONTACTS_NUMBERED = N_("{text!r}: the contacts of this lane are numbered 0 to {last}")
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One number over time: a letter of QUANTITIES, and the bead or the contact, counted from the left."""
+
+    letter: str
+    index: int = 0
+
+    @property
+    def quantity(self) -> Quantity:
+        """What it is."""
+        return QUANTITIES[self.letter]
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit."""
+        owner = self.quantity.owner
+        index = {BEAD: subscript(self.index), CONTACT: subscript(self.index, self.index + 1), CHAIN: ""}[owner]
+        return f"{self.quantity.symbol}{index} ({self.quantity.unit})"
+
+    def values(self, motion: Motion, length: float) -> Array:
+        """(T,) its values in a motion of beads `length` long [m]; nan where the motion has no such bead or contact."""
+        columns = self.quantity.values(motion, length)
+        if self.index >= columns.shape[1]:
+            return np.full(len(motion.time), np.nan)
+        column: Array = columns[:, self.index]
+        return column
+
+    def __str__(self) -> str:
+        return self.letter if self.quantity.owner == CHAIN else f"{self.letter}{self.index}"
+
+
+def signal_of(text: str, beads: int) -> Signal:
+    """The signal that is written as v0, f1 or t, of a lane with so many beads. ValueError in a sentence else."""
+    found = re.fullmatch(r"([a-z])_?(\d*)(?:-\d+)?", text.strip().lower())
+    if found is None or found[1] not in QUANTITIES:
+        known = ", ".join(QUANTITIES)
+        wrong = _("{text!r} is no signal; there are {known}, with a number: v0, f1", text=text.strip(), known=known)
+        raise ValueError(wrong)
+    letter, digits = found[1], found[2]
+    owner = QUANTITIES[letter].owner
+    if owner == CHAIN:
+        return Signal(letter)
+    count = beads if owner == BEAD else beads - 1
+    if not digits or int(digits) >= count:
+        numbered = BEADS_NUMBERED if owner == BEAD else CONTACTS_NUMBERED
+        raise ValueError(_(numbered, text=text.strip(), last=count - 1))
+    return Signal(letter, int(digits))
+
+
+def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
+    """The signals of "f0 against d0": the vertical one, and the horizontal one. ValueError in a sentence else."""
+    between = _("{vertical} against {horizontal}", vertical="", horizontal="").strip()
+    parts = re.split(rf"\s+(?:against|{re.escape(between)})\s+|\s*,\s*|\s+", text.strip())
+    if len(parts) != 2:
+        raise ValueError(_("{text!r}: write two signals, as f0 against d0", text=text))
+    return signal_of(parts[0], beads), signal_of(parts[1], beads)
+
 
 BEAD_HEIGHT = 0.8  # of a bead's length, in a kymograph
 PAIR = Signal("f"), Signal("d")  # until a person has chosen: the loop of the first contact

@@ -23,9 +23,8 @@ from softcradle.sandbox.window.plots.data_overlay import (
 )
 from softcradle.sandbox.window.plots.live_plots import Plot
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
-from softcradle.sandbox.window.plots.plot_kinds import KYMOGRAPH, OWN, VELOCITIES
-from softcradle.sandbox.window.plots.signals import KEY, pair_of
-from softcradle.sandbox.window.scene.file_names import shown_path
+from softcradle.sandbox.window.plots.plot_kinds import KEY, KYMOGRAPH, OWN, VELOCITIES, pair_of
+from softcradle.sandbox.window.scene.save_dialogs import shown_path
 from softcradle.sandbox.window.window_page import Host
 
 

@@ -1,4 +1,4 @@
-"""Editable parameters of a bead or a contact: name, unit, range of the slider, and the input that sets each."""
+"""Editable numbers of a bead or a contact: name, unit, range of the slider, the input that sets each, and its widgets."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
+import pygame
+from pygame_gui.elements import UIButton
 from softcradle.physics import Contact
 from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import MINUS
-from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.session.edits import LARGEST
+from softcradle.sandbox.languages import N_, _, localized
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.widgets import Slider, TextEntry
+from softcradle.sandbox.window.window_page import Host
 
 DECADES = 2.0  # of a logarithmic slider on either side of the scene's own value
 MOST_SPEED = 3.0  # of the slider, relative to the scene's closing speed
@@ -104,13 +107,7 @@ def _of_bed(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
 
 def _of_contact(session: Session, lane: LiveLane, pick: Pick) -> list[Parameter]:
     law, length = lane.chain.contact[pick.index], session.scene.view.length
-    gap = max(0.0, -float(lane.state.overlap[pick.index]))
-
-    def set_gap(value: float) -> Input:
-        if not 0.0 <= value <= LARGEST:
-            raise ValueError(_("a gap must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=value))
-        return SetGap(pick.lane, pick.index, value)
-
+    gap, set_gap = -float(lane.state.overlap[pick.index]), partial(SetGap, pick.lane, pick.index)
     of_gap = Parameter("gap", N_("gap to the next bead"), "m", 0.0, MOST_GAP * length, False, gap, set_gap)
     if not isinstance(law, Contact):
         return [of_gap]
@@ -171,3 +168,76 @@ def number(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(_("{text!r} is not finite", text=text))
     return value
+
+
+ENTRY = 92.0  # design pixels of the box
+SWEEP = 26.0  # design pixels of the button for a sweep
+
+
+@dataclass
+class Control:
+    """The widgets of one parameter.
+
+    Attributes:
+        shown: the value in the box.
+        typed: whether the box had the focus in the last frame.
+    """
+
+    parameter: Parameter
+    slider: Slider
+    entry: TextEntry
+    sweep: UIButton | None
+    shown: float
+    typed: bool = False
+
+    @property
+    def grabbed(self) -> bool:
+        """Whether the slider is held."""
+        return bool(self.slider.sliding_button is not None and self.slider.sliding_button.held)
+
+    def left_text(self) -> str | None:
+        """What was typed into the box, if it has been left since the last frame and shows another number."""
+        left, self.typed = self.typed and not self.entry.is_focused, self.entry.is_focused
+        text = str(self.entry.get_text())
+        return text if left and text != number_text(self.shown) else None
+
+    def show(self, parameter: Parameter, force: bool, with_slider: bool) -> None:
+        """Show another value; a number that is being typed, and a slider that is held, are left as they are."""
+        self.parameter = parameter
+        if (parameter.value == self.shown and not force) or self.entry.is_focused:
+            return
+        self.entry.set_text(number_text(parameter.value))
+        if with_slider and not self.grabbed:
+            self.slider.set_current_value(parameter.share())
+        self.shown = parameter.value
+
+    def kill(self) -> None:
+        """Remove the widgets."""
+        self.slider.kill()
+        self.entry.kill()
+        if self.sweep is not None:
+            self.sweep.kill()
+
+
+def parameter_control(
+    host: Host, rect: pygame.Rect, parameter: Parameter, y: float, sweep: Callable[[], None] | None = None
+) -> Control:
+    """The widgets of `parameter` in the panel `rect`, from the height `y` on; `sweep` is done by a button of its own, if any."""
+    unit, manager, left, right = host.unit, host.manager, rect.left, rect.right
+    place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
+    entry = TextEntry(place, manager, initial_text=number_text(parameter.value))
+    wide = round(SWEEP * unit) if sweep else 0
+    bar = pygame.Rect(left, round(y + 26 * unit), right - left - wide - round(4 * unit), round(12 * unit))
+    button = None
+    if sweep:
+        tip = _("{name}: nine values side by side", name=_(parameter.name))
+        place = pygame.Rect(right - wide, bar.top, wide, bar.height)
+        button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
+    slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
+    slider.name = entry.name = f"{_(parameter.name)} {parameter.unit}".strip()
+    return Control(parameter, slider, entry, button, parameter.value)
+
+
+def number_text(value: float) -> str:
+    """A number as the box shows it."""
+    return localized(f"{value:.5g}")

@@ -1,25 +1,29 @@
-"""The panel of the first level: alpha of the whole row, speed, number of beads, and the same blow among steel balls."""
+"""The panel of the first level, with alpha of the whole row, speed and number of beads; and the card at the end of a motion."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 
+import numpy as np
 import pygame
+from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
-from softcradle.sandbox.draw.number_format import MINUS
+from softcradle.sandbox.draw.number_format import MINUS, fixed
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import wrapped, write
+from softcradle.sandbox.draw.text import width, wrapped, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.badge_numbers import GOOD, LEVELS, Health
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
+from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.about_scene import paint_about
-from softcradle.sandbox.window.scene.editable_parameters import MOST_SPEED, Parameter
-from softcradle.sandbox.window.scene.inspector import ROW, Inspector
-from softcradle.sandbox.window.scene.parameter_control import Control, parameter_control
+from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.window.plots.plot_kinds import FORCES
+from softcradle.sandbox.window.scene.editable_parameters import MOST_SPEED, Control, Parameter, parameter_control
+from softcradle.sandbox.window.scene.inspector import ROW, Inspector, paint_about
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
+from softcradle.sandbox.window.widgets import write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 LEAST_ALPHA, MOST_ALPHA = 1 / 30, 1.5
@@ -74,23 +78,17 @@ class ExplorePanel(Inspector):
         for parameter in self._parameters():
             self.controls[parameter.key] = parameter_control(self.host, rect, parameter, y)
             y += 1.15 * ROW * unit
-        side = round(30 * unit)
-        self._beads_at = y + 0.5 * side
-        for k, (text, change) in enumerate(((MINUS, -1), ("+", 1))):
-            place = pygame.Rect(rect.right - (2 - k) * side - (1 - k) * round(6 * unit), round(y), side, side)
-            self._button(
-                place, text, partial(self.change_beads, change), _("one bead fewer") if k == 0 else _("one bead more")
-            )
-        y += side + 14 * unit
+        self._beads_at = y + 15 * unit
+        fewer = (MINUS, partial(self.change_beads, -1), _("one bead fewer"))
+        more = ("+", partial(self.change_beads, 1), _("one bead more"))
+        self._row(y, [None, fewer, more], (0.0, 30.0, 30.0), 30.0)
+        y += 54 * unit
         if len(self.session.lanes) == 1 and not self.session.lanes[0].chain.couplers:
-            text = (
-                _("Compare with steel balls")
-                if has_soft_contacts(self.session.lanes[0].chain)
-                else _("Compare with soft beads")
-            )
-            place = pygame.Rect(rect.left, round(y), rect.width, round(44 * unit))
-            self._button(place, text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below"))
-            y += 58 * unit
+            soft = has_soft_contacts(self.session.lanes[0].chain)
+            text = _("Compare with steel balls") if soft else _("Compare with soft beads")
+            compare = (text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below"))
+            self._row(y, [compare], height=44.0)
+            y += 68 * unit
         self._about = pygame.Rect(rect.left, round(y), rect.width, max(0, round(rect.bottom - y)))
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
@@ -145,7 +143,7 @@ class ExplorePanel(Inspector):
         self._names(surface)
         beads = _("beads: {n}", n=self.session.lanes[0].chain.contacts + 1)
         write(surface, beads, (rect.left, self._beads_at), 13 * unit, tones.foreground, align=(0, 0.5))
-        paint_about(surface, self._about, unit, self.session)
+        paint_about(surface, self._about, unit, self.session, self.question())
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the dot of the badge; where all is not well, its sentence in place of the text of the scene."""
@@ -159,10 +157,103 @@ class ExplorePanel(Inspector):
         if worst is None or level == GOOD:
             return
         surface.fill(tones.background, self._about)
-        for k, line in enumerate(wrapped(worst.sentence, 13 * unit, self._about.width)):
-            write(surface, line, (self._about.left, self._about.top + 18 * k * unit), 13 * unit, tint)
+        write_wrapped(surface, worst.sentence, self._about, 16 * unit, tint)
 
 
 def _unused(value: float) -> Input:
     """The panel applies its numbers itself: several inputs at once."""
     raise NotImplementedError
+
+
+SIZE = 16.0  # design pixels of the text
+MOST_LINES = 3
+MOST_FORCES = 6  # that are named one by one
+WHY = N_(
+    "At the greatest force the contacts push with {forces} N. The marks say what each would carry if the row were one rigid "
+    "body: the mass beyond it."
+)
+
+
+class OutcomeCard:
+    """The card; it goes as soon as the clock runs or another frame is shown.
+
+    Attributes:
+        text: what it says; empty where it is not shown.
+        buttons: by text.
+    """
+
+    def __init__(self, host: Host, session: Session, steel: Callable[[], None]) -> None:
+        self.host, self.session, self.steel = host, session, steel
+        self.text = ""
+        self.buttons: dict[str, UIButton] = {}
+        self._rect = pygame.Rect(0, 0, 0, 0)
+        self._frame, self._choices = -1, dict[str, Callable[[], None]]()
+
+    def show_outcome(self) -> None:
+        """Say what happened, and offer the forces and the same blow among other balls."""
+        choices: dict[str, Callable[[], None]] = {_("Why? The forces"): self.show_forces}
+        if len(self.session.lanes) == 1:
+            soft = has_soft_contacts(self.session.lanes[0].chain)
+            choices[_("Now with steel balls") if soft else _("Now with soft beads")] = self.steel
+        self._show(outcome_text(self.session), choices)
+
+    def show_forces(self) -> None:
+        """Go back to the moment of the greatest force, and say what the bars and marks mean there."""
+        if self.host.explore:
+            self.host.act(FORCES)
+        history = self.session.history
+        parts = list(history_slices(history, 0, history.first, history.last))
+        peaks = [float(part.force.max()) for part in parts]
+        part = parts[int(np.argmax(peaks))]
+        row = int(np.argmax(part.force.max(axis=1)))
+        self.session.scrub_frame(part.first + row)
+        forces = [fixed(force, 2) for force in part.force[row][:MOST_FORCES].tolist()]
+        more = " …" if part.chain.contacts > MOST_FORCES else ""
+        self._show(_(WHY, forces=", ".join(forces) + more), {})
+
+    def _show(self, text: str, choices: dict[str, Callable[[], None]]) -> None:
+        self.text, self._choices, self._frame = text, {**choices, _("Close"): self.hide}, self.session.frame
+        self.host.rebuild()  # plots make room
+
+    def hide(self) -> None:
+        """Take it away."""
+        self.text = ""
+        self.host.rebuild()
+
+    def height(self, room: int) -> int:
+        """Pixels of the card where it is so wide; 0 where it is not shown."""
+        unit = self.host.unit
+        rows = min(len(wrapped(self.text, SIZE * unit, room - 28 * unit)), MOST_LINES)
+        return round((1.4 * SIZE * rows + 60.0) * unit) if self.text else 0
+
+    def build(self, room: pygame.Rect) -> None:
+        """Take a place at the top of `room`, which lies below the beads."""
+        self.buttons = {}
+        self._rect = pygame.Rect(room.left, room.top, room.width, self.height(room.width))
+        if not self.text:
+            return
+        unit, right = self.host.unit, room.right - round(10 * self.host.unit)
+        for k, (text, command) in enumerate(reversed(self._choices.items())):
+            wide = round(width(text, 13 * unit) + 24 * unit)
+            place = pygame.Rect(right - wide, self._rect.bottom - round(40 * unit), wide, round(30 * unit))
+            style = "#flat" if k == 0 else None
+            self.buttons[text] = UIButton(place, text, self.host.manager, object_id=style, command=command)
+            right = place.left - round(8 * unit)
+
+    def update(self) -> None:
+        """Go where the clock runs, or another frame is shown."""
+        if self.text and (self.session.playing or self.session.frame != self._frame):
+            self.hide()
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw it over the plots."""
+        if not self.text:
+            return
+        unit, rect = self.host.unit, self._rect
+        pygame.draw.rect(surface, tones.background, rect, border_radius=round(6 * unit))
+        surface.fill(
+            tones.foreground, (rect.left, rect.top + round(8 * unit), round(3 * unit), rect.height - round(16 * unit))
+        )
+        place = rect.inflate(-round(28 * unit), 0)
+        place.top, place.height = rect.top + round(6 * unit), rect.height - round(46 * unit)
+        write_wrapped(surface, self.text, place, SIZE * unit, tones.foreground)

@@ -1,9 +1,9 @@
-"""The inspector: the selected bead or contact, as sliders and typed numbers with units, and buttons."""
+"""The panel of the selected bead or contact: sliders and typed numbers with units, and buttons; else the text of the scene."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import pygame
@@ -12,19 +12,47 @@ from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
-from softcradle.sandbox.draw.text import shortened, write
-from softcradle.sandbox.languages import NP_, _, error_words, pgettext
+from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.scene.about_scene import paint_about
-from softcradle.sandbox.window.scene.editable_parameters import Parameter, number, parameters
-from softcradle.sandbox.window.scene.parameter_control import Control, parameter_control
-from softcradle.sandbox.window.scene.pick import Pick, pick_title
-from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
+from softcradle.sandbox.window.scene.editable_parameters import (
+    Control,
+    Parameter,
+    number,
+    parameter_control,
+    parameters,
+)
+from softcradle.sandbox.window.scene.scene_editor import PREPARING, Pick, SceneEditor, pick_title
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
+from softcradle.sandbox.window.widgets import split, write_wrapped
 from softcradle.sandbox.window.window_page import Host
+
+TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses.")
+CHANGED = N_("You have changed this scene: its text was written for other numbers. Play it and see.")
+
+
+PREDICT = N_("Say what you expect (Q), or play and see: then this text says what happens and why.")
+
+
+def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> None:
+    """Write the text of the scene into `rect`; before it is answered its `question`; of an edited scene that it is another."""
+    scene, size, changed = session.scene, 13 * unit, session.edited
+    tips = round(18.2 * unit * len(wrapped(_(TIPS), size, rect.width))) if rect.height > 150 * unit else 0
+    low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
+    write_wrapped(surface, _(TIPS), low, size, tones.muted)
+    title = _("What do you predict?") if question else _("About this scene")
+    write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
+    text = question or (_(CHANGED) if changed else scene_words(scene.text))
+    place = pygame.Rect(rect.left, round(rect.top + 31 * unit), rect.width, 0)
+    place.height = max(0, low.top - place.top - round(8 * unit))
+    end = write_wrapped(surface, text, place, size, tones.foreground)
+    more = _(PREDICT) if question else "" if changed else scene_words(scene.source)
+    place.top, place.height = round(end + 8 * unit), max(0, round(low.top - end - 16 * unit))
+    write_wrapped(surface, more, place, size, tones.muted)
+
 
 ROW = 40.0  # design pixels of a parameter
 SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
@@ -33,6 +61,9 @@ KIND_NAMES = {
     "gear": NP_("button", "draft gear"),
     "hard": NP_("button", "alpha ≥ 1"),
 }
+
+
+Knob = tuple[str, Callable[[], object], str]  # text, what it does, and its tooltip
 
 
 class Inspector:
@@ -47,6 +78,7 @@ class Inspector:
     def __init__(self, host: Host, session: Session, editor: SceneEditor) -> None:
         self.host, self.session, self.editor = host, session, editor
         self.rect = pygame.Rect(0, 0, 0, 0)
+        self.question: Callable[[], str] = str  # that is asked before the scene is played
         self.pick: Pick | None = None
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
@@ -94,43 +126,42 @@ class Inspector:
 
     def _make_kinds(self, pick: Pick, y: float) -> None:
         """Three buttons: a power law below 1, a draft gear, and a power law from 1 on, which is stiff where it was another."""
-        unit, wide = self.host.unit, self.rect.width / 3
-        present = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index])
-        for k, (kind, name) in enumerate(KIND_NAMES.items()):
-            place = pygame.Rect(round(self.rect.left + k * wide), round(y), round(wide - 4 * unit), round(26 * unit))
-            convert = partial(self.editor.apply, SetKind(pick.lane, pick.index, kind))
-            button = self._button(place, pgettext("button", name), convert, _("law of this contact"), "#chip")
-            if kind == present:
-                button.select()
+        present, tip = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index]), _("law of this contact")
+        row = [
+            (pgettext("button", name), partial(self.editor.apply, SetKind(pick.lane, pick.index, kind)), tip)
+            for kind, name in KIND_NAMES.items()
+        ]
+        self._row(y, row, style="#chip")[list(KIND_NAMES).index(present)].select()
 
     def _make_contact_buttons(self, pick: Pick, y: float) -> None:
         locked = self.session.lanes[pick.lane].setup.locked[pick.index] is not None
-        left, right = self._halves(y)
-        self._button(left, _("unlock piston") if locked else _("lock piston"), self.editor.lock, hint("lock"))
-        self._button(right, _("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
+        lock = (_("unlock piston") if locked else _("lock piston"), self.editor.lock, hint("lock"))
+        self._row(y, [lock, (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))])
 
     def _make_bead_buttons(self, pick: Pick, y: float) -> None:
-        left, right = self._halves(y)
-        self._button(left, _("add bead"), self.editor.add_bead, hint("add_bead"))
-        self._button(right, _("remove bead"), self.editor.remove_bead, hint("remove_bead"))
+        add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
+        self._row(y, [add, (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))])
         wall = math.isinf(self.session.lanes[pick.lane].chain.mass[pick.index])
-        below = self._halves(y + 33 * self.host.unit)[0]
-        text = _("free it") if wall else _("make it a wall")
-        self._button(below, text, self._toggle_wall, _("a wall has no mass to move: it keeps its velocity"))
+        tip = _("a wall has no mass to move: it keeps its velocity")
+        self._row(y + 34 * self.host.unit, [(_("free it") if wall else _("make it a wall"), self._toggle_wall, tip)])
 
-    def _halves(self, y: float) -> tuple[pygame.Rect, pygame.Rect]:
-        """Places of two buttons side by side."""
-        unit, half = self.host.unit, self.rect.width / 2
-        size = round(half - 4 * unit), round(28 * unit)
-        left, right = ((round(self.rect.left + k * half), round(y)) for k in (0, 1))
-        return pygame.Rect(left, size), pygame.Rect(right, size)
-
-    def _button(
-        self, place: pygame.Rect, text: str, command: Callable[[], object], tip: str, style: str | None = None
-    ) -> UIButton:
-        button = UIButton(place, text, self.host.manager, object_id=style, tool_tip_text=tip, command=command)
-        self.buttons.append(button)
-        return button
+    def _row(
+        self,
+        y: float,
+        row: Sequence[Knob | None],
+        sizes: Sequence[float] = (),
+        height: float = 28.0,
+        style: str | None = None,
+    ) -> list[UIButton]:
+        """Buttons side by side from the height `y` on, `sizes` wide [design pixels] or all alike; None leaves a place empty."""
+        unit, first = self.host.unit, len(self.buttons)
+        rect = pygame.Rect(self.rect.left, round(y), self.rect.width, round(height * unit))
+        for place, knob in zip(split(rect, sizes or [0.0] * len(row), unit), row, strict=True):
+            if knob is not None:
+                text, command, tip = knob
+                made = UIButton(place, text, self.host.manager, object_id=style, tool_tip_text=tip, command=command)
+                self.buttons.append(made)
+        return self.buttons[first:]
 
     def _toggle_wall(self) -> None:
         if self.pick is not None:
@@ -253,7 +284,7 @@ class Inspector:
         if rect.width == 0:
             return
         if self.pick is None:
-            paint_about(surface, rect, unit, self.session)
+            paint_about(surface, rect, unit, self.session, self.question())
             return
         self._title(surface, self.pick)
         self._names(surface)
@@ -265,7 +296,7 @@ class Inspector:
             parameter, y = control.parameter, control.entry.rect.centery
             end = write(surface, _(parameter.name), (rect.left, y), 13 * unit, tones.foreground, align=(0, 0.5)).right
             if parameter.unit:
-                write(surface, parameter.unit, (end + 6 * unit, y), 12 * unit, tones.muted, align=(0, 0.5))
+                write(surface, parameter.unit, (end + 6 * unit, y), 13 * unit, tones.muted, align=(0, 0.5))
 
     def _title(self, surface: pygame.Surface, pick: Pick) -> None:
         unit, rect, lane = self.host.unit, self.rect, self.session.lanes[pick.lane]

@@ -11,19 +11,19 @@ from pygame_gui.elements import UIButton, UIDropDownMenu
 from softcradle.physics import METHODS
 from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
-from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, label_words, pgettext
+from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.languages import _, label_words
 from softcradle.sandbox.session import badge_numbers
 from softcradle.sandbox.session.badge_numbers import Finding, Health
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
 from softcradle.sandbox.window.scene.scene_editor import AUTO
+from softcradle.sandbox.window.widgets import write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 HEIGHT = 246.0  # design pixels of the only card
-HEIGHT_OF_TWO = 180.0  # design pixels of each of two cards
-HEIGHT_COMPACT = 84.0  # design pixels of a card without numbers
+HEIGHT_COMPACT = 84.0  # design pixels of a card without numbers, as each of two is
 GAP = 8.0  # design pixels below a card
 ROOM = 300.0  # design pixels that the inspector needs below the cards
 SECONDS_BETWEEN_READINGS = 0.2
@@ -57,12 +57,11 @@ class LaneCards:
     def build(self, rect: pygame.Rect, selected: bool) -> pygame.Rect:
         """Make the widgets at the top of `rect`; returns what is left of it, all where something `selected` needs it."""
         unit, count = self.host.unit, len(self.session.lanes)
-        full = HEIGHT if count == 1 else HEIGHT_OF_TWO
         room = rect.height / unit - ROOM
-        self.compact = room < count * (full + GAP)
+        self.compact = count > 1 or room < HEIGHT + GAP
         self.tight = bool(rect.width) and room < count * (HEIGHT_COMPACT + GAP)
         self.crowded_out = self.tight and selected
-        height = round((HEIGHT_COMPACT if self.compact else full) * unit)
+        height = round((HEIGHT_COMPACT if self.compact else HEIGHT) * unit)
         pitch = height + round(GAP * unit)
         lanes = range(count) if rect.width and not self.crowded_out else range(0)
         self.rects = [pygame.Rect(rect.left, rect.top + k * pitch, rect.width, height) for k in lanes]
@@ -75,7 +74,7 @@ class LaneCards:
     def _menu(self, lane: int) -> UIDropDownMenu:
         unit, rect = self.host.unit, self.rects[lane]
         width = round(132 * unit)
-        place = pygame.Rect(rect.right - width - round(8 * unit), rect.top + round(8 * unit), width, round(26 * unit))
+        place = pygame.Rect(rect.right - width, rect.top + round(8 * unit), width, round(26 * unit))
         return UIDropDownMenu([AUTO, *SUMMARIES], self.method(lane), place, self.host.manager)
 
     def _verdict(self, lane: int) -> UIButton:
@@ -84,7 +83,7 @@ class LaneCards:
         place = pygame.Rect(rect.left + margin, rect.bottom - high - margin // 2, rect.width - 2 * margin, high)
         show = partial(self.show_fault, lane)
         return UIButton(
-            place, "", self.host.manager, object_id="#chip", tool_tip_text=_("of the whole run"), command=show
+            place, "", self.host.manager, object_id="#flat", tool_tip_text=_("of the whole run"), command=show
         )
 
     def show_fault(self, lane: int) -> None:
@@ -141,7 +140,7 @@ class LaneCards:
         room = self.rects[lane].width - 24 * self.host.unit
         return shortened(
             _("{cause}, {first} to {last} {unit}", cause=worst.cause, first=first, last=last, unit=name),
-            12 * self.host.unit,
+            13 * self.host.unit,
             room,
         )
 
@@ -151,11 +150,9 @@ class LaneCards:
             self._card(surface, rect, state, number)
 
     def _card(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, number: int) -> None:
-        unit, tint = self.host.unit, getattr(tones, state.level)
-        fill = mix(tones.background, tint, 0.16 if state.level == badge_numbers.BAD else 0.05)
-        pygame.draw.rect(surface, fill, rect, border_radius=6)
-        border = tones.faint if state.level == badge_numbers.GOOD else tint
-        pygame.draw.rect(surface, border, rect, max(1, round(1.5 * unit)), border_radius=6)
+        unit = self.host.unit
+        if state.level == badge_numbers.BAD:
+            pygame.draw.rect(surface, mix(tones.background, tones.bad, 0.12), rect.inflate(14, 0), border_radius=6)
         if self.compact:
             self._title(surface, rect, number)
             y: float = rect.top + 38 * unit
@@ -167,14 +164,14 @@ class LaneCards:
     def _title(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> None:
         unit, label = self.host.unit, label_words(self.session.label(number))
         title = label if len(self.session.lanes) > 1 and label else _("method")
-        title = shortened(title, 14 * unit, rect.width - 160 * unit, bold=True)
-        write(surface, title, (rect.left + 10 * unit, rect.top + 12 * unit), 14 * unit, tones.foreground, bold=True)
+        title = shortened(title, 13 * unit, rect.width - 140 * unit, bold=True)
+        write(surface, title, (rect.left, rect.top + 12 * unit), 13 * unit, tones.foreground, bold=True)
 
     def _method_lines(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> float:
         """The title, method and step, and on the only card a summary; returns where the next line is."""
         unit, lane = self.host.unit, self.session.lanes[number]
         self._title(surface, rect, number)
-        x, y = rect.left + 10 * unit, rect.top + 12 * unit
+        x, y = rect.left, rect.top + 12 * unit
         step = lane.setup.step_for(self.session.setup.frame_time)
         method = lane.setup.method
         line = (
@@ -182,41 +179,29 @@ class LaneCards:
             if step
             else _("{method}, adaptive", method=method)
         )
-        write(surface, line, (x, y + 26 * unit), 12 * unit, tones.muted)
+        write(surface, line, (x, y + 26 * unit), 13 * unit, tones.muted)
         y += 43 * unit
-        if len(self.rects) == 1:
-            summary = shortened(_(SUMMARIES[method]), 12 * unit, rect.width - 20 * unit)
-            write(surface, summary, (x, y), 12 * unit, tones.muted)
-            y += 19 * unit
-        return y
+        summary = shortened(_(SUMMARIES[method]), 13 * unit, rect.width)
+        write(surface, summary, (x, y), 13 * unit, tones.muted)
+        return y + 20 * unit
 
-    def _numbers(
-        self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str, str]], y: float
-    ) -> float:
-        """One a line, two where there are two cards; returns where the next line is."""
-        unit, columns = self.host.unit, 1 if len(self.rects) == 1 else 2
-        size = (12.5 if columns == 1 else 11.5) * unit
-        width = (rect.width - 20 * unit) / columns
-        for k, (name, short, text) in enumerate(numbers):
-            x = rect.left + 10 * unit + (k % columns) * width
-            shown = short if columns == 2 else name
-            write(surface, shown, (x, y), size, tones.muted)
-            right = x + width - (8 * unit if columns == 2 and k % 2 == 0 else 0)
-            write(surface, text, (right, y), size, tones.foreground, align=(1, 0))
-            y += 16.5 * unit if k % columns == columns - 1 or k == len(numbers) - 1 else 0.0
+    def _numbers(self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str]], y: float) -> float:
+        """One a line; returns where the next line is."""
+        unit = self.host.unit
+        for name, text in numbers:
+            write(surface, name, (rect.left, y), 13 * unit, tones.muted)
+            write(surface, text, (rect.right, y), 13 * unit, tones.foreground, align=(1, 0))
+            y += 18 * unit
         return y
 
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
-        """A mark and as many lines of the sentence as there is room for above the button."""
-        unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left + 10 * self.host.unit
+        """A mark, and what there is room for of the sentence above the button."""
+        unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left
         mark = "✓" if state.level == badge_numbers.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
-        room = rect.width - 34 * unit
-        lines = wrapped(state.sentence, 12 * unit, room)
-        most = max(1, int((rect.bottom - 28 * unit - y) // (15 * unit)))
-        for k, line in enumerate(lines[:most]):
-            text = shortened(line + " …", 12 * unit, room) if k == most - 1 < len(lines) - 1 else line
-            write(surface, text, (x + 15 * unit, y + (2 + 15 * k) * unit), 12 * unit, tint)
+        place = pygame.Rect(round(x + 16 * unit), round(y + 2 * unit), rect.width - round(16 * unit), 0)
+        place.height = max(round(19 * unit), round(rect.bottom - 30 * unit - y))
+        write_wrapped(surface, state.sentence, place, 13 * unit, tint)
 
 
 def _worst(found: list[Finding]) -> Finding | None:
@@ -225,16 +210,16 @@ def _worst(found: list[Finding]) -> Finding | None:
     return gravest[0] if gravest else None
 
 
-def _numbers(state: Health) -> list[tuple[str, str, str]]:
-    """Names, short names and values of the badge."""
+def _numbers(state: Health) -> list[tuple[str, str]]:
+    """Names and values of the badge."""
     velocity = _("not known") if state.velocity_error is None else _error(state.velocity_error)
     chatter = fixed(state.chatter, 1) if state.chatter < 1e4 else scientific(state.chatter)
     return [
-        (_("velocity error"), pgettext("short", "velocity"), velocity),
-        (_("energy error"), pgettext("short", "energy"), _error(state.energy_error)),
-        (_("momentum error"), pgettext("short", "momentum"), _error(state.momentum_error)),
-        (_("chatter"), pgettext("short", "chatter"), chatter),
-        (_("physics a frame"), pgettext("short", "physics"), f"{fixed(state.milliseconds, 2)} ms"),
+        (_("velocity error"), velocity),
+        (_("energy error"), _error(state.energy_error)),
+        (_("momentum error"), _error(state.momentum_error)),
+        (_("chatter"), chatter),
+        (_("physics a frame"), f"{fixed(state.milliseconds, 2)} ms"),
     ]
 
 

@@ -1,15 +1,115 @@
-"""The pointer tool: selecting, dragging and throwing beads with the mouse, moving the view, zooming by the wheel."""
+"""The mouse on the lanes: beads are selected, dragged and thrown, the view is moved; the ruler; the stopwatch."""
 
 from __future__ import annotations
 
 import math
 
 import pygame
+from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.scene.scene_editor import SceneEditor
+from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
 from softcradle.sandbox.window.scene.scene_view import SceneView
 from softcradle.sandbox.window.window_page import Host
+
+REACH = 8.0  # design pixels about an end of the ruler that take it
+
+
+class Stopwatch:
+    """Started, stopped and put away by one key; it measures model time, also while scrubbing."""
+
+    def __init__(self, host: Host, session: Session) -> None:
+        self.host, self.session = host, session
+        self.begin: float | None = None
+        self.end: float | None = None
+
+    def press(self) -> None:
+        """Start; stop; put away."""
+        if self.begin is None:
+            self.begin = self.session.time
+        elif self.end is None:
+            self.end = self.session.time
+        else:
+            self.begin = self.end = None
+
+    @property
+    def elapsed(self) -> float | None:
+        """Model time measured [s]; None where it is put away."""
+        if self.begin is None:
+            return None
+        return (self.session.time if self.end is None else self.end) - self.begin
+
+    def paint(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
+        """Draw the time, centred at `place`."""
+        if self.elapsed is None:
+            return
+        size, name = time_unit(max(abs(self.elapsed), 1e-9))
+        text = N_("stopwatch {time} (running)") if self.end is None else N_("stopwatch {time} (stopped)")
+        _tag(surface, _(text, time=f"{fixed(self.elapsed / size, 3)} {name}"), place, self.host.unit)
+
+
+class Ruler:
+    """A ruler on the line: both ends are dragged, and stay where they are when the view moves."""
+
+    def __init__(self, host: Host, session: Session, view: SceneView) -> None:
+        self.host, self.session, self.view = host, session, view
+        self.ends: list[float] | None = None  # [m], as the view measures
+        self.dragged: int | None = None
+
+    def toggle(self) -> None:
+        """Put the ruler over the middle of the lanes, or away."""
+        rect = self.view.places.lanes[0]
+        places = [(round(rect.left + share * rect.width), 0) for share in (0.3, 0.7)]
+        self.ends = [self.view.metres_at(place) for place in places] if self.ends is None else None
+
+    @property
+    def distance(self) -> float | None:
+        """Between both ends [m]."""
+        return None if self.ends is None else abs(self.ends[1] - self.ends[0])
+
+    def points(self) -> list[tuple[int, int]]:
+        """Both ends on screen."""
+        rect, zero = self.view.places.lanes[0], self.view.metres_at((0, 0))
+        scale = self.view.metres_at((1000, 0)) - zero
+        y = rect.top + round(46 * self.host.unit)
+        return [(round((end - zero) / scale * 1000), y) for end in self.ends or ()]
+
+    def handle(self, event: pygame.Event) -> bool:
+        """Drag an end."""
+        if self.ends is None:
+            return False
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
+            near = [k for k, end in enumerate(self.points()) if math.dist(end, event.pos) < REACH * self.host.unit]
+            self.dragged = near[0] if near else None
+            return self.dragged is not None
+        if event.type == pygame.MOUSEMOTION and self.dragged is not None:
+            self.ends[self.dragged] = self.view.metres_at(event.pos)
+            return True
+        if event.type == pygame.MOUSEBUTTONUP and self.dragged is not None:
+            self.dragged = None
+            return True
+        return False
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw the ruler and its length."""
+        if self.ends is None or self.distance is None:
+            return
+        unit, (first, last) = self.host.unit, self.points()
+        pygame.draw.line(surface, tones.accent, first, last, max(2, round(2 * unit)))
+        for x, y in (first, last):
+            pygame.draw.circle(surface, tones.accent, (x, y), 5 * unit)
+        middle = ((first[0] + last[0]) / 2, first[1] - 12 * unit)
+        _tag(surface, f"{scientific(self.distance, 2)} m", middle, unit)
+
+
+def _tag(surface: pygame.Surface, text: str, place: tuple[float, float], unit: float) -> None:
+    """White text on a dark plate, centred at `place`."""
+    box = write(surface, text, place, 13 * unit, tones.background, align=(0.5, 0.5))
+    pygame.draw.rect(surface, tones.foreground, box.inflate(14 * unit, 6 * unit), border_radius=5)
+    write(surface, text, place, 13 * unit, tones.background, align=(0.5, 0.5))
+
 
 STILL = 4.0  # design pixels: a click may move by so much without becoming a drag
 

@@ -1,23 +1,158 @@
-"""Save dialogs: the scene, the session, its history, a page to share, a film, a screenshot; no file is replaced unasked."""
+"""Files of a page: the scene, the session, its history, a page to share, a film, a screenshot; no file is replaced unasked."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import pygame
+from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.languages import N_, _, english, error_words
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, reason
 from softcradle.sandbox.window.messages import Messages
-from softcradle.sandbox.window.scene.file_names import free_path, shown_path, typed_path
-from softcradle.sandbox.window.scene.window_film import FILM_ENDINGS, WindowFilm
 from softcradle.sandbox.window.window_page import Host
+
+LONGEST_STEM = 40  # characters of a file name that is made from a title
+LONGEST_SHOWN = 60  # characters of a name that no file can have
+
+
+def free_path(title: str, suffix: str) -> Path:
+    """A path named after a `title`; with a number before its last suffix where there is such a file already."""
+    stem = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:LONGEST_STEM] or "scene"
+    path = free = Path(f"{stem}{suffix}")
+    number = 1
+    while os.path.exists(free):
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return free
+
+
+def typed_path(text: str, endings: Sequence[str]) -> Path:
+    """The path that was typed: ~ is the home folder, and the first of `endings` is added where it has none of them.
+
+    Raises:
+        UserError: no file can have this name.
+    """
+    path = Path(os.path.expanduser(text))
+    if path.name in ("", ".."):
+        raise UserError(_("{path} is a folder: add the name of a file", path=text))
+    path = path if path.suffix.lower() in endings else path.with_name(path.name + endings[0])
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return path
+    except OSError as error:
+        raise UserError(_("cannot write {path}: {reason}", path=_shortened(text), reason=reason(error))) from None
+    except ValueError:  # a NUL
+        raise UserError(
+            _("cannot write {path}: {reason}", path=repr(text), reason=_("no file has such a name"))
+        ) from None
+    return path
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 4]} ..."
+
+
+def shown_path(path: Path) -> str:
+    """The path with its full folder, the home folder as ~."""
+    full = path.resolve()
+    home = Path.home()
+    return f"~/{full.relative_to(home)}" if full.is_relative_to(home) else str(full)
+
+
+FILM_ENDINGS = (".mp4", ".gif", ".webp")
+FRAME_RATE = 30.0  # frames a second of the film: every other picture of the window
+MOST_DUE = 2.0  # frames: after a late picture the film does not catch up
+
+
+class WindowFilm:
+    """The film that is being recorded, if there is one.
+
+    Attributes:
+        film: it; None where nothing is recorded.
+        seconds: how long it is.
+    """
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self.film: Any = None
+        self.path, self.seconds = Path(), 0.0
+        self._size = (0, 0)
+        self._stack: ExitStack | None = None
+        self._due = 0.0
+
+    def begin(self, path: Path) -> None:
+        """Record from now on, in the window's present size."""
+        from softcradle.sandbox.film.film_encoder import open_film
+
+        width, height = self.host.size
+        self._size = width - width % 2, height - height % 2
+        stack = ExitStack()
+        try:
+            self.film = stack.enter_context(open_film(path, self._size, FRAME_RATE))
+        except (UserError, OSError) as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        self._stack, self.path, self._due, self.seconds = stack, path, 0.0, 0.0
+        self.host.rebuild()  # the button says Stop now
+
+    def end(self) -> None:
+        """Write what was recorded."""
+        stack, self._stack, self.film = self._stack, None, None
+        if stack is None:
+            return
+        try:
+            stack.close()
+        except (UserError, OSError, ValueError) as error:
+            self.host.messages.show(_("the film is lost: {error}", error=error_words(error)), warning=True)
+        else:
+            text = _("saved {seconds:.0f} s to {path}", seconds=self.seconds, path=shown_path(self.path))
+            self.host.messages.show(text)
+
+    def record(self, surface: pygame.Surface, seconds: float) -> None:
+        """Add the finished picture to the film, if one is due after `seconds` more."""
+        if self.film is None:
+            return
+        self.seconds += seconds
+        self._due = min(self._due + seconds * FRAME_RATE, MOST_DUE)
+        if self._due < 1.0:
+            return
+        self._due -= 1.0
+        try:
+            frame = self.film.free_surface()
+            _copy_whole(surface, frame)
+            self.film.add(frame)
+        except (UserError, OSError, ValueError, pygame.error) as error:
+            self.host.messages.show(_("the film stopped: {error}", error=error_words(error)), warning=True)
+            self.end()
+
+    @property
+    def clock(self) -> str:
+        """How long the film is, as minutes and seconds."""
+        return f"{int(self.seconds) // 60}:{int(self.seconds) % 60:02d}"
+
+
+def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
+    """Copy all of `surface` onto `frame`, scaled into its middle where the window has another size now."""
+    (width, height), (wide, high) = surface.get_size(), frame.get_size()
+    if width - width % 2 == wide and height - height % 2 == high:
+        frame.blit(surface, (0, 0))
+        return
+    scale = min(wide / width, high / height)
+    image = pygame.transform.smoothscale(surface, (round(width * scale), round(height * scale)))
+    frame.fill(tones.background)
+    frame.blit(image, image.get_rect(center=frame.get_rect().center))
+
 
 REOPENED = (".toml", ".npz")  # endings of files that the window opens
 

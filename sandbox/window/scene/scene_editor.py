@@ -4,14 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
-from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.draw.number_format import subscript
+from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.pick import Pick
 from softcradle.sandbox.window.window_page import Host
+
+
+@dataclass(frozen=True)
+class Pick:
+    """Number of the lane, "bead" or "contact", and its index."""
+
+    lane: int
+    kind: str
+    index: int
+
+
+def pick_title(session: Session, pick: Pick) -> str:
+    """Bead or contact with its number, and with the name of its lane where there are two."""
+    if pick.kind == "bead":
+        title = _("Bead {number}", number=pick.index)
+    else:
+        title = _("Contact {number}", number=subscript(pick.index, pick.index + 1))
+    label = label_words(session.label(pick.lane))
+    return f"{title} · {label}" if len(session.lanes) > 1 and label else title
+
 
 AUTO = "auto"  # the entry of the method menu by which the method is chosen
 PREPARING = N_("preparing the physics: some seconds, once")

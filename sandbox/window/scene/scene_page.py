@@ -8,31 +8,27 @@ from functools import partial
 import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write_on_plate
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.lessons.lesson_runner import LessonRunner
-from softcradle.sandbox.window.page_geometry import narrow
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
-from softcradle.sandbox.window.scene.explore_panel import ExplorePanel
+from softcradle.sandbox.window.scene.explore_panel import ExplorePanel, OutcomeCard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
-from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
-from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, session_savings
+from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm, session_savings
 from softcradle.sandbox.window.scene.scene_clock import SceneClock
 from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.scene_sound import SceneSound
-from softcradle.sandbox.window.scene.scene_tools import SceneTools
+from softcradle.sandbox.window.scene.scene_tools import SceneTools, ViewKeys
 from softcradle.sandbox.window.scene.scene_view import SceneView
-from softcradle.sandbox.window.scene.time_controls import TimeControls
+from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
 from softcradle.sandbox.window.scene.timeline import Timeline
 from softcradle.sandbox.window.scene.toolbar import Toolbar
-from softcradle.sandbox.window.scene.view_keys import ViewKeys
-from softcradle.sandbox.window.scene.window_film import WindowFilm
-from softcradle.sandbox.window.unsaved_scene import UnsavedScene, forget_unsaved
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.settings import UnsavedScene, forget_unsaved
+from softcradle.sandbox.window.window_page import Host, Page
 from softcradle.scenes import Scene
 
 Actions = dict[str, Callable[[], None]]
@@ -48,7 +44,7 @@ def joined(*tables: Actions) -> Actions:
     return found
 
 
-class ScenePage:
+class ScenePage(Page):
     """One session on screen. `leave` goes back to the gallery; `replay` runs the session where it is a recorded one."""
 
     def __init__(self, host: Host, session: Session, leave: Callable[[], None], replay: Replay | None = None) -> None:
@@ -63,21 +59,25 @@ class ScenePage:
         self.view = SceneView(host, session, self.editor, self.board, self.panels)
         self.timeline = Timeline(session)
         self.outcome = OutcomeCard(host, session, partial(host.act, "compare_balls"))
+        self.view.card_height = lambda: self.outcome.height(self.view.places.lanes[0].width)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
-        self.time_controls = TimeControls(host, session, self.board, self.clock.activity)
+        self.time_controls = SceneTimeControls(host, session, self.board, self.clock.activity)
         self.clock.controls = self.time_controls
         self.pointer = PointerTool(host, session, self.editor, self.view)
         self.film = WindowFilm(host)
-        self.toolbar = Toolbar(host, self.film, session.undo_stack)
+        self.toolbar = Toolbar(host, self.film, session.undo_stack, lambda: self.board.present)
         savings = session_savings(host.messages, session)
         self.dialogs = SaveDialogs(host, session.scene.title, self.film, savings)
         self.sound = SceneSound(host, session)
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene)
         self.unsaved_scene = UnsavedScene(session)
-        self.lessons = LessonRunner(host, session, self.clock)
+        self.lessons = LessonRunner(host, session, self.clock, self.view.redraw)
+        for panel in self.panels:
+            panel.question = lambda: self.lessons.question
         own: Actions = {
             "lesson": self.lessons.ask,
-            "tools": lambda: self.tools.show_menu(self.toolbar.buttons["tools"].rect),
+            "words": self.ask_words,
+            **self.toolbar.actions,
             "sound": self.sound.toggle,
             "help": host.toggle_help,
             "level": host.toggle_level,
@@ -94,24 +94,45 @@ class ScenePage:
             session.undo_stack.lose_what_was_saved()
         self.host.show(ScenePage(self.host, session, self.leave))
 
+    def ask_words(self) -> None:
+        """Ask for the words of the scene; with others it begins anew, as an unsaved scene of one's own."""
+        try:
+            scene = self.session.to_scene()
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        fields = {_("title"): scene.title, _("text"): scene.text, _("question"): scene.question}
+        labels = {_("lane {n}", n=k + 1): lane.label for k, lane in enumerate(scene.lanes)}
+
+        def take(found: dict[str, str]) -> None:
+            title, text, question, *names = found.values()
+            lanes = [lane.model_copy(update={"label": name}) for lane, name in zip(scene.lanes, names, strict=True)]
+            words = {"title": title or scene.title, "text": text, "question": question, "lanes": tuple(lanes)}
+            self.call_unsaved()
+            self.show_scene(scene.model_copy(update=words))
+
+        note = _(
+            "They are in the scene file, in the film and on the page; a question is asked before the text is shown."
+        )
+        self.host.ask_lines(_("Words of the scene"), note, fields | labels, take)
+
     @property
-    def title(self) -> str:
+    def title(self) -> str:  # type: ignore[override]
         """That of the scene."""
         return self.session.scene.title
 
     @property
-    def typing(self) -> bool:
+    def typing(self) -> bool:  # type: ignore[override]
         """Whether a number is being typed."""
-        return any(panel.typing for panel in self.panels) or self.tools.values.cells.typing
+        return any(panel.typing for panel in self.panels)
 
     def cancel_typing(self) -> None:
         """Drop the number that is being typed."""
         for panel in self.panels:
             panel.cancel_typing()
-        self.tools.values.cells.stop()
 
     @property
-    def unsaved(self) -> bool:
+    def unsaved(self) -> bool:  # type: ignore[override]
         """Whether there are edits that are not saved."""
         return self.session.undo_stack.unsaved
 
@@ -120,7 +141,7 @@ class ScenePage:
         self.session.undo_stack.lose_what_was_saved()
 
     @property
-    def moving(self) -> bool:
+    def moving(self) -> bool:  # type: ignore[override]
         """Whether the next picture differs from this one though nobody does anything."""
         return (
             self.clock.activity() != "paused"
@@ -145,12 +166,10 @@ class ScenePage:
         places, margin = self.view.places, round(12 * unit)
         panel = places.panel.inflate(-2 * margin, -2 * round(7 * unit)) if self.view.panel_shown else places.panel
         self.toolbar.build(places.toolbar, self.actions, self.leave)
-        self.view.title_room = self.toolbar.title_room
-        left, top, width = places.footer.left, places.footer.top, places.footer.width
         self.timeline.place(places.footer, unit)
-        below = pygame.Rect(left + margin, top + round(42 * unit), width - 2 * margin, round(46 * unit))
-        second = below.move(0, round(40 * unit)) if narrow(width, unit) else below
-        self.time_controls.build(below, second, self.actions)
+        row = pygame.Rect(places.footer.left + margin, places.footer.top + round(42 * unit), 1, round(46 * unit))
+        row.width = places.footer.width - 2 * margin
+        self.time_controls.build(row, self.actions)
         nowhere = pygame.Rect(0, 0, 0, 0)
         lab, few = (nowhere, panel) if self.host.explore else (panel, nowhere)
         self.inspector.build(self.cards.build(lab, self.editor.selection is not None))
@@ -236,6 +255,8 @@ class ScenePage:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""
         self.view.paint(surface)
+        mark = "• " if self.unsaved else ""
+        self.toolbar.paint_title(surface, mark + scene_words(self.session.scene.title))
         self.tools.paint(surface)
         self.timeline.paint(surface)
         self.cards.paint(surface)
@@ -260,7 +281,7 @@ class ScenePage:
                 (places.lanes[0].centerx, places.lanes[0].top + 30 * unit),
                 tones.warning if bad else tones.muted,
             )
-            write_on_plate(surface, text, place, 15 * unit, tint, bold=bad)
+            write_on_plate(surface, text, place, 16 * unit, tint, bold=bad)
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
         """Record the finished picture, if a film is being made."""

@@ -1,48 +1,139 @@
-"""The tools of the page: table of values, sharing, comparison, stopwatch and ruler, and the menu that lists them."""
+"""The tools of the page: table of values, sharing, comparison, measured data, what is shown and how."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import pygame
-from softcradle.sandbox.languages import _, error_words
+from softcradle.sandbox.languages import N_, _, error_words, label_words, pgettext
+from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
+from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.menu import Menu
+from softcradle.sandbox.session.shared_text import shared_text
+from softcradle.sandbox.session.summary_text import summary_text
+from softcradle.sandbox.session.values_table import values_csv
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
-from softcradle.sandbox.window.plots.plot_kinds import FORCES, VELOCITIES
+from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.data_tool import DataTool
+from softcradle.sandbox.window.scene.lane_cards import LaneCards
+from softcradle.sandbox.window.scene.pointer_tool import Ruler, Stopwatch
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
 from softcradle.sandbox.window.scene.scene_view import SceneView
-from softcradle.sandbox.window.scene.sharing import Sharing, beside_itself, beside_other_balls
-from softcradle.sandbox.window.scene.stopwatch import Ruler, Stopwatch
 from softcradle.sandbox.window.scene.values_board import ValuesBoard
 from softcradle.sandbox.window.window_page import Host
 from softcradle.scenes import Scene
 
-# actions in the menu
-MENU = (
-    *(
-        "lesson",
-        "tell",
-        "arrows",
-        "values",
-        "copy_values",
-        "copy_scene",
-        "share_page",
-        "compare",
-        "compare_balls",
-        "stopwatch",
-        "ruler",
-        "data",
-        "signals",
-    ),
-    *("sweep", "fit", "pause_at_end", "sound", "logarithmic", "inspector"),
-    *("open", "larger", "smaller", "fullscreen", "theme", "language"),
-)
+STEEL = N_("steel balls")
+OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/translation.py
 
 
-# those that are buttons in the lab, and entries of the menu at the first level
-BUTTONS_OF_LAB = (VELOCITIES, FORCES, "overlaps", "save_scene", "film", "screenshot")
+class Sharing:
+    """What goes from a session to the clipboard."""
+
+    def __init__(self, host: Host, session: Session) -> None:
+        self.host, self.session = host, session
+
+    def copy_values(self) -> None:
+        """Put all values at the frame shown on the clipboard as CSV."""
+        self._copy(lambda: values_csv(self.session), _("the values are on the clipboard, as CSV"))
+
+    def tell(self) -> None:
+        """Show what has happened in words; it can be copied, to be read aloud."""
+        text = summary_text(self.session)
+        self.host.choose(
+            _("What happened"),
+            text,
+            {_("Close"): lambda: None, _("Copy"): lambda: self._copy(lambda: text, _("copied"))},
+        )
+
+    def copy_scene(self) -> None:
+        """Put the scene with all edits on the clipboard as text."""
+        done = _("the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V")
+        self._copy(lambda: shared_text(self.session.to_scene()), done)
+
+    def _copy(self, text: Callable[[], str], done: str) -> None:
+        try:
+            pygame.scrap.put_text(text())
+        except (ValueError, pygame.error) as error:
+            self.host.messages.show(_("nothing was copied: {error}", error=error), warning=True)
+        else:
+            self.host.messages.show(done)
+
+
+def beside_other_balls(session: Session) -> Scene:
+    """The first lane of a session beside the same blow among steel balls, or among soft beads where they are of steel.
+
+    ValueError where contacts are couplers or laws of one's own, or no scene file can say it.
+    """
+    scene = beside_itself(session.to_scene())
+    chain, speed = session.lanes[0].chain, session.lanes[0].setup.speed
+    steel, other = has_soft_contacts(chain), Session(scene)
+    if steel:
+        for i in range(chain.contacts):
+            law = steel_ball(chain, i, speed, scene.view.length)
+            other.apply(SetContact(1, i, law))
+    else:
+        other.apply(SetKind(1, None, "power"))
+    found = other.to_scene()
+    first, second = found.lanes
+    second = second.model_copy(update={"label": STEEL if steel else second.label})
+    above, below = (label_words(lane.label) for lane in (first, second))
+    text = _("The same blow twice: above {above}, below {below}.", above=above or _("the row as it was"), below=below)
+    return found.model_copy(update={"lanes": (first, second), "text": text})
+
+
+def beside_itself(scene: Scene) -> Scene:
+    """The first lane of a scene beside a copy of it, to be edited and compared."""
+    lane = scene.lanes[0].model_dump()
+    lanes = [lane, {**lane, "label": f"{lane['label']}{OTHER}".removeprefix(", ")}]
+    title = scene.title.removesuffix(COMPARED) + COMPARED  # once, though it is compared again
+    return Scene.model_validate({**scene.model_dump(), "title": title, "lanes": lanes})
+
+
+class ViewKeys:
+    """Actions that change what is shown, and of the model only the method."""
+
+    def __init__(self, host: Host, editor: SceneEditor, board: PlotBoard, view: SceneView, cards: LaneCards) -> None:
+        self.host, self.editor, self.board, self.view, self.cards = host, editor, board, view, cards
+        self.actions: dict[str, Callable[[], None]] = {
+            **{name: partial(self.toggle_plot, name) for name in PLOT_KINDS},
+            "logarithmic": self.toggle_logarithmic,
+            "plots": self.toggle_plots,
+            "fit": view.fit,
+            "arrows": view.next_arrows,
+            "zoom_in": partial(view.zoom, 1),
+            "zoom_out": partial(view.zoom, -1),
+            "method": self.next_method,
+            "inspector": self.toggle_panel,
+        }
+
+    def next_method(self) -> None:
+        """Take the next method, in all lanes."""
+        self.editor.apply(SetMethod(None, self.cards.next_method()))
+
+    def toggle_plot(self, name: str) -> None:
+        """Show or hide one kind of plot."""
+        if name not in self.board.available():
+            self.host.messages.show(_("the {name} needs two lanes", name=pgettext("button", name)))
+            return
+        self.board.toggle(name)
+        self.host.rebuild()
+
+    def toggle_plots(self) -> None:
+        """Show or hide all plots."""
+        self.board.hidden = not self.board.hidden
+        self.host.rebuild()
+
+    def toggle_logarithmic(self) -> None:
+        """Give overlaps a logarithmic axis or a linear one."""
+        self.board.logarithmic = not self.board.logarithmic
+        self.view.rebuild()
+
+    def toggle_panel(self) -> None:
+        """Show or hide the panel on the right."""
+        self.view.panel_shown = not self.view.panel_shown
+        self.host.rebuild()
 
 
 class SceneTools:
@@ -65,7 +156,6 @@ class SceneTools:
         sharing = Sharing(host, session)
         self.actions: dict[str, Callable[[], None]] = {
             "values": self.toggle_values,
-            "edit_values": self.edit_values,
             "copy_values": sharing.copy_values,
             "copy_scene": sharing.copy_scene,
             "tell": sharing.tell,
@@ -76,10 +166,6 @@ class SceneTools:
             **self.data.actions,
         }
 
-    def show_menu(self, button: pygame.Rect) -> None:
-        """Show the menu below its button."""
-        self.host.put_over(Menu(self.host, button.bottomright, (*BUTTONS_OF_LAB, *MENU) if self.host.explore else MENU))
-
     def toggle_values(self) -> None:
         """Show the table of values in place of the plots, or the plots."""
         self.view.plots_covered = not self.view.plots_covered
@@ -88,13 +174,6 @@ class SceneTools:
             self.board.hidden, self.board.shown = False, self.board.shown or self.board.available()[:1]
             self.host.rebuild()
         self.values.update()
-
-    def edit_values(self) -> None:
-        """Type into a cell of the table, if it is shown."""
-        if self.covers_plots:
-            self.values.cells.begin_at_selection()
-        else:
-            self.host.messages.show(_("the table of values is not shown: T shows it"))
 
     def compare(self) -> None:
         """Open the scene beside a copy of itself."""
@@ -137,7 +216,6 @@ class SceneTools:
     def build(self) -> None:
         """Find places in a page that is built anew."""
         self.values.arrange()
-        self.values.cells.build()
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw ruler and stopwatch."""

@@ -2,30 +2,88 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import pygame
 from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
-from softcradle.sandbox.draw.text import shortened, write
-from softcradle.sandbox.languages import scene_words
+from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window.look_ahead import METHOD as AHEAD
-from softcradle.sandbox.window.look_ahead import MOST_AT_ONCE, motions_ahead
 from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
-from softcradle.sandbox.window.plots.live_scales import LiveScales, estimated_scales
+from softcradle.sandbox.window.plots.live_scales import METHOD as AHEAD
+from softcradle.sandbox.window.plots.live_scales import (
+    MOST_AT_ONCE,
+    EditFollower,
+    LiveScales,
+    estimated_scales,
+    motions_ahead,
+)
 from softcradle.sandbox.window.plots.plot_board import PlotBoard
 from softcradle.sandbox.window.plots.plot_kinds import VELOCITIES
-from softcradle.sandbox.window.scene.camera import Camera
-from softcradle.sandbox.window.scene.edit_follower import EditFollower
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
-from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.scene.scene_editor import SceneEditor
-from softcradle.sandbox.window.scene.toolbar import TITLE_LEFT
+from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
 from softcradle.sandbox.window.window_page import Host
+
+ZOOM = 1.25  # factor of one step
+MARGIN = 0.04  # of the width beyond the outermost beads, after it has framed them
+SPARE = 1.4  # of the width that would do, so that beads that go on do not leave again at once
+NARROWEST = 1e-4  # m
+WIDEST = 1e9  # m
+
+
+@dataclass
+class Camera:
+    """Centre [m] and width [m] of what is shown; an `automatic` one keeps all beads in sight."""
+
+    centre: float
+    width: float
+    automatic: bool = True
+
+    @classmethod
+    def of(cls, scales: Scales) -> Camera:
+        """The camera that shows the window of the scales."""
+        low, high = scales.window
+        return cls(0.5 * (low + high), high - low)
+
+    def zoom(self, steps: float) -> None:
+        """Zoom in by `steps`, out if negative."""
+        self.width = min(max(self.width * ZOOM**-steps, NARROWEST), WIDEST)
+        self.automatic = False
+
+    def pan(self, distance: float) -> None:
+        """Move by `distance` [m] to the right."""
+        self.centre += distance
+        self.automatic = False
+
+    def fit(self, lanes: Sequence[LiveLane], length: float, spare: float = 1.0) -> None:
+        """Show all beads, which are `length` [m] long, in a window `spare` times as wide as they need."""
+        low, high = extent(lanes, length)
+        self.centre, self.width = 0.5 * (low + high), (1.0 + 2.0 * MARGIN) * spare * (high - low)
+        self.automatic = True
+
+    def keep_in_sight(self, lanes: Sequence[LiveLane], length: float, visible: float) -> bool:
+        """Widen where it is automatic and a bead has left the `visible` metres; whether it did."""
+        if not self.automatic:
+            return False
+        low, high = extent(lanes, length)
+        if low >= self.centre - 0.5 * visible and high <= self.centre + 0.5 * visible:
+            return False
+        self.fit(lanes, length, SPARE)
+        return True
+
+    def window(self, scales: Scales) -> Scales:
+        """The scales with this camera's window."""
+        return replace(scales, window=(self.centre - 0.5 * self.width, self.centre + 0.5 * self.width))
+
+
+def extent(lanes: Sequence[LiveLane], length: float) -> tuple[float, float]:
+    """Left and right end of all beads [m]."""
+    positions = [lane.position for lane in lanes]
+    return min(float(p.min()) for p in positions), max(float(p.max()) + length * len(p) for p in positions)
 
 
 class SceneView:
@@ -40,9 +98,9 @@ class SceneView:
         motions: the lanes now, one row each.
         places: rectangles of the page.
         panel_shown: whether the panel on the right is there.
+        card_height: gives the height of the card below the beads [pixels].
         plots_covered: whether something else lies in the place of the plots, which are then not drawn.
-        rows: lane and kinds of each row of plots that is shown: of `row_count`, those from `first_row` on.
-        title_room: width for the title [pixels].
+        rows: the plots of each row of plots that is shown: of `row_count`, those from `first_row` on.
     """
 
     def __init__(
@@ -51,13 +109,14 @@ class SceneView:
         self.host, self.session, self.editor, self.board, self.panels = host, session, editor, board, panels
         self.setup = session.setup
         self.lanes: list[LaneView] = []
-        self.panel_shown, self.plots_covered, self.title_room = True, False, 0.0
+        self.panel_shown, self.plots_covered = True, False
         self.first_row = self.row_count = 0
+        self.card_height: Callable[[], int] = int  # of the card between beads and plots
         self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
         self._frame = -1  # whose collision the marks are of
         self._backdrop: pygame.Surface | None = None
-        self._backdrop_key: tuple[Pick | None, bool] = (None, False)
+        self._backdrop_key: Pick | None = None
         self._cuts = session.history.cuts
         self.look_ahead()
 
@@ -96,8 +155,9 @@ class SceneView:
         self.row_count = len(rows)
         self.first_row = min(max(self.first_row, 0), max(0, len(rows) - most))
         self.rows = rows[self.first_row : self.first_row + most]
-        counts = [len(names) for _, names in self.rows]
-        return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown, self.host.explore)
+        counts = [len(row) for row in self.rows]
+        card = self.card_height() if self.host.explore else 0
+        return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown, self.host.explore, card)
 
     def plots_area(self) -> pygame.Rect:
         """The rectangle of all plots."""
@@ -222,9 +282,8 @@ class SceneView:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw it."""
         pick = self.editor.selection
-        key = pick, self.session.undo_stack.unsaved
-        if self._backdrop is None or key != self._backdrop_key:
-            self._backdrop, self._backdrop_key = self._drawn_backdrop(surface.get_size()), key
+        if self._backdrop is None or pick != self._backdrop_key:
+            self._backdrop, self._backdrop_key = self._drawn_backdrop(surface.get_size()), pick
         surface.blit(self._backdrop, (0, 0))
         for lane, motion in zip(self.lanes, self.motions, strict=True):
             lane.paint(surface, motion, self.camera.centre)
@@ -235,7 +294,7 @@ class SceneView:
             self._paint_scroll_bar(surface)
 
     def _drawn_backdrop(self, size: tuple[int, int]) -> pygame.Surface:
-        unit, places = self.host.unit, self.places
+        places = self.places
         backdrop = pygame.Surface(size, 0, 32)
         backdrop.fill(tones.background)
         for lane in self.lanes:
@@ -248,15 +307,4 @@ class SceneView:
             backdrop.fill(tones.faint, (0, y, size[0], 1))
         if self.panel_shown:
             backdrop.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
-        mark = "• " if self.session.undo_stack.unsaved else ""
-        title = shortened(mark + scene_words(self.session.scene.title), 19 * unit, self.title_room, bold=True)
-        write(
-            backdrop,
-            title,
-            (TITLE_LEFT * unit, places.toolbar.centery),
-            19 * unit,
-            tones.foreground,
-            bold=True,
-            align=(0, 0.5),
-        )
         return backdrop

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -10,22 +10,21 @@ import pygame
 from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
 from softcradle.sandbox.draw.palette import bead_colours, tones
-from softcradle.sandbox.draw.text import shortened, wrapped, write
+from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.session.live_sweep import Variant, variants
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.look_ahead import motions_ahead
-from softcradle.sandbox.window.overlay import Overlay
-from softcradle.sandbox.window.scene.editable_parameters import Parameter
-from softcradle.sandbox.window.scene.parameter_control import number_text
-from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.dialog import Overlay, paint_box
+from softcradle.sandbox.window.plots.live_scales import motions_ahead
+from softcradle.sandbox.window.scene.editable_parameters import Parameter, number_text
+from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.widgets import split, stack, write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS
 HEAD = 46.0  # design pixels above the plots
 MARGIN = 20.0  # design pixels around them
-OPACITY = 110  # of 255, over the page
 
 
 def swept_values(parameter: Parameter) -> list[float]:
@@ -75,16 +74,8 @@ class SweepBoard(Overlay):
         self.button = UIButton(place, _("Close"), self.manager, command=self.close)
         inner = pygame.Rect(self.box.left + margin, self.box.top + head, self.box.width - 2 * margin, 1)
         inner.height = self.box.bottom - margin // 2 - inner.top
-        pitch = inner.width / COLUMNS, inner.height / ROWS
-        self.places = [
-            pygame.Rect(
-                round(inner.left + (k % COLUMNS) * pitch[0]),
-                round(inner.top + (k // COLUMNS) * pitch[1]),
-                round(pitch[0]) - round(6 * unit),
-                round(pitch[1]) - round(6 * unit),
-            )
-            for k in range(COUNT)
-        ]
+        rows = stack(inner, [0.0] * ROWS, unit)
+        self.places = [place for row in rows for place in split(row, [0.0] * COLUMNS, unit)]
         self._make_panels()
 
     def _make_panels(self) -> None:
@@ -101,17 +92,13 @@ class SweepBoard(Overlay):
             motion = variant.motion or motions[0]
             time = float(motion.time[0]), float(motion.time[-1])
             title = f"{_(self.parameter.name)} = {number_text(variant.value)} {self.parameter.unit}".strip()
-            axis = linear_axis(shortened(title, 13.5 * self.host.unit, 0.8 * place.width), low - room, high + room)
+            axis = linear_axis(shortened(title, 13 * self.host.unit, 0.8 * place.width), low - room, high + room)
             panel = Panel(place, self.host.unit, time, axis, colours=colours, names=[""] * len(colours))
             panel.labelled = False
             if variant.motion is not None:
                 panel.colours = colours[: variant.motion.velocity.shape[1]]
                 panel.draw_curves(variant.motion.time, variant.motion.velocity)
             self._panels.append(panel)
-
-    def widgets(self) -> Sequence[UIButton]:
-        """The button."""
-        return [self.button]
 
     def handle(self, event: pygame.Event) -> bool:
         """A click on a variant takes it, one beside the box closes it."""
@@ -142,18 +129,13 @@ class SweepBoard(Overlay):
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the dimmed page, the box and its plots."""
         unit = self.host.unit
-        shade = pygame.Surface(surface.get_size())
-        shade.fill(tones.shadow)
-        shade.set_alpha(OPACITY)
-        surface.blit(shade, (0, 0))
-        pygame.draw.rect(surface, tones.background, self.box, border_radius=round(8 * unit))
-        pygame.draw.rect(surface, tones.faint, self.box, max(1, round(2 * unit)), border_radius=round(8 * unit))
+        paint_box(surface, self.box, unit)
         title = _("Velocities (m/s) for nine values: {name}. A click takes one.", name=_(self.parameter.name))
         room = self.button.rect.left - self.box.left - 2 * MARGIN * unit
         place = (self.box.left + MARGIN * unit, self.box.top + 13 * unit)
         write(surface, shortened(title, 16 * unit, room, bold=True), place, 16 * unit, tones.foreground, bold=True)
         if self.found is None:
-            write(surface, _("computing ..."), self.box.center, 15 * unit, tones.muted, align=(0.5, 0.5))
+            write(surface, _("computing ..."), self.box.center, 16 * unit, tones.muted, align=(0.5, 0.5))
         for variant, panel in zip(self.found or (), self._panels, strict=False):
             self._paint_variant(surface, variant, panel)
         if self.found is not None:
@@ -167,7 +149,4 @@ class SweepBoard(Overlay):
         if variant.motion is not None:
             panel.paint(surface, float(variant.motion.time[-1]), variant.motion.velocity[-1])
             return
-        size = 12 * self.host.unit
-        for row, line in enumerate(wrapped(variant.problem, size, panel.area.width)[:4]):
-            y = panel.area.top + (4 + row * 15) * self.host.unit
-            write(surface, shortened(line, size, panel.area.width), (panel.area.left, y), size, tones.warning)
+        write_wrapped(surface, variant.problem, panel.area, 13 * self.host.unit, tones.warning)

@@ -1,93 +1,122 @@
-"""The toolbar above a page: back to the gallery, undo and redo, and what can be saved."""
+"""The toolbar above a page: back to the gallery, undo and redo, and menus of what is asked for less often."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import pygame
 from pygame_gui.elements import UIButton
-from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.undo import UndoStack
+from softcradle.sandbox.window.dialog import Menu
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.scene.window_film import WindowFilm
+from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
+from softcradle.sandbox.window.scene.save_dialogs import WindowFilm
 from softcradle.sandbox.window.window_page import Host
 
-# Action and text of each button on the right.
-TOOLS = (
-    ("undo", N_("Undo")),
-    ("redo", N_("Redo")),
-    ("save_scene", N_("Save scene")),
-    ("save_session", N_("Save session")),
-    ("export", N_("Export")),
-    ("screenshot", N_("Screenshot")),
-    ("film", N_("Film")),
-    ("tools", N_("Tools")),
-    ("level", N_("Explore")),
-    ("help", N_("Help")),
-)
-FEW = {"undo": N_("Undo"), "tools": N_("More"), "level": N_("Lab"), "help": N_("Help")}  # those of the first level
-MARGIN, LEAST_MARGIN = 20.0, 8.0  # design pixels of a button beside its text
-SPACE = 5.0  # design pixels between two buttons
-LEAST_TITLE = 70.0  # design pixels for the title, for which buttons give way
+# Text of each button on the right, by action or menu; those of the first level; the actions of each menu.
+BUTTONS = {
+    "film": "",
+    "undo": N_("Undo"),
+    "redo": N_("Redo"),
+    "share": N_("Share"),
+    "plots_menu": N_("Plots"),
+    "tools": N_("More"),
+    "level": N_("Explore"),
+    "help": N_("Help"),
+}
+FEW = {
+    "film": "",
+    "undo": N_("Undo"),
+    "share": N_("Share"),
+    "tools": N_("More"),
+    "level": N_("Lab"),
+    "help": N_("Help"),
+}
+MENUS: dict[str, tuple[str, ...]] = {
+    "share": (
+        *("save_scene", "words", "save_session", "export", "share_page", "film", "screenshot"),
+        *("copy_scene", "copy_values", "open"),
+    ),
+    "plots_menu": (*PLOT_KINDS, "signals", "logarithmic", "plots", "values", "data"),
+    "tools": (
+        *("lesson", "tell", "compare", "compare_balls", "sweep", "arrows", "stopwatch", "ruler", "fit", "pause_at_end"),
+        *("sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
+    ),
+}
+MARGIN = 20.0  # design pixels of a button beside its text
+SPACE = 4.0  # design pixels between two buttons
 LONGEST_CLOCK = "88:88"  # a film's, for which its button has room from the beginning
 TITLE_LEFT = 110.0  # design pixels
+TITLE = 22.0  # design pixels, the size of the title
 
 
 class Toolbar:
     """The buttons, and how much room they leave for the title.
 
     Attributes:
-        buttons: by action.
+        buttons: by action or menu.
         title_room: pixels between the buttons.
+        ticked: names of what is shown at present, marked in the menus.
     """
 
-    def __init__(self, host: Host, film: WindowFilm, stack: UndoStack | None = None) -> None:
-        self.host, self.film, self.stack = host, film, stack
+    def __init__(
+        self,
+        host: Host,
+        film: WindowFilm,
+        stack: UndoStack | None = None,
+        ticked: Callable[[], Sequence[str]] = lambda: (),
+    ) -> None:
+        self.host, self.film, self.stack, self.ticked = host, film, stack, ticked
         self.buttons: dict[str, UIButton] = {}
         self.title_room = 0.0
-        self._filming = False  # whether the button of the film says Stop
+        self._filming = False  # whether there is a button that ends a film
+        self.actions = {name: partial(self.show_menu, name) for name in MENUS}
+
+    def show_menu(self, name: str) -> None:
+        """Show a menu below its button: what the page or the window has of it."""
+        known = {**self.host.actions, **self.host.page.actions}
+        if name in self.buttons:
+            names = [one for one in MENUS[name] if one in known]
+            self.host.put_over(Menu(self.host, self.buttons[name].rect.bottomright, names, self.ticked()))
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]], leave: Callable[[], None]) -> None:
         """Make the buttons."""
-        unit, manager, height = self.host.unit, self.host.manager, round(30 * self.host.unit)
+        self.rect, unit, manager, height = rect, self.host.unit, self.host.manager, round(30 * self.host.unit)
         y = rect.centery - height // 2
         place = pygame.Rect(round(12 * unit), y, round(84 * unit), height)
-        UIButton(place, "← " + _("Scenes"), manager, tool_tip_text=_("back to the gallery"), command=leave)
+        UIButton(
+            place, "← " + _("Scenes"), manager, object_id="#flat", tool_tip_text=_("back to the gallery"), command=leave
+        )
         x = rect.right - round(12 * unit)
         self._filming = self.film.film is not None
         self.buttons = {}
-        texts = {name: self._longest(name, usual) for name, usual in self._tools if name in actions}
-        margin = self._margin(texts, x)
-        for name, longest in reversed(texts.items()):
-            wide = round(self._width(name, longest) + margin)
+        known: dict[str, Callable[[], None]] = {**actions, **self.actions}
+        shown = {name: text for name, text in self._shown.items() if self._is_known(name, actions)}
+        for name, usual in reversed(shown.items()):
+            longest = self._stop(LONGEST_CLOCK) if name == "film" else _(usual)
+            wide = round(width(longest, 13 * unit, bold=name == "film") + MARGIN * unit)
             x -= wide + round(SPACE * unit)
             place = pygame.Rect(x, y, wide, height)
-            style = "#recording" if name == "film" and self._filming else None
+            style = "#recording" if name == "film" else "#flat"
             self.buttons[name] = UIButton(
-                place, longest, manager, object_id=style, tool_tip_text=hint(name), command=actions[name]
+                place, longest, manager, object_id=style, tool_tip_text=hint(name), command=known[name]
             )
         self.title_room = x - (TITLE_LEFT + 10.0) * unit
         self.update()
 
     @property
-    def _tools(self) -> tuple[tuple[str, str], ...]:
-        """Action and text of each button at the present level."""
-        return tuple(FEW.items()) if self.host.explore else TOOLS
+    def _shown(self) -> dict[str, str]:
+        """Action and text of each button at the present level; that of a film only while there is one."""
+        shown = FEW if self.host.explore else BUTTONS
+        return {name: text for name, text in shown.items() if name != "film" or self._filming}
 
-    def _longest(self, name: str, usual: str) -> str:
-        """The longest text of a button until the page is built anew."""
-        return self._stop(LONGEST_CLOCK) if name == "film" and self._filming else _(usual)
-
-    def _width(self, name: str, text: str) -> int:
-        return width(text, 13 * self.host.unit, bold=name == "film" and self._filming)
-
-    def _margin(self, texts: Mapping[str, str], right: float) -> float:
-        """Pixels of a button beside its text: less than usual where the title would have no room."""
-        unit = self.host.unit
-        room = right - (TITLE_LEFT + 10.0 + LEAST_TITLE + SPACE * len(texts)) * unit
-        spare = room - sum(self._width(*one) for one in texts.items())
-        return min(MARGIN * unit, max(LEAST_MARGIN * unit, spare / len(texts)))
+    def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:
+        """Whether the page does it, or something of that menu."""
+        return name == "tools" or any(one in actions for one in MENUS.get(name, (name,)))
 
     def _stop(self, clock: str) -> str:
         """The text of the button that ends the film."""
@@ -97,10 +126,16 @@ class Toolbar:
         """Enable what can be done, and let the button of a film say how long it is: its text changes once a second."""
         if self._filming != (self.film.film is not None):
             self.host.rebuild()  # the film has ended, or stopped
-        elif self._filming and "film" in self.buttons:
+        elif self._filming:
             self.buttons["film"].set_text(self._stop(self.film.clock))
         stack = self.stack
         for name, steps in (("undo", stack.done), ("redo", stack.undone)) if stack is not None else ():
             button = self.buttons.get(name)
             if button is not None and bool(steps) != button.is_enabled:
                 (button.enable if steps else button.disable)()
+
+    def paint_title(self, surface: pygame.Surface, title: str) -> None:
+        """Write the title of the page between the buttons."""
+        size, place = TITLE * self.host.unit, (TITLE_LEFT * self.host.unit, self.rect.centery)
+        shown = shortened(title, size, self.title_room, bold=True)
+        write(surface, shown, place, size, tones.foreground, bold=True, align=(0, 0.5))

@@ -1,26 +1,153 @@
-"""The board of values: tables of beads and contacts in place of the plots, whose numbers can be typed over."""
+"""The board of values: tables of beads and contacts in place of the plots, with the columns and rows there is room for."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import pygame
-from softcradle.sandbox.draw.number_format import scientific
+from softcradle.sandbox.draw.number_format import MINUS, scientific
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import shortened, write
-from softcradle.sandbox.languages import _
+from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.languages import _, pgettext
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.session.value_edits import can_be_edited
-from softcradle.sandbox.session.values_table import ValuesTable, bead_table, contact_table
-from softcradle.sandbox.window.scene.cell_editor import Cell, CellEditor
-from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.scene.scene_editor import SceneEditor
-from softcradle.sandbox.window.scene.values_layout import BODY, HEAD, TablePlace, heading, table_places
+from softcradle.sandbox.session.values_table import (
+    BEAD_COLUMNS,
+    CONTACT_COLUMNS,
+    ValuesTable,
+    bead_table,
+    contact_table,
+)
+from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
 from softcradle.sandbox.window.window_page import Host
 
 MARGIN = 6.0  # design pixels between a number and the right end of its cell
 ROWS_A_TURN = 3  # of a table, by which the wheel moves it
+LINE = 20.0  # design pixels of a row
+GAP = 12.0  # design pixels between columns
+HEADING = 34.0  # design pixels above the first row
+BETWEEN = 16.0  # design pixels between the two tables of a lane
+BEADS_SHARE = 0.55  # of the width, for the table of beads
+HEAD, BODY = 13.0, 13.0  # sizes of text, design pixels
+MOST_DIGITS, LEAST_DIGITS = 3, 2  # after the first, of a number
+# Columns that are left out where there is no room, the first of these first; their values are copied with the others.
+LESS_NEEDED = ("kinetic energy (J)", "stored energy (J)", "momentum (N s)", "rate (m/s)", "mass (kg)")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns of a table for which there is room.
+
+    Attributes:
+        shown: their indices.
+        right: right end of each, from that of the table [pixels].
+        digits: of numbers, after the first.
+    """
+
+    shown: tuple[int, ...]
+    right: tuple[float, ...]
+    digits: int
+
+
+def fitting(names: Sequence[str], room: float, unit: float) -> Columns:
+    """The columns that fit into `room` pixels whatever their numbers are, with as many digits as may be."""
+    left_out: set[str] = set()
+    for digits, drop in [*((digits, None) for digits in range(MOST_DIGITS, LEAST_DIGITS - 1, -1)), *_drops(names)]:
+        left_out |= {drop} if drop else set()
+        shown = tuple(k for k, name in enumerate(names) if name not in left_out)
+        needed = [_column_width(names[k], unit, digits, k == 0) for k in shown]
+        if sum(needed) <= room:
+            break
+    spare = max(0.0, room - sum(needed)) / len(needed)
+    ends = tuple(sum(needed[: k + 1]) + (k + 1) * spare for k in range(len(needed)))
+    return Columns(shown, ends, digits)
+
+
+def _drops(names: Sequence[str]) -> list[tuple[int, str]]:
+    return [(LEAST_DIGITS, name) for name in LESS_NEEDED if name in names]
+
+
+def _column_width(name: str, unit: float, digits: int, first: bool) -> float:
+    """Pixels of the widest number and of the name, which is broken before its unit."""
+    number = "88-88" if first else f"{MINUS}8.{digits * '8'}·10⁻⁸"
+    words = [width(part, HEAD * unit) for part in heading(name)]
+    return max(*words, width(number, BODY * unit)) + GAP * unit
+
+
+def heading(name: str) -> list[str]:
+    """The lines above a column."""
+    return pgettext("column", name).replace(" (", "\n(").split("\n")
+
+
+@dataclass(frozen=True)
+class TablePlace:
+    """Where the table of the beads or contacts of a lane is.
+
+    Attributes:
+        lane, kind: "bead" or "contact".
+        rect: all of it.
+        names: of all columns.
+        columns: those that are shown.
+        first, last: the rows that are shown, of `count`; `last` is not.
+        line: height of a row [pixels].
+        top: upper edge of the first row that is shown [pixels].
+    """
+
+    lane: int
+    kind: str
+    rect: pygame.Rect
+    names: tuple[str, ...]
+    columns: Columns
+    first: int
+    last: int
+    count: int
+    line: float
+    top: float
+
+    @property
+    def whole(self) -> bool:
+        """Whether all rows are shown."""
+        return self.last - self.first == self.count
+
+    def strip(self, row: int) -> pygame.Rect:
+        """The rectangle of a row."""
+        return pygame.Rect(self.rect.left, round(self.top + (row - self.first) * self.line), self.rect.width, self.line)
+
+    def row_at(self, point: tuple[int, int]) -> int | None:
+        """The row at `point`, or None."""
+        return next((row for row in range(self.first, self.last) if self.strip(row).collidepoint(point)), None)
+
+
+def table_places(
+    contacts: Sequence[int], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
+) -> list[TablePlace]:
+    """The tables of lanes with so many contacts, beads and contacts of each side by side; `first` says where they begin.
+
+    Where there is no room for all lanes, that of the `chosen` one.
+    """
+    places, roomy = [], area.height >= len(contacts) * (HEADING + 2.0 * LINE) * unit
+    for lane, count in enumerate(contacts) if roomy else [(chosen, contacts[chosen])]:
+        height = area.height // (len(contacts) if roomy else 1)
+        rect = pygame.Rect(area.left, area.top + (lane * height if roomy else 0), area.width, height)
+        half = round(BEADS_SHARE * rect.width)
+        left = pygame.Rect(rect.left, rect.top, half - round(BETWEEN * unit), rect.height)
+        right = pygame.Rect(rect.left + half, rect.top, rect.width - half, rect.height)
+        places.append(_place(Pick(lane, "bead", count + 1), left, BEAD_COLUMNS, unit, first))
+        places.append(_place(Pick(lane, "contact", count), right, CONTACT_COLUMNS, unit, first))
+    return places
+
+
+def _place(
+    end: Pick, rect: pygame.Rect, names: tuple[str, ...], unit: float, first: Mapping[tuple[int, str], int]
+) -> TablePlace:
+    """A table of `end.index` rows in `rect`; where they do not all fit, the last line says which are shown."""
+    line, top, count = round(LINE * unit), rect.top + HEADING * unit, end.index
+    room = max(0, int((rect.bottom - top) // line))
+    shown = count if room >= count else max(1, room - 1)
+    begin = min(max(first.get((end.lane, end.kind), 0), 0), count - shown)
+    columns = fitting(names, rect.width, unit)
+    return TablePlace(end.lane, end.kind, rect, names, columns, begin, begin + shown, count, line, top)
 
 
 class ValuesBoard:
@@ -28,7 +155,6 @@ class ValuesBoard:
 
     Attributes:
         places: where the tables are.
-        cells: types into one of their cells.
     """
 
     def __init__(
@@ -36,15 +162,15 @@ class ValuesBoard:
     ) -> None:
         self.host, self.session, self.editor, self.area = host, session, editor, area
         self.places: list[TablePlace] = []
-        self.cells = CellEditor(host, session, editor, self)
         self._first: dict[tuple[int, str], int] = {}  # rows that tables begin with, by lane and kind
         self._seen: Pick | None = None  # the selection that was brought into view
 
     def arrange(self) -> None:
         """Find the places of the tables; the row that is selected comes into view."""
         area, contacts = self.area(), [lane.chain.contacts for lane in self.session.lanes]
-        self.places = [] if area is None else table_places(contacts, area, self.host.unit, self._first)
         pick = self.editor.selection
+        chosen = 0 if pick is None else pick.lane
+        self.places = [] if area is None else table_places(contacts, area, self.host.unit, self._first, chosen)
         if pick != self._seen and self.places:
             self._seen = pick
             self.bring_into_view(pick)
@@ -61,30 +187,8 @@ class ValuesBoard:
         self._first[place.lane, place.kind] = place.first + by
         self.arrange()
 
-    def shown(self) -> list[tuple[Cell, pygame.Rect]]:
-        """The cells on screen that can be edited, and where they are."""
-        return [
-            (Cell(Pick(place.lane, place.kind, row), column), rect)
-            for place in self.places
-            for row in range(place.first, place.last)
-            for column, rect in place.cells(row)
-            if can_be_edited(self.session.lanes[place.lane], column, row)
-        ]
-
-    def all_cells(self) -> list[Cell]:
-        """The cells that can be edited, those to scroll to included, in the order of Tab."""
-        return [
-            Cell(Pick(place.lane, place.kind, row), place.names[k])
-            for place in self.places
-            for row in range(place.count)
-            for k in place.columns.shown
-            if can_be_edited(self.session.lanes[place.lane], place.names[k], row)
-        ]
-
     def handle(self, event: pygame.Event) -> bool:
-        """Typing; a click selects a row and edits the cell below it; the wheel scrolls."""
-        if self.cells.handle(event):
-            return True
+        """A click selects a row; the wheel scrolls."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._click(event.pos)
         if event.type == pygame.MOUSEWHEEL:
@@ -92,10 +196,6 @@ class ValuesBoard:
         return False
 
     def _click(self, point: tuple[int, int]) -> bool:
-        for cell, rect in self.shown():
-            if rect.collidepoint(point):
-                self.cells.begin(cell)
-                return True
         for place in self.places:
             row = place.row_at(point)
             if row is not None:
@@ -113,7 +213,6 @@ class ValuesBoard:
     def update(self) -> None:
         """Follow the page and the selection."""
         self.arrange()
-        self.cells.update()
 
     def paint(self, surface: pygame.Surface, area: pygame.Rect) -> None:
         """Draw the tables."""
@@ -121,8 +220,6 @@ class ValuesBoard:
         for place in self.places:
             table = (bead_table if place.kind == "bead" else contact_table)(self.session, place.lane)
             self._table(surface, place, table)
-        if not self.cells.typing:
-            self._outline(surface, pygame.mouse.get_pos())
 
     def _table(self, surface: pygame.Surface, place: TablePlace, table: ValuesTable) -> None:
         unit, columns = self.host.unit, place.columns
@@ -135,25 +232,16 @@ class ValuesBoard:
             if Pick(place.lane, place.kind, row) == self.editor.selection:
                 surface.fill(tones.grid, place.strip(row))
             texts = _texts(place.kind, table.rows[row], columns.digits)
-            for k, (column, rect) in zip(columns.shown, place.cells(row), strict=True):
-                if not self.cells.at(Cell(Pick(place.lane, place.kind, row), column)):
-                    point = (rect.right - MARGIN * unit, rect.centery)
-                    write(surface, texts[k], point, BODY * unit, tones.foreground, align=(1, 0.5))
-        if not place.whole:
-            text = _("{first} to {last} of {n}: scroll; C copies all", **_numbers(place))
+            for k, right in zip(columns.shown, columns.right, strict=True):
+                point = (place.rect.left + right - MARGIN * unit, place.strip(row).centery)
+                write(surface, texts[k], point, BODY * unit, tones.foreground, align=(1, 0.5))
+        if not place.whole and place.strip(place.last).bottom <= place.rect.bottom:
+            text = _(
+                "{first} to {last} of {n}: scroll; C copies all", first=place.first, last=place.last - 1, n=place.count
+            )
             point = (place.rect.left + 8 * unit, place.strip(place.last).centery)
             text = shortened(text, BODY * unit, place.rect.width - 16 * unit)
             write(surface, text, point, BODY * unit, tones.muted, align=(0, 0.5))
-
-    def _outline(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw a line about the cell below the pointer, if it can be edited."""
-        rect = next((rect for _, rect in self.shown() if rect.collidepoint(point)), None)
-        if rect is not None:
-            pygame.draw.rect(surface, tones.muted, rect, 1)
-
-
-def _numbers(place: TablePlace) -> dict[str, int]:
-    return {"first": place.first, "last": place.last - 1, "n": place.count}
 
 
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:

@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 from softcradle.sandbox.window import app
-from softcradle.sandbox.window.widget_cleanup import collect_garbage
+from softcradle.sandbox.window.theme import collect_garbage
 
 REBUILDS = 20  # of which one collects; a process of tests has a large heap to search
 

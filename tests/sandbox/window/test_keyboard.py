@@ -8,7 +8,7 @@ import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.slider import KEYS, Slider
+from softcradle.sandbox.window.widgets import KEYS, Slider
 
 from tests.helpers.windows import Driver
 

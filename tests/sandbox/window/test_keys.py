@@ -81,7 +81,7 @@ def test_the_letter_of_a_key_does_not_land_in_the_line_that_it_opens(driver: Dri
     driver.key(pygame.K_8, SHIFT, "*")
     assert driver.app.dialog.entry.get_text() == "f0 against d0"
     driver.key(pygame.K_ESCAPE)
-    driver.key(pygame.K_F10)
+    driver.app.act("plots_menu")
     driver.app.dialog.focus = driver.app.dialog.names.index("data")
     driver.key(pygame.K_SPACE, text=" ")
     assert driver.app.dialog.entry.get_text() == ""
@@ -100,7 +100,7 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
     driver.app.open("hanging-cradle")
     driver.frames(2)
     page = driver.app.page
-    driver.click(page.controls.menus["law"].rect.center)
+    driver.click(page.menus["law"].rect.center)
     driver.frames(2)
     driver.key(pygame.K_ESCAPE)
     assert driver.app.page is page

@@ -14,15 +14,14 @@ from softcradle.sandbox.languages import LANGUAGES, VARIABLES, _, error_words, l
 from softcradle.sandbox.user_error import GaveUpError
 from softcradle.sandbox.window import page_geometry
 from softcradle.sandbox.window.app import App
-from softcradle.sandbox.window.hanging import hanging_controls, hanging_cradle
+from softcradle.sandbox.window.hanging import cradle, page
 from softcradle.sandbox.window.keys import bindings
-from softcradle.sandbox.window.lessons.lesson_list import lessons
+from softcradle.sandbox.window.lessons.lesson_runner import lessons
 from softcradle.sandbox.window.plots.data_overlay import edges_of
-from softcradle.sandbox.window.plots.signals import pair_of
+from softcradle.sandbox.window.plots.plot_kinds import pair_of
 from softcradle.sandbox.window.scene import inspector
-from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.settings import Settings, settings_path
-from softcradle.sandbox.window.system_language import system_language
+from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.settings import Settings, settings_path, system_language
 
 from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
@@ -137,13 +136,13 @@ def any_language(request: pytest.FixtureRequest):
 
 def test_short_names_fit_their_places(any_language: str) -> None:
     summaries = [translation.gettext(method.summary) for method in METHODS]
-    assert not [text for text in summaries if any_language != "en" and width(text, 12.0) > page_geometry.PANEL - 44]
+    assert not [text for text in summaries if any_language != "en" and width(text, 13.0) > page_geometry.PANEL - 24]
     chips = [translation.pgettext("button", name) for name in inspector.KIND_NAMES.values()]
-    assert not [text for text in chips if width(text, 12.0) > (page_geometry.PANEL - 24) / 3 - 12]
-    labels = [translation.gettext(name) for _field, name, _choices in hanging_controls.MENUS]
-    assert not [text for text in labels if width(text, 13.0) > page_geometry.PANEL - 24 - hanging_controls.MENU]
-    choices = [translation.pgettext("button", name) for name in hanging_cradle.LAWS]
-    assert not [text for text in choices if width(text, 13.0) > hanging_controls.MENU - 24]
+    assert not [text for text in chips if width(text, 13.0) > (page_geometry.PANEL - 24) / 3 - 12]
+    labels = [translation.gettext(name) for _field, name, _choices in page.MENUS]
+    assert not [text for text in labels if width(text, 13.0) > page_geometry.PANEL - 24 - page.MENU]
+    choices = [translation.pgettext("button", name) for name in cradle.LAWS]
+    assert not [text for text in choices if width(text, 13.0) > page.MENU - 24]
 
 
 class Other(NullTranslations):

@@ -9,11 +9,11 @@ import pygame
 import pytest
 from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.window.app import page_of
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.opening import page_of
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editable_parameters import parameters
-from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.scene.scene_editor import Pick
 
 from tests.helpers.drawn_text import colliding, drawn_texts
 from tests.helpers.window_layout import faults, widget_name, widgets
@@ -38,14 +38,6 @@ def _select(driver: Driver, pick: Pick | None, plots: bool = False, values: bool
     driver.app.rebuild()
 
 
-def _edit(driver: Driver, pick: Pick) -> None:
-    """The tables of values, with a cell in which is being typed."""
-    _select(driver, pick, plots=True, values=True)
-    driver.frames(2)  # cards of methods may make room for the selection
-    driver.app.act("edit_values")
-    assert driver.page.typing
-
-
 def _film(driver: Driver) -> None:
     """A film of an hour, which writes nothing."""
     _select(driver, None)
@@ -63,9 +55,12 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
     "two lanes": ("beads-against-gear", lambda driver: _select(driver, None, plots=True)),
     "a contact of two lanes": ("beads-against-gear", lambda driver: _select(driver, Pick(1, "contact", 0), plots=True)),
     "a train": ("train-braking", lambda driver: _select(driver, Pick(0, "contact", 1))),
-    "values": ("one-on-ten", lambda driver: _edit(driver, Pick(0, "bead", 9))),
-    "values of two lanes": ("beads-against-gear", lambda driver: _edit(driver, Pick(1, "contact", 2))),
-    "values of a train": ("train-braking", lambda driver: _edit(driver, Pick(0, "bead", 1))),
+    "values": ("one-on-ten", lambda driver: _select(driver, Pick(0, "bead", 9), plots=True, values=True)),
+    "values of two lanes": (
+        "beads-against-gear",
+        lambda driver: _select(driver, Pick(1, "contact", 2), plots=True, values=True),
+    ),
+    "values of a train": ("train-braking", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True, values=True)),
     "film": ("three-on-five", _film),
     "cradle": ("hanging-cradle", lambda driver: None),
     "question": (
@@ -108,8 +103,7 @@ def faults_of_texts(driver: Driver) -> list[str]:
 def faults_of_cradle(driver: Driver) -> list[str]:
     """What is wrong with the parts of the cradle's page that are no widgets."""
     page = driver.app.page
-    found = [f"badge {rect} leaves {page.places.panel}" for rect in page.badges if not page.places.panel.contains(rect)]
-    return found + [
+    return [
         f"the name of a cradle {lane} lies on its beam {rect}"
         for lane, rect in zip(page.lanes, page.pictures, strict=True)
         if rect.top - lane.top < 28 * driver.app.unit
@@ -126,18 +120,16 @@ def faults_of_scene(driver: Driver) -> list[str]:
     """What is wrong with the parts of a scene's page that are no widgets."""
     page, unit, found = driver.page, driver.app.unit, []
     places, inspector, controls = page.view.places, page.inspector, page.time_controls
-    if page.view.title_room < 60 * unit:
-        found.append(f"room of {page.view.title_room / unit:.0f} for the title")
+    if page.toolbar.title_room < 60 * unit:
+        found.append(f"room of {page.toolbar.title_room / unit:.0f} for the title")
     if min(lane.height for lane in places.lanes) < 45 * unit:
         found.append(f"lanes of {[lane.height / unit for lane in places.lanes]}")
     found += [f"card {rect} leaves {places.panel}" for rect in page.cards.rects if not places.panel.contains(rect)]
     for plot in page.board.plots:
         if plot.area.width < 80 * unit or plot.area.height < 14 * unit:
             found.append(f"{plot.content.title}: axes of {plot.area.size}")
-    clock = controls.clock_left + width("t = 10000.00 ms", 16 * unit, bold=True)
-    toggles = [one.rect for one in controls.toggles.values()]
-    if any(rect.left < clock and rect.colliderect(controls.rect) for rect in toggles):
-        found.append("the clock overlaps the plot buttons")
+    if controls.clock_left + width("t = 10000.00 ms", 16 * unit, bold=True) > places.footer.right:
+        found.append("the clock leaves the window")
     pick = page.editor.selection
     if pick is None:
         return found
@@ -145,7 +137,7 @@ def faults_of_scene(driver: Driver) -> list[str]:
     if set(inspector.controls) != wanted:
         found.append(f"no room for {wanted - set(inspector.controls)}")
     for control in inspector.controls.values():
-        wide = width(control.parameter.name, 13 * unit) + 6 * unit + width(control.parameter.unit, 12 * unit)
+        wide = width(control.parameter.name, 13 * unit) + 6 * unit + width(control.parameter.unit, 13 * unit)
         if inspector.rect.left + wide > control.entry.rect.left:
             found.append(f"the name of {control.parameter.key} is below its number")
     for button in inspector.buttons:

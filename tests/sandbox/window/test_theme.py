@@ -79,7 +79,7 @@ def test_settings_that_cannot_be_read_are_the_usual_ones():
 
 
 def test_colours_of_widgets_are_mixed_of_tones():
-    assert colour_code("accent") == "#0072b2"
+    assert colour_code("accent") == "#2d343e"
     assert colour_code("background 50 shadow") == "#{:02x}{:02x}{:02x}".format(
         *mix(LIGHT.background, LIGHT.shadow, 0.5)
     )

@@ -6,7 +6,7 @@ import ctypes
 import weakref
 
 import pytest
-from softcradle.sandbox.window.widget_cleanup import collect_garbage
+from softcradle.sandbox.window.theme import collect_garbage
 
 
 class Widget:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pygame
 import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.session.inputs import SetContact
-from softcradle.sandbox.window.lessons.lesson_list import MEASURES, lessons
+from softcradle.sandbox.window.lessons.lesson_runner import MEASURES, lessons
+from softcradle.sandbox.window.plots.live_scales import motions_ahead
 
 from softcradle import scenes
+from tests.helpers.drawn_text import drawn_texts, film_texts
 from tests.helpers.windows import Driver
 
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -34,7 +38,11 @@ def test_the_answer_is_that_of_an_accurate_run(lesson, answer):
 def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
     for title in ("Not as you predicted", "As you predicted"):
         driver.key(pygame.K_q)
-        driver.key(pygame.K_DOWN if title.startswith("As") else pygame.K_HOME)
+        assert driver.app.dialog.focus == -1  # no choice is marked
+        driver.key(pygame.K_RETURN)
+        assert driver.app.dialog.open
+        for _ in range(2 if title.startswith("As") else 1):
+            driver.key(pygame.K_DOWN)
         driver.key(pygame.K_RETURN)
         assert driver.session.playing
         for _ in range(900):
@@ -60,6 +68,7 @@ def test_every_choice_has_a_reason_of_its_own():
 
 def answered(driver: Driver) -> str:
     driver.key(pygame.K_q)
+    driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
     for _ in range(1500):
         driver.frames()
@@ -75,3 +84,54 @@ def test_the_reason_is_of_what_was_measured_and_an_edited_scene_has_none(driver:
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
     note = answered(driver)
     assert note == "Measured: the last bead alone."
+
+
+def drawn(driver: Driver) -> str:
+    driver.page.view.redraw()
+    with drawn_texts(driver.app.size) as texts:
+        driver.app.paint()
+    return " ".join(one.text for one in texts)
+
+
+def test_the_text_of_a_scene_is_read_after_its_question(driver: Driver) -> None:
+    assert "What leaves on the right?" in drawn(driver)
+    assert "rigid-like" not in drawn(driver)
+    driver.key(pygame.K_SPACE)
+    driver.until(lambda: driver.page.lessons.answered)
+    assert "rigid-like" in drawn(driver)
+    driver.key(pygame.K_r)
+    assert "rigid-like" in drawn(driver)  # it is known by now
+
+
+def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_and_the_page(
+    driver: Driver, tmp_path: Path
+) -> None:
+    driver.click(driver.bead(1))
+    driver.key(pygame.K_a)
+    driver.key(pygame.K_F4)
+    for text in ("Five at rest", "They all go.", "Who goes?", "my row"):
+        driver.app.dialog.entry.set_text(text)
+        driver.key(pygame.K_TAB)
+    driver.key(pygame.K_RETURN)
+    scene = driver.session.scene
+    assert (scene.title, scene.text, scene.question, scene.lanes[0].label) == (
+        *("Five at rest", "They all go.", "Who goes?"),
+        "my row",
+    )
+    assert driver.session.lanes[0].chain.contacts == 5  # with the edit
+    assert driver.page.unsaved
+    driver.page.dialogs.save("save_scene", "mine")
+    assert scenes.load(str(tmp_path / "mine.toml")) == scene
+    assert "Who goes?" in drawn(driver)
+    assert "They all go." not in drawn(driver)
+    driver.page.dialogs.save("share_page", "mine")
+    assert "Who goes?" in (tmp_path / "mine.html").read_text(encoding="utf-8")
+    written = film_texts(scene, motions_ahead(scene), (1280, 720), [0])
+    assert any("Who goes?" in one.text for texts in written for one in texts)
+    driver.key(pygame.K_q)
+    driver.type("all")
+    driver.key(pygame.K_RETURN)
+    driver.until(lambda: driver.app.dialog.open)
+    assert driver.app.dialog.note.startswith("You predicted: all")
+    driver.key(pygame.K_ESCAPE)
+    assert "They all go." in drawn(driver)

@@ -13,7 +13,7 @@ from softcradle.sandbox.window.keys import action_of, groups
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
 from softcradle.sandbox.window.plots.live_scales import estimated_scales
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
-from softcradle.sandbox.window.plots.strip_plot import StripPlot
+from softcradle.sandbox.window.plots.plot_shapes import StripPlot
 
 from softcradle import scenes
 from tests.helpers.sessions import opened
@@ -34,7 +34,7 @@ def plots_of_momentum(driver: Driver) -> list[Plot]:
     return [plot for plot in driver.page.board.plots if plot.content.title == "momentum (N s)"]
 
 
-def test_a_plot_in_the_table_has_its_key_its_button_and_its_place_on_the_board(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_plot_in_the_table_has_its_key_and_its_place_on_the_board(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
     driver = Driver("one-on-four")
     assert plots_of_momentum(driver) == []
@@ -46,10 +46,7 @@ def test_a_plot_in_the_table_has_its_key_its_button_and_its_place_on_the_board(m
     assert plot.values_at(driver.session.frame) == pytest.approx(np.array(lane.chain.mass) * lane.velocity)
     drawn = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
     assert drawn.count() > 20
-    button = driver.page.time_controls.toggles["momentum"]
-    assert button.text == "momentum"
-    driver.click(button.rect.center)
-    driver.frames(2)
+    driver.key(pygame.K_8)
     assert plots_of_momentum(driver) == []
     driver.close()
 
@@ -72,7 +69,6 @@ def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
     for scene, lanes in (("one-on-four", 1), ("beads-against-gear", 2)):
         driver = Driver(scene)
         assert ("difference" in driver.page.board.shown) == (lanes == 2)
-        assert ("difference" in driver.page.time_controls.toggles) == (lanes == 2)
         driver.key(PLOT_KINDS["difference"].key)
         assert any("needs two lanes" in text for text in driver.messages) == (lanes == 1)
         driver.close()

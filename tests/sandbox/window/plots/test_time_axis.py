@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from softcradle.sandbox.window.plots.time_axis import TimeSpan
+from softcradle.sandbox.window.plots.live_plots import TimeSpan
 
 
 def test_the_time_axis_scrolls_only_when_it_must():

@@ -9,7 +9,7 @@ import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.inputs import SetContact
 from softcradle.sandbox.window.scene.editable_parameters import number
-from softcradle.sandbox.window.scene.pick import Pick
+from softcradle.sandbox.window.scene.scene_editor import Pick
 
 from tests.helpers.windows import Driver
 

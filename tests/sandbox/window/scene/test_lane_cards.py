@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pygame
 import pytest
-from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.session.inputs import SetMass, SetMethod, SetStep
 from softcradle.sandbox.session.lane_setup import setup_of
 
@@ -40,7 +40,7 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit() -> None:
     assert driver.session.lanes[0].setup.method == "euler"
     assert health.level == "bad"
     card = driver.page.cards.rects[0]
-    assert driver.app.surface.get_at((card.centerx, card.top))[:3] == tones.bad
+    assert driver.app.surface.get_at((card.centerx, card.top))[:3] == mix(tones.background, tones.bad, 0.12)
     driver.close()
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.scene.scene_tools import MENU
+from softcradle.sandbox.window.scene.toolbar import MENUS
 
 from tests.helpers.windows import Driver
 from tests.sandbox.page.conftest import page_data
@@ -77,8 +78,8 @@ def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> 
     driver.key(pygame.K_SPACE)
     driver.frames(60)
     driver.key(pygame.K_SPACE)
-    driver.key(pygame.K_F10)
-    row = MENU.index("share_page")
+    driver.app.act("share")
+    row = MENUS["share"].index("share_page")
     driver.click(driver.app.dialog.buttons[row].rect.center)
     assert driver.app.dialog is not None
     driver.key(pygame.K_RETURN)
@@ -110,26 +111,16 @@ def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> 
     assert 15 <= frames <= 25  # every other one
 
 
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [
-        ("bad.toml", "title = 3"),
-        ("broken.toml", "title = ["),
-        ("bad.npz", "nothing"),
-        ("picture.jpg", "nothing"),
-        ("missing.toml", None),
-    ],
-)
-def test_a_bad_file_gives_a_message_and_no_crash(
-    driver: Driver, tmp_path: Path, name: str, content: str | None
-) -> None:
-    if content is not None:
-        (tmp_path / name).write_text(content)
+def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path: Path) -> None:
     page = driver.app.page
-    driver.drop_file(tmp_path / name)
-    assert driver.app.page is page
-    assert any(name in text for text in driver.messages)
-    assert driver.app.messages.visible[-1].warning
+    bad = {"bad.toml": "title = 3", "broken.toml": "title = [", "bad.npz": "no", "picture.jpg": "no", "none.toml": ""}
+    for name, content in bad.items():
+        if content:
+            (tmp_path / name).write_text(content)
+        driver.drop_file(tmp_path / name)
+        assert driver.app.page is page
+        assert name in driver.messages[-1]
+        assert driver.app.messages.visible[-1].warning
 
 
 NO_NAMES = (
@@ -144,23 +135,20 @@ NO_NAMES = (
 )
 
 
-@pytest.mark.parametrize("text", NO_NAMES)
-@pytest.mark.parametrize("saving", ["save_scene", "save_session", "export", "share_page", "film"])
-def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver, saving: str, text: str) -> None:
+def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(5)
-    driver.page.dialogs.save(saving, text)
-    driver.frames(2)
-    said = driver.messages[-1]
-    assert said.startswith(("cannot write", f"{text} is a folder"))
-    assert driver.page.dialogs.film.film is None
-
-
-@pytest.mark.parametrize("text", [name for name in NO_NAMES if name not in ("..", "/")])
-def test_such_a_name_opens_nothing_and_says_so(driver: Driver, text: str) -> None:
-    driver.app.open(text)
-    driver.frames(2)
-    assert driver.messages
-    driver.page.tools.data._take_typed(text + ".csv")
-    driver.frames(2)
-    assert driver.page is not None
+    for saving, text in product(("save_scene", "save_session", "export", "share_page", "film"), NO_NAMES):
+        driver.app.messages.visible.clear()
+        driver.page.dialogs.save(saving, text)
+        driver.frames()
+        assert driver.messages[-1].startswith(("cannot write", f"{text} is a folder")), (saving, text)
+        assert driver.page.dialogs.film.film is None
+    page = driver.page
+    for text in (name for name in NO_NAMES if name not in ("..", "/")):
+        for take in (driver.app.open, lambda text: page.tools.data._take_typed(text + ".csv")):
+            driver.app.messages.visible.clear()
+            take(text)
+            driver.frames()
+            assert driver.messages
+            assert driver.page is page

@@ -10,8 +10,8 @@ import pytest
 from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.session.shared_text import scene_from_text, shared_text
-from softcradle.sandbox.window.scene.pick import Pick
-from softcradle.sandbox.window.scene.scene_tools import MENU
+from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.toolbar import MENUS
 
 from softcradle import scenes
 from tests.helpers.scene_kinds import EVERY_SCENE
@@ -55,8 +55,7 @@ def test_the_table_of_values_is_shown_selected_from_and_copied(driver: Driver, c
     assert (beads.kind, beads.count, contacts.kind, contacts.count) == ("bead", 5, "contact", 4)
     assert beads.whole
     assert contacts.whole
-    driver.click((beads.rect.left + 4, beads.strip(2).centery))  # its number, which cannot be edited
-    assert not driver.page.typing
+    driver.click((beads.rect.left + 4, beads.strip(2).centery))
     assert driver.page.editor.selection == Pick(0, "bead", 2)
     driver.key(pygame.K_c)
     table = list(csv.reader(io.StringIO(clipboard[0])))
@@ -140,23 +139,33 @@ def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
     assert ruler.ends is None
 
 
-def test_the_menu_does_its_actions_by_keys_and_clicks(driver: Driver) -> None:
-    for k, name in enumerate(MENU):
-        driver.app.act("tools")
+@pytest.mark.parametrize("menu", MENUS)
+def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -> None:
+    for k, name in enumerate(MENUS[menu]):
+        driver.click(driver.page.toolbar.buttons[menu].rect.center)
         driver.frames()
         for _ in range(k):
             driver.key(pygame.K_DOWN)
-        menu = driver.app.dialog
-        assert menu.names[menu.focus] == name
-        if name in ("compare", "copy_values", "copy_scene", "sound", "tell", "lesson"):
+        shown = driver.app.dialog
+        assert shown.names[shown.focus] == name
+        if name in ("compare", "compare_balls", "copy_values", "copy_scene", "sound"):
             driver.key(pygame.K_ESCAPE)
         else:
             driver.key(pygame.K_RETURN)
-        assert not menu.open
+        assert not shown.open
+        if driver.app.dialog.open:
+            driver.app.dialog.close()
     driver.app.act("tools")
     driver.frames()
-    driver.click(driver.app.dialog.buttons[MENU.index("arrows")].rect.center)
+    driver.click(driver.app.dialog.buttons[MENUS["tools"].index("arrows")].rect.center)
     assert not driver.app.dialog.open
+
+
+def test_menus_mark_what_is_shown(driver: Driver) -> None:
+    driver.key(pygame.K_3)  # overlaps go
+    driver.app.act("plots_menu")
+    marked = [button.text.split("  ")[1] for button in driver.app.dialog.buttons if button.text.startswith("✓")]
+    assert marked == ["velocities (1)", "forces (2)"]
 
 
 def test_what_happened_is_told_and_copied(driver: Driver, clipboard: list[str]) -> None:

@@ -1,0 +1,261 @@
+"""The page of the hanging cradle: soft contacts beside pymunk's rigid ones, and what became of the energy of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import pygame
+import pygame_gui
+from pygame_gui.elements import UIDropDownMenu
+from softcradle.sandbox.draw.bead_sprites import bead_sprite
+from softcradle.sandbox.draw.number_format import fixed
+from softcradle.sandbox.draw.palette import bead_colours, tones
+from softcradle.sandbox.draw.supersampling import blit_sprite
+from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.languages import N_, _, pgettext
+from softcradle.sandbox.session.badge_numbers import GOOD
+from softcradle.sandbox.window.hanging.cradle import (
+    BALLS,
+    FRAME,
+    LAWS,
+    RADIUS,
+    RATES,
+    HangingModel,
+    Vector,
+    anchors,
+    start_places,
+)
+from softcradle.sandbox.window.page_geometry import MARGIN, geometry
+from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm
+from softcradle.sandbox.window.scene.time_controls import TimeControls
+from softcradle.sandbox.window.scene.toolbar import Toolbar
+from softcradle.sandbox.window.widgets import write_wrapped
+from softcradle.sandbox.window.window_page import Actions, Host, Page
+
+HANGING_NAME = "hanging-cradle"
+HANGING_TITLE = N_("Newton's cradle, hanging, in pymunk")
+HANGING_SOURCE = N_("SoftChain, PinJoint strings, gravity")
+HANGING_TEXT = N_(
+    "Balls on strings in an ordinary pymunk Space, once with soft contacts between them and once with pymunk's own "
+    "rigid collisions. Strings, gravity and steps are the same. With a small exponent the balls that are hit swing off "
+    "nearly as one body; steel balls pass the blow on to the last; rigid ones share it in the order in which they "
+    "are solved. Drag a ball and release it."
+)
+NAMES = (N_("soft contacts"), N_("pymunk's rigid collisions"))
+WIDTH, HEIGHT = 2.6, 1.35  # m of a picture
+HEAD, FOOT = 29.0, 58.0  # design pixels of the name above a cradle, and of what is said below it
+MENU_ROW = 34.0  # design pixels of a menu in the panel
+MENU = 166.0  # design pixels, the width of a menu
+# Of each menu: the field of the model, its name, and the choices.
+MENUS: tuple[tuple[str, str, Sequence[str]], ...] = (
+    ("law", N_("contacts"), tuple(LAWS)),
+    ("lifted", N_("balls lifted"), tuple(str(k) for k in range(1, BALLS))),
+    ("rate", N_("steps a second"), tuple(map(str, RATES))),
+)
+
+
+class HangingPage(Page):
+    """Both cradles side by side. `leave` goes back to the gallery."""
+
+    title = HANGING_TITLE
+
+    def __init__(self, host: Host, leave: Callable[[], None]) -> None:
+        self.host, self.leave, self.model = host, leave, HangingModel()
+        self.playing = False
+        self.time_controls = TimeControls(host, lambda: N_("playing") if self.playing else N_("paused"))
+        self.held: tuple[int, int] | None = None  # cradle and ball
+        self.pointer = (0, 0)
+        self.film = WindowFilm(host)
+        self.toolbar = Toolbar(host, self.film)
+        self.dialogs = SaveDialogs(host, HANGING_TITLE, self.film, {})
+        self.menus: dict[str, UIDropDownMenu] = {}
+        self.actions: Actions = {
+            "play_pause": self.play_pause,
+            "restart": self.model.restart,
+            "forward": self.step,
+            "slower": partial(self.time_controls.step_slow, 1),
+            "faster": partial(self.time_controls.step_slow, -1),
+            **self.dialogs.actions,
+            **self.toolbar.actions,
+            "level": host.toggle_level,
+            "help": host.toggle_help,
+            "leave": leave,
+        }
+
+    @property
+    def moving(self) -> bool:  # type: ignore[override]
+        """Whether it plays, holds a ball or is filmed."""
+        return self.playing or self.held is not None or self.film.film is not None
+
+    def play_pause(self) -> None:
+        """Play or pause."""
+        self.playing = not self.playing
+
+    def step(self) -> None:
+        """Pause, and go on by a frame."""
+        self.playing = False
+        self.model.advance(FRAME)
+
+    def build(self) -> None:
+        """Make the widgets, in the places of a scene's page."""
+        host, unit = self.host, self.host.unit
+        self.places = places = geometry(host.size, unit, 1, (), True)
+        self.toolbar.build(places.toolbar, self.actions, self.leave)
+        self.time_controls.build(places.footer.inflate(-2 * round(12 * unit), 0), self.actions)
+        panel = places.panel.inflate(-2 * round(12 * unit), -2 * round(9 * unit))
+        self.labels, y = list[tuple[str, int, int]](), panel.top
+        for field, name, choices in MENUS:
+            place = pygame.Rect(panel.right - round(MENU * unit), y, round(MENU * unit), round(27 * unit))
+            shown = {pgettext("button", choice): choice for choice in choices}
+            present = pgettext("button", str(getattr(self.model, field)))
+            self.menus[field] = UIDropDownMenu([*shown], present, place, host.manager)
+            self.labels.append((_(name), panel.left, place.centery))
+            y += round(MENU_ROW * unit)
+        top = y + round(16 * unit)
+        self.text = pygame.Rect(panel.left, top, panel.width, max(0, panel.bottom - top))
+        gap = round(MARGIN * unit)
+        half = (places.panel.left - 3 * gap) // 2
+        high = min(places.footer.top - places.toolbar.bottom - gap, round((HEAD + FOOT) * unit + half * HEIGHT / WIDTH))
+        self.lanes = [
+            pygame.Rect(gap + k * (half + gap), places.toolbar.bottom + gap // 2, half, high) for k in range(2)
+        ]
+        head, foot = round(HEAD * unit), round(FOOT * unit)
+        self.pictures = [pygame.Rect(lane.left, lane.top + head, half, high - head - foot) for lane in self.lanes]
+
+    def handle(self, event: pygame.Event) -> bool:
+        """The slider, the menus, and dragging of balls."""
+        if self.time_controls.handle(event):
+            return True
+        if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED:
+            return self._choose(event)
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
+            self.held, self.pointer = self._ball_at(event.pos), event.pos
+            return self.held is not None
+        if event.type == pygame.MOUSEMOTION and self.held is not None:
+            self.pointer, self.playing = event.pos, True
+            return True
+        if event.type == pygame.MOUSEBUTTONUP and self.held is not None:
+            self.held = None
+            self.model.release()
+            return True
+        return False
+
+    def _choose(self, event: pygame.Event) -> bool:
+        """Begin anew with what a menu says."""
+        for field, _name, choices in MENUS:
+            if event.ui_element is self.menus[field]:
+                chosen = next(choice for choice in choices if pgettext("button", choice) == event.text)
+                setattr(self.model, field, type(getattr(self.model, field))(chosen))
+                self.model.restart()
+                return True
+        return False
+
+    def _ball_at(self, point: tuple[int, int]) -> tuple[int, int] | None:
+        """Cradle and ball at `point`."""
+        for k, (rect, cradle) in enumerate(zip(self.pictures, self.model.cradles, strict=True)):
+            for ball, place in enumerate(cradle.places()):
+                if math.dist(point, to_screen(rect, place)) <= RADIUS * pixels_a_metre(rect) + 3:
+                    return k, ball
+        return None
+
+    def update(self, seconds: float) -> None:
+        """Let time pass."""
+        if self.held is not None and self.playing:
+            self.model.hold(*self.held, to_model(self.pictures[self.held[0]], self.pointer))
+        if self.playing:
+            self.model.advance(seconds / self.time_controls.slow)
+        self.toolbar.update()
+
+    def paint(self, surface: pygame.Surface) -> None:
+        """Draw all but the widgets."""
+        unit, places = self.host.unit, self.places
+        surface.fill(tones.background)
+        self.toolbar.paint_title(surface, _(HANGING_TITLE))
+        for y in (places.toolbar.bottom - 1, places.footer.top):
+            surface.fill(tones.faint, (0, y, self.host.size[0], 1))
+        surface.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
+        for side in range(2):
+            self._paint_side(surface, side)
+        for name, x, y in self.labels:
+            write(surface, name, (x, y), 13 * unit, tones.foreground, align=(0, 0.5))
+        write_wrapped(surface, _(HANGING_TEXT), self.text, 13 * unit, tones.foreground)
+
+    def _paint_side(self, surface: pygame.Surface, side: int) -> None:
+        """Draw the name of a cradle, the cradle, and how far it can be trusted."""
+        unit, lane, cradle = self.host.unit, self.lanes[side], self.model.cradles[side]
+        surface.fill(tones.lane_background, lane)
+        name = _(NAMES[side])
+        if side == 0:
+            name = _("{name}: {law}", name=name, law=pgettext("button", self.model.law))
+        name = shortened(name, 16 * unit, lane.width - 20 * unit, bold=True)
+        write(surface, name, (lane.left + 10 * unit, lane.top + 7 * unit), 16 * unit, tones.foreground, bold=True)
+        paint_cradle(surface, self.pictures[side], cradle.places())
+        found = cradle.verdict()
+        tint, top = getattr(tones, found.level), lane.bottom - FOOT * unit
+        mark = "✓" if found.level == GOOD else "!"
+        write(surface, mark, (lane.left + 10 * unit, top), 16 * unit, tint, bold=True)
+        place = pygame.Rect(lane.left + round(30 * unit), round(top), lane.width - round(44 * unit), round(46 * unit))
+        write_wrapped(surface, found.sentence, place, 16 * unit, tint)
+
+    def paint_over(self, surface: pygame.Surface) -> None:
+        """Draw the clock, and a ring at the pointer while it holds a ball."""
+        clock = f"t = {fixed(self.model.time, 2)} s"
+        self.time_controls.paint_clock(surface, clock, _(self.time_controls.activity()))
+        if self.held is not None:
+            pygame.draw.aacircle(surface, tones.foreground, self.pointer, 5 * self.host.unit, 2)
+
+    def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
+        """Record the finished picture, if a film is being made."""
+        self.film.record(surface, seconds)
+
+    def close(self) -> None:
+        """Close the film."""
+        self.film.end()
+
+
+def pixels_a_metre(rect: pygame.Rect) -> float:
+    """Scale of the picture."""
+    return min(rect.width / WIDTH, rect.height / HEIGHT)
+
+
+def _origin(rect: pygame.Rect) -> tuple[float, float]:
+    """Pixel of the first string's anchor."""
+    return rect.centerx - (BALLS - 1) * RADIUS * pixels_a_metre(rect), rect.top + 0.06 * rect.height
+
+
+def to_screen(rect: pygame.Rect, place: tuple[float, float]) -> tuple[float, float]:
+    """Pixel of a place [m]."""
+    x, y = _origin(rect)
+    return x + place[0] * pixels_a_metre(rect), y - place[1] * pixels_a_metre(rect)
+
+
+def to_model(rect: pygame.Rect, point: tuple[int, int]) -> tuple[float, float]:
+    """Place [m] of a pixel."""
+    x, y = _origin(rect)
+    return (point[0] - x) / pixels_a_metre(rect), (y - point[1]) / pixels_a_metre(rect)
+
+
+def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[Vector]) -> None:
+    """A beam, strings and balls."""
+    ends = [to_screen(rect, (x, 0.0)) for x in anchors()]
+    size = 2.0 * RADIUS * pixels_a_metre(rect)
+    beam = pygame.Rect(0, 0, round(ends[-1][0] - ends[0][0] + 2 * size), max(4, round(0.1 * size)))
+    beam.midbottom = (round((ends[0][0] + ends[-1][0]) / 2), round(ends[0][1]))
+    surface.fill(tones.muted, beam)
+    for end, place, colour in zip(ends, places, bead_colours(BALLS), strict=True):
+        centre = to_screen(rect, place)
+        share = 1.0 - 0.5 * size / max(math.dist(end, centre), size)  # of the string, outside the ball
+        tip = end[0] + share * (centre[0] - end[0]), end[1] + share * (centre[1] - end[1])
+        pygame.draw.aaline(surface, tones.muted, end, tip, 2)
+        side = math.ceil(size)
+        blit_sprite(surface, bead_sprite(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
+
+
+def hanging_thumbnail(size: tuple[int, int]) -> pygame.Surface:
+    """The picture for the gallery."""
+    surface = pygame.Surface(size, 0, 32)
+    surface.fill(tones.lane_background)
+    paint_cradle(surface, surface.get_rect(), start_places(1))
+    return surface

@@ -1,0 +1,246 @@
+"""Plots of other shapes than curves over time: bands, strips of shades, piles, differences, one signal against another."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pygame
+from softcradle.sandbox.draw.curve_panels import Axis, linear_axis, ticks_apart
+from softcradle.sandbox.draw.number_format import TIMES, power_of_ten, prefixed
+from softcradle.sandbox.draw.palette import Colour, bead_colours, mix, tones
+from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
+from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.languages import _
+from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.session.history_slices import history_slices, slice_at
+from softcradle.sandbox.window.plots.live_plots import THICKNESS, Plot, draw_curves
+
+
+class DifferencePlot(Plot):
+    """Curves of the second lane minus those of the first, where both have as many beads."""
+
+    def samples(self, first: int, last: int) -> list[tuple[Array, Array]]:
+        """See `Plot.samples`."""
+        values = self.content.values
+        slices = (history_slices(self.history, lane, *self.frames(first, last)) for lane in (0, 1))
+        pairs = zip(*slices, strict=False)
+        return [(a.time, values(b) - values(a)) for a, b in pairs if _comparable(a, b)]
+
+    def values_at(self, frame: int) -> Array:
+        """See `Plot.values_at`."""
+        a, b = (slice_at(self.history, lane, frame) for lane in (0, 1))
+        return (self.content.values(b) - self.content.values(a))[0] if _comparable(a, b) else np.zeros(0)
+
+
+def _comparable(a: Motion, b: Motion) -> bool:
+    """Whether two lanes have as many beads, at as many frames."""
+    return a.overlap.shape == b.overlap.shape
+
+
+PALE = 0.45  # share of the background in the colour of a bead
+
+
+class KymographPlot(Plot):
+    """A pale band around each curve, and the curve in its middle as the marker."""
+
+    marked = False
+
+    def draw_columns(self, first: int, last: int) -> pygame.Surface:
+        """Bands with markers in columns `first` to `last`."""
+        fine = self.enlarged_background(first, last)
+        colours, half = self.content.colours, 0.5 * self.content.band
+        for time, values in self.samples(first, last):
+            across = (time / self.span.column - first + 0.5) * SUBPIXELS
+            across[[0, -1]] += -SUBPIXELS, SUBPIXELS  # no gap between slices of the history
+            low, high = ((self.y(values + side * half) + 0.5) * SUBPIXELS for side in (-1.0, 1.0))
+            for k in range(min(values.shape[1], len(colours))):
+                edge = np.concatenate((across, across[::-1])), np.concatenate((low[:, k], high[::-1, k]))
+                if len(across) > 1:
+                    pygame.draw.polygon(fine, mix(colours[k], tones.background, PALE), np.column_stack(edge).tolist())
+            down = (self.y(values) + 0.5) * SUBPIXELS
+            markers = [tones.foreground] * values.shape[1]
+            draw_curves(fine, markers, across, down, THICKNESS * self.unit * SUBPIXELS)
+        return pygame.transform.smoothscale(fine, (last - first, self.area.height))
+
+
+class StackedPlot(Plot):
+    """Energies piled up: the kinetic energy of each bead, and above them what the contacts store."""
+
+    marked = False
+
+    def draw_columns(self, first: int, last: int) -> pygame.Surface:
+        """Piles in columns `first` to `last`."""
+        pixels = pygame.surfarray.array3d(self.curves.background)[:1].repeat(last - first, axis=0)
+        middles = np.arange(self.area.height) + 0.5
+        for time, values in self.samples(first, last):
+            layers = values.shape[1]  # of these frames: beads may have been added or removed since
+            colours = np.array([*_layer_colours(layers), tones.background], dtype=np.uint8)
+            tops = self.y(np.cumsum(values, axis=1))
+            for column, row in _latest(time / self.span.column, first, last):
+                layer = np.searchsorted(-tops[row], -middles)  # the first layer that reaches as high as the pixel
+                inside = layer < layers
+                pixels[column - first, inside] = colours[layer[inside]]
+        return pygame.surfarray.make_surface(pixels)
+
+
+def _layer_colours(count: int) -> tuple[Colour, ...]:
+    """Colours of the layers from below: the beads, and the contacts."""
+    return *bead_colours(count - 1), tones.steel
+
+
+def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:
+    """(column, row) for the columns `first` to `last`: the newest row at or before it; `places` (T,) in columns."""
+    columns = np.arange(first, last)
+    rows = np.searchsorted(places, columns + 1) - 1
+    covered = (rows >= 0) & (columns <= places[-1])
+    return list(zip(columns[covered].tolist(), rows[covered].tolist(), strict=True))
+
+
+SHADES = 256
+SCALE = 7.0  # design pixels, the width of the scale
+
+
+class StripPlot(Plot):
+    """A strip of shades for each curve, one below the other."""
+
+    marked = False
+
+    def draw_columns(self, first: int, last: int) -> pygame.Surface:
+        """Shades in columns `first` to `last`: of each column the darkest."""
+        image = np.zeros((last - first, self.area.height), dtype=np.uint8)
+        for time, values in self.samples(first, last):
+            columns = np.floor(time / self.span.column).astype(int) - first
+            inside = (columns >= 0) & (columns < last - first)
+            shade = np.clip(values[inside] / self.content.darkest * (SHADES - 1), 0, SHADES - 1).astype(np.uint8)
+            strips = (np.arange(self.area.height) * values.shape[1]) // self.area.height
+            np.maximum.at(image, columns[inside], shade[:, strips])
+        return pygame.surfarray.make_surface(_shades()[image])
+
+    def backdrop(self, surface: pygame.Surface) -> None:
+        """Draw title and labels, and beside the axes the scale of the shades."""
+        super().backdrop(surface)
+        unit, area = self.unit, self.area
+        bar = pygame.Rect(area.right + round(6 * unit), area.top, max(3, round(SCALE * unit)), area.height)
+        shades = _shades()
+        rows = ((bar.height - 1 - np.arange(bar.height)) * (SHADES - 1)) // max(1, bar.height - 1)
+        column = pygame.surfarray.make_surface(np.broadcast_to(shades[rows], (bar.width, bar.height, 3)))
+        surface.blit(column, bar)
+        pygame.draw.rect(surface, tones.faint, bar, 1)
+        shares = (0.0, 0.5, 1.0) if area.height > 60 * unit else (0.0, 1.0) if area.height > 24 * unit else (1.0,)
+        for share in shares:
+            y = bar.bottom - share * bar.height
+            text = prefixed(share * self.content.darkest) if share else "0"
+            place = (bar.right + 3 * unit, min(max(y, bar.top + 6 * unit), bar.bottom - 6 * unit))
+            write(surface, text, place, 13 * unit, tones.muted, align=(0, 0.5))
+
+
+def _shades() -> Array:
+    """(SHADES, 3) colours from 0 to the darkest."""
+    ramp = tones.shades
+    places = np.linspace(0, len(ramp) - 1, SHADES)
+    rows = [mix(ramp[int(p)], ramp[min(int(p) + 1, len(ramp) - 1)], float(p) % 1.0) for p in places]
+    return np.array(rows, dtype=np.uint8)
+
+
+MOST_POINTS = 1500  # of the curve, evenly thinned
+MARGIN = 0.06  # of the axes beyond the values
+LATER = 0.25  # strength of the curve later than the frame shown
+
+
+class PhasePlot(Plot):
+    """The whole history as one curve; its axes reach as far as its values. `values` of the content are (T, 2): y, x."""
+
+    timed = marked = False
+
+    def __init__(self, *arguments: object) -> None:
+        super().__init__(*arguments)  # type: ignore[arg-type]
+        self._seen: tuple[object, ...] = ()
+        self._points = np.zeros((0, 3))  # time, y, x
+
+    def update(self, grown: bool, budget: int) -> int:
+        """Nothing is drawn ahead."""
+        return 0
+
+    @property
+    def complete(self) -> bool:
+        """Nothing is left to be drawn."""
+        return True
+
+    def points(self) -> Array:
+        """(T, 3) time, y and x of the history."""
+        history = self.history
+        seen = (history.branch, history.first, history.last)
+        if seen != self._seen:
+            parts = history_slices(history, self.lane, history.first, history.last, MOST_POINTS)
+            self._points = np.concatenate(
+                [np.column_stack((part.time, self.content.values(part))) for part in parts] or [np.zeros((0, 3))]
+            )
+            self._seen = seen
+        return self._points
+
+    def backdrop(self, surface: pygame.Surface) -> None:
+        """The axes change with the values: nothing stays."""
+
+    def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
+        """Draw axes and curve, strong up to the frame shown, and a marker there."""
+        unit, area, points = self.unit, self.area, self.points()
+        surface.fill(tones.background, self.rect)
+        low, high = (_ends(points[:, column], values[column - 1]) for column in (1, 2))
+        self.axis = Axis("", *low, tuple(scaled_ticks(low)))
+        names = [f"{name}{_factor(ends)}" for name, ends in zip(self.content.names, (low, high), strict=True)]
+        self.write_title(surface, _("{vertical} against {horizontal}", vertical=names[0], horizontal=names[1]))
+
+        def places(rows: Array) -> Array:
+            across = area.left + (rows[:, 1] - high[0]) / (high[1] - high[0]) * area.width
+            return np.column_stack((across, area.top + self.y(rows[:, 0])))
+
+        ticks = scaled_ticks(high)
+        gap = max((width(text, 13 * unit) for _value, text in ticks), default=0.0) + 8 * unit
+        apart = ticks_apart(ticks, area.width / (high[1] - high[0]), gap)
+        labels = [(float(places(np.array([[low[0], value]]))[0, 0]), text) for value, text in apart]
+        for x, _text in labels:
+            surface.fill(tones.grid, (round(x), area.top, 1, area.height))
+        for y in self.write_down(surface):
+            surface.fill(tones.grid, (area.left, round(y), area.width, 1))
+        self.write_across(surface, labels, names[1])
+        colour = self.content.colours[0]
+        known = np.isfinite(points).all(axis=1)
+        for rows, tint in (
+            (points[known & (points[:, 0] >= time)], mix(tones.background, colour, LATER)),
+            (points[known & (points[:, 0] <= time)], colour),
+        ):
+            if len(rows) > 1:
+                pygame.draw.aalines(surface, tint, False, places(rows[:, 1:]).tolist())
+        if np.isfinite(values).all():
+            draw_marker(surface, 0, tuple(places(values[None])[0].tolist()), 3.6 * unit, colour)
+
+
+def exponent_of(ends: tuple[float, float]) -> int:
+    """Exponent of the power of a thousand that labels of an axis leave out; 0 where they are short anyway."""
+    greatest = math.log10(max(map(abs, ends)))
+    return 0 if -2.0 < greatest < 4.0 else 3 * math.floor(greatest / 3.0)
+
+
+def scaled_ticks(ends: tuple[float, float]) -> list[tuple[float, str]]:
+    """(value, label) of an axis, labels without their common power of ten."""
+    size = 10.0 ** exponent_of(ends)
+    return [(value * size, text) for value, text in linear_axis("", ends[0] / size, ends[1] / size).ticks]
+
+
+def _factor(ends: tuple[float, float]) -> str:
+    exponent = exponent_of(ends)
+    return f" {TIMES}{power_of_ten(exponent)}" if exponent else ""
+
+
+def _ends(values: Array, present: float) -> tuple[float, float]:
+    """Ends of an axis on which all values are."""
+    known = values[np.isfinite(values)]
+    low = float(min(known.min(initial=np.inf), present if np.isfinite(present) else np.inf))
+    high = float(max(known.max(initial=-np.inf), present if np.isfinite(present) else -np.inf))
+    if not np.isfinite(low) or low == high:
+        middle = low if np.isfinite(low) else 0.0
+        half = 0.5 * abs(middle) or 1.0
+        return middle - half, middle + half
+    margin = MARGIN * (high - low)
+    return low - margin, high + margin

@@ -1,0 +1,151 @@
+"""Widgets that pygame_gui lacks: a slider that is clicked and stepped, a line to type in that has a name, icons."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import pygame
+from pygame_gui.elements import UIHorizontalSlider, UITextEntryLine
+from softcradle.sandbox.draw.palette import Colour
+from softcradle.sandbox.draw.surface_cache import cached_surfaces
+from softcradle.sandbox.draw.text import shortened, wrapped, write
+
+STEP = 0.01  # of the range, for an arrow key
+PAGE = 0.1  # of the range, for Page Up and Page Down
+KEYS = {
+    pygame.K_LEFT: -STEP,
+    pygame.K_DOWN: -STEP,
+    pygame.K_RIGHT: STEP,
+    pygame.K_UP: STEP,
+    pygame.K_PAGEDOWN: -PAGE,
+    pygame.K_PAGEUP: PAGE,
+    pygame.K_HOME: -1.0,
+    pygame.K_END: 1.0,
+}
+
+
+class Slider(UIHorizontalSlider):
+    """A slider from 0 to 1; its `name` is for screen readers."""
+
+    name = ""
+
+    def process_event(self, event: pygame.Event) -> bool:
+        """A press on the track takes the button there; it can then be dragged on."""
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1 and self.is_enabled:
+            button, point = self.sliding_button, self.ui_manager.calculate_scaled_mouse_position(event.pos)
+            if button is not None and self.rect.collidepoint(point) and not button.rect.collidepoint(point):
+                track = max(1, self.rect.width - button.rect.width)
+                self._move_to((point[0] - self.rect.left - button.rect.width / 2) / track)
+                button.hovered = True
+                return bool(button.process_event(event))
+        return bool(super().process_event(event))
+
+    def move_by(self, step: float) -> None:
+        """Move by a part of the range, as the arrow keys do."""
+        self._move_to(self.get_current_value() + step)
+
+    def _move_to(self, share: float) -> None:
+        self.set_current_value(min(max(share, 0.0), 1.0), warn=False)
+        self.rebuild_button()
+        self._update_data_and_fire_events_when_moved()
+
+    def rebuild_button(self) -> None:
+        """Put the button where the value is, at once."""
+        self.scroll_position = round(self.current_percentage * self.scrollable_width)
+        if self.sliding_button is not None:
+            self.sliding_button.set_relative_position((self.scroll_position + self.arrow_button_width, 0))
+
+
+class TextEntry(UITextEntryLine):
+    """A line to type in; its `name` is for screen readers."""
+
+    name = ""
+
+
+Point = tuple[float, float]
+Shape = Sequence[Sequence[Point]]
+
+# Polygons on a square from -1 to 1.
+_BAR_LEFT: Sequence[Point] = ((-0.9, -0.9), (-0.62, -0.9), (-0.62, 0.9), (-0.9, 0.9))
+SHAPES: dict[str, Shape] = {
+    "play": (((-0.7, -1.0), (1.0, 0.0), (-0.7, 1.0)),),
+    "pause": (
+        ((-0.8, -0.9), (-0.2, -0.9), (-0.2, 0.9), (-0.8, 0.9)),
+        ((0.2, -0.9), (0.8, -0.9), (0.8, 0.9), (0.2, 0.9)),
+    ),
+    "back": (((0.3, -0.9), (-1.0, 0.0), (0.3, 0.9)), ((0.55, -0.9), (0.9, -0.9), (0.9, 0.9), (0.55, 0.9))),
+    "forward": (((-0.3, -0.9), (1.0, 0.0), (-0.3, 0.9)), ((-0.55, -0.9), (-0.9, -0.9), (-0.9, 0.9), (-0.55, 0.9))),
+    "first": (_BAR_LEFT, ((0.15, -0.9), (-0.6, 0.0), (0.15, 0.9)), ((0.95, -0.9), (0.2, 0.0), (0.95, 0.9))),
+    "fit": (
+        ((-1.0, 0.0), (-0.45, -0.5), (-0.45, 0.5)),
+        ((1.0, 0.0), (0.45, -0.5), (0.45, 0.5)),
+        ((-0.3, -0.25), (0.3, -0.25), (0.3, 0.25), (-0.3, 0.25)),
+    ),
+    "last": (
+        ((0.9, -0.9), (0.62, -0.9), (0.62, 0.9), (0.9, 0.9)),
+        ((-0.15, -0.9), (0.6, 0.0), (-0.15, 0.9)),
+        ((-0.95, -0.9), (-0.2, 0.0), (-0.95, 0.9)),
+    ),
+}
+
+
+def _restart(fine: pygame.Surface, colour: Colour, centre: Point, size: float) -> None:
+    """An arrow along a circle."""
+    box = pygame.Rect(0, 0, round(1.7 * size), round(1.7 * size))
+    box.center = (round(centre[0]), round(centre[1]))
+    pygame.draw.arc(fine, colour, box, 0.9, 6.6, max(2, round(0.26 * size)))
+    x, y = box.right - 0.30 * size, box.top + 0.42 * size
+    pygame.draw.polygon(
+        fine, colour, [(x - 0.75 * size, y), (x + 0.35 * size, y + 0.1 * size), (x + 0.15 * size, y - 0.8 * size)]
+    )
+
+
+_DRAWN: dict[str, Callable[[pygame.Surface, Colour, Point, float], None]] = {"restart": _restart}
+
+
+@cached_surfaces(1)
+def icon(name: str, size: int, colour: Colour) -> pygame.Surface:
+    """The icon `name`, `size` pixels wide and high, on a transparent surface."""
+    fine = pygame.Surface((4 * size, 4 * size), pygame.SRCALPHA, 32)
+    fine.fill((*colour, 0))
+    half = 2.0 * size
+    if name in _DRAWN:
+        _DRAWN[name](fine, colour, (half, half), 0.92 * half)
+    else:
+        for polygon in SHAPES[name]:
+            pygame.draw.polygon(fine, colour, [(half * (1 + 0.92 * x), half * (1 + 0.92 * y)) for x, y in polygon])
+    return pygame.transform.smoothscale(fine, (size, size))
+
+
+def draw_icon(surface: pygame.Surface, name: str, centre: Point, size: float, colour: Colour) -> None:
+    """Draw it about `centre`."""
+    image = icon(name, max(6, round(size)), colour)
+    surface.blit(image, image.get_rect(center=(round(centre[0]), round(centre[1]))))
+
+
+def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: float, tint: Colour) -> float:
+    """Write the lines of `text` for which `rect` has room, with an ellipsis where there are more; returns where they end."""
+    lines, pitch = wrapped(text, size, rect.width), 1.4 * size
+    room = max(0, int(rect.height // pitch))
+    for k, line in enumerate(lines[:room]):
+        shown = shortened(f"{line} …", size, rect.width) if k == room - 1 < len(lines) - 1 else line
+        write(surface, shown, (rect.left, rect.top + k * pitch), size, tint)
+    return rect.top + pitch * min(room, len(lines))
+
+
+def split(rect: pygame.Rect, sizes: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:
+    """Rectangles side by side in `rect`, `sizes` wide and `gap` apart [design pixels]; those of size 0 share what is left."""
+    spare = rect.width - unit * (sum(sizes) + gap * (len(sizes) - 1))
+    share = max(0.0, spare / max(1, list(sizes).count(0)))
+    found, x = [], float(rect.left)
+    for size in sizes:
+        wide = size * unit or share
+        found.append(pygame.Rect(round(x), rect.top, round(wide), rect.height))
+        x += wide + gap * unit
+    return found
+
+
+def stack(rect: pygame.Rect, heights: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:
+    """Rectangles below each other in `rect`, likewise."""
+    turned = split(pygame.Rect(rect.top, rect.left, rect.height, rect.width), heights, unit, gap)
+    return [pygame.Rect(one.top, one.left, one.height, one.width) for one in turned]
