@@ -213,7 +213,9 @@ def _chosen(setting: PlotSetting) -> PlotContent:
 
     title = _("{vertical} against {horizontal}", vertical=vertical.label, horizontal=horizontal.label)
     names = vertical.label, horizontal.label
-    return PlotContent(title, linear_axis("", 0.0, 1.0), names, (tones.accent, tones.accent), both)
+    place = vertical.index + (vertical.quantity.owner == CONTACT)  # curves have the colour of their bead or contact
+    colour = tones.accent if vertical.quantity.owner == CHAIN else setting.colours[min(place, len(setting.colours) - 1)]
+    return PlotContent(title, linear_axis("", 0.0, 1.0), names, (colour, colour), both)
 
 
 def _velocity(motion: Motion) -> Array:
