@@ -31,9 +31,9 @@ LEAST_PROMISED = 1e-11
 def checked(problem: Problem, record: Record, scale: float, complete: Callable[[Problem], Record]) -> Record:
     """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
 
-    The other run is a coarser one, which takes the fewest steps: where it ends within what is promised of the record, the latter
-    is off by less by far. Where it does not, finer ones decide. `scale` is the velocity [m/s] that the tolerance is relative to;
-    `complete` runs a problem by the same method.
+    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record, the
+    latter is off by less than that, as a rule by far. Where it does not, finer ones decide. `scale` is the velocity [m/s] that
+    the tolerance is relative to; `complete` runs a problem by the same method.
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
@@ -43,7 +43,7 @@ def checked(problem: Problem, record: Record, scale: float, complete: Callable[[
     coarser = complete(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
     apart = np.abs(coarser.end.velocity(problem.chain) - record.end.velocity(problem.chain))
     promised = FINER * max(problem.tolerance, LEAST_PROMISED) * scale
-    if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= promised:
+    if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record, scale, complete), coarser)
     return replace(_with_cost_of(record, coarser), velocity_error=DOUBT * apart + confirmed_error(record))
 

@@ -47,7 +47,6 @@ STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle
 SIZES = ((1280, 720), (800, 600), (1000, 600), (1600, 900))
 TEXTS = ("1", "0.1", "1e-3", "250", "-2", "0", "nan", "1e99", "x", "")
 LEAVING = (pygame.WINDOWFOCUSLOST, pygame.WINDOWMINIMIZED, pygame.WINDOWRESTORED, pygame.WINDOWFOCUSGAINED)
-ENDS = (pygame.K_RETURN, pygame.K_TAB, pygame.K_UP, pygame.K_DOWN, pygame.K_ESCAPE)  # of what is typed into a cell
 REBUILDS = 20  # of which one collects garbage, which takes half of their time
 
 
@@ -177,25 +176,6 @@ class WindowMachine(RuleBasedStateMachine):
         self.driver.type(text)
         if enter:
             self.driver.key(pygame.K_RETURN)
-
-    @rule(
-        number=st.integers(0, 60),
-        texts=st.lists(st.sampled_from(TEXTS), min_size=1, max_size=4),
-        key=st.sampled_from(ENDS),
-    )
-    def type_into_cells(self, number: int, texts: list[str], key: int) -> None:
-        """Type into a cell of the tables of values, and on into others."""
-        page = self.driver.app.page
-        if self.down or not isinstance(page, ScenePage):
-            return
-        if not page.tools.covers_plots:
-            self.driver.key(pygame.K_t)
-        cells = page.tools.values.shown()
-        if cells:
-            self.driver.click(cells[number % len(cells)][1].center)
-        for text in texts:
-            self.driver.type(text)
-            self.driver.key(key)
 
     @rule(file=st.sampled_from(("bad.toml", "track.csv", "camera.png")))
     def drop_file(self, file: str) -> None:

@@ -147,9 +147,9 @@ def test_the_more_errors_grow_the_more_runs_confirm(growth: float, taken: list[f
     assert found == pytest.approx(taken)
 
 
-@pytest.mark.parametrize("apart", [9e-6, 2e-5])
+@pytest.mark.parametrize("apart", [4e-6, 6e-6])
 def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float) -> None:
-    """It is off by ten tolerances at the most where the record is within what is promised; else finer runs decide."""
+    """It ends within five tolerances where the record is within the ten that are promised; else finer runs decide."""
     chain = one_on(2, hertz(1.0))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
     first, tolerances = replace(completed(problem), growth=100.0), []
@@ -161,8 +161,8 @@ def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float) -> Non
         return replace(first, end=end)
 
     found = checked(problem, first, 1.0, another)
-    assert tolerances == pytest.approx([1e-5] if apart < 1e-5 else [1e-5, 1e-7])
-    assert (found.velocity_error > apart).all() == (apart < 1e-5)
+    assert tolerances == pytest.approx([1e-5] if apart < 5e-6 else [1e-5, 1e-7])
+    assert (found.velocity_error > apart).all() == (apart < 5e-6)
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])

@@ -12,7 +12,7 @@ from softcradle.sandbox.sweeps import run_sweep
 from softcradle.sandbox.sweeps.chunk_work import Work, lost
 from softcradle.sandbox.sweeps.measure_table import MEASURES
 from softcradle.sandbox.sweeps.study_file import load_study
-from softcradle.sandbox.user_error import POINTS_LOST, StudyError
+from softcradle.sandbox.user_error import POINTS_LOST
 
 from tests.helpers.paths import ROOT
 
@@ -181,9 +181,3 @@ def test_without_the_extra_it_is_a_sentence(tmp_path):
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr.endswith("needs zarr, which is not installed: pip install 'softcradle[sweep]'\n")
-
-
-def test_a_study_of_auto_is_refused(tmp_path):
-    (tmp_path / "study.toml").write_text(changed("[set]", '[set]\nmethod = "auto"').replace("tolerance = 1e-4\n", ""))
-    with pytest.raises(StudyError, match=r"study.toml: .* depends on the machine"):
-        load_study(str(tmp_path / "study.toml"))
