@@ -287,8 +287,8 @@ def _compute_missing(
         if place is None and alike and not store.died:
             with store.trying():
                 schedule.run(Here(work), TRIED_HERE)
-            if schedule.seconds_left < WORTH_PROCESSES:
-                place = Here(work)
+                if schedule.seconds_left < WORTH_PROCESSES:
+                    schedule.run(Here(work))
         if schedule.left:
             place = place or processes_or_threads(work, workers)
             schedule.run(place)

@@ -161,7 +161,7 @@ LEFT, RIGHT, TOP, BOTTOM = 44.0, 30.0, 22.0, 22.0  # design pixels around the ax
 THICKNESS = 2.0  # design pixels of a curve
 POINTS_A_COLUMN = 3  # frames of the history that a column of pixels takes, where there are more
 SMOOTH_TURN = 0.97  # cosine of the largest turn of a curve that is drawn without a round joint
-LINE = 13.0  # design pixels between labels, and between names that are written
+LINE = 14.0  # design pixels between labels, and between names that are written
 MOST_MARKED = 10  # curves that have a marker at the cursor
 VEIL_OPACITY = 150  # of 255, over what is later than the cursor
 
@@ -333,10 +333,10 @@ class Plot:
         for k in range(count - 1, -1, -1):
             if 0.0 <= heights[k] <= area.height:
                 draw_marker(surface, k, (x + 0.5, area.top + heights[k] + 0.5), 3.4 * unit, colours[k])
-        places = spread(heights, 14.0 * unit, 2.0 * unit, area.height - 4.0 * unit)
+        places = spread(heights, LINE * unit, 2.0 * unit, area.height - 4.0 * unit)
         written = -math.inf  # where the last name is; where there is no room, markers stand alone
         for k, y in sorted(enumerate(places), key=lambda pair: pair[1]):
-            if y >= written + LINE * unit:
+            if y >= written + LINE * unit - 1e-6:
                 written, place = y, (x + 16 * unit, area.top + y)
                 draw_marker(surface, k, (x + 10 * unit, place[1]), 3.4 * unit, colours[k])
                 write(surface, self.content.names[k], place, 13 * unit, tones.foreground, align=(0, 0.5))

@@ -131,7 +131,9 @@ class Inspector:
             (pgettext("button", name), partial(self.editor.apply, SetKind(pick.lane, pick.index, kind)), tip)
             for kind, name in KIND_NAMES.items()
         ]
-        self._row(y, row, style="#chip")[list(KIND_NAMES).index(present)].select()
+        buttons = self._row(y, row, style="#chip")
+        if present in KIND_NAMES:
+            buttons[list(KIND_NAMES).index(present)].select()
 
     def _make_contact_buttons(self, pick: Pick, y: float) -> None:
         locked = self.session.lanes[pick.lane].setup.locked[pick.index] is not None

@@ -18,6 +18,7 @@ from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError, reason
+from softcradle.sandbox.window.dialog import MARGIN, WIDTH, shortened_path
 from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.window_page import Host
 
@@ -224,7 +225,11 @@ class SaveDialogs:
         """Ask for the path of a kind of file."""
         saving = self.savings[name]
         proposed = str(free_path(self.title, saving.proposed))
-        note = _("{note}, in {folder}", note=_(saving.note), folder=shown_path(Path()))
+        unit = self.host.unit
+        folder = shortened_path(
+            shown_path(Path()), 16 * unit, (WIDTH - 2 * MARGIN) * unit
+        )  # it has no place to wrap at
+        note = _("{note}, in {folder}", note=_(saving.note), folder=folder)
         self.host.ask(_(saving.title), note, proposed, partial(self.save, name))
 
     def save(self, name: str, text: str) -> None:
