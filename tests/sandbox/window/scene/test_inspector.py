@@ -157,3 +157,13 @@ def test_the_kind_of_a_contact_says_what_its_law_is(driver: Driver) -> None:
     driver.frames(2)
     lit = [button.text for button in driver.page.inspector.buttons if button.is_selected]
     assert lit == ["alpha ≥ 1"]
+
+
+def test_a_coupler_is_of_none_of_the_kinds() -> None:
+    """Wagons are coupled: none of the three kinds is lit, and the buttons are there."""
+    driver = Driver("train-starting")
+    driver.page.editor.selection = Pick(0, "contact", 1)
+    driver.frames(2)
+    assert driver.page.inspector.buttons
+    assert not [button.text for button in driver.page.inspector.buttons if button.is_selected]
+    driver.close()
