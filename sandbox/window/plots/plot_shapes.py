@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
-from softcradle.sandbox.window.plots.live_plots import THICKNESS, Plot, draw_curves
+from softcradle.sandbox.window.plots.live_plots import RIGHT, THICKNESS, Plot, draw_curves
 
 
 class DifferencePlot(Plot):
@@ -131,7 +131,8 @@ class StripPlot(Plot):
         for share in shares:
             y = bar.bottom - share * bar.height
             text = prefixed(share * self.content.darkest) if share else "0"
-            place = (bar.right + 3 * unit, min(max(y, bar.top + 6 * unit), bar.bottom - 6 * unit))
+            left = min(bar.right + 3 * unit, area.right + (RIGHT + 12) * unit - width(text, 13 * unit))
+            place = (left, min(max(y, bar.top + 6 * unit), bar.bottom - 6 * unit))
             write(surface, text, place, 13 * unit, tones.muted, align=(0, 0.5))
 
 
