@@ -275,15 +275,19 @@ class Plot:
         """Draw the title and the labels of the vertical axis."""
         title = self.content.title
         for end in (" · ", ": "):  # the name of the lane, then what explains the title
-            if width(title, 13 * self.unit) > self.area.width + 20 * self.unit:
+            if width(title, 13 * self.unit) > self.title_room():
                 title = title.split(end)[0]
         self.write_title(surface, title)
         self.write_down(surface)
 
+    def title_room(self) -> float:
+        """How wide a title may be; pixels."""
+        return self.area.width + 20 * self.unit
+
     def write_title(self, surface: pygame.Surface, title: str) -> None:
         """Write what is shown above the axes."""
         unit, area = self.unit, self.area
-        title = shortened(title, 13 * unit, area.width + 20 * unit)
+        title = shortened(title, 13 * unit, self.title_room())
         write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
 
     def write_down(self, surface: pygame.Surface) -> list[float]:

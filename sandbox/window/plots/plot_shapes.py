@@ -127,13 +127,16 @@ class StripPlot(Plot):
         column = pygame.surfarray.make_surface(np.broadcast_to(shades[rows], (bar.width, bar.height, 3)))
         surface.blit(column, bar)
         pygame.draw.rect(surface, tones.faint, bar, 1)
-        shares = (0.0, 0.5, 1.0) if area.height > 60 * unit else (0.0, 1.0) if area.height > 24 * unit else (1.0,)
-        for share in shares:
-            y = bar.bottom - share * bar.height
-            text = prefixed(share * self.content.darkest) if share else "0"
-            left = min(bar.right + 3 * unit, area.right + (RIGHT + 12) * unit - width(text, 13 * unit))
-            place = (left, min(max(y, bar.top + 6 * unit), bar.bottom - 6 * unit))
-            write(surface, text, place, 13 * unit, tones.muted, align=(0, 0.5))
+        end = area.right + (RIGHT + 8) * unit  # before the edge of the panel
+        write(surface, self._darkest(), (end, area.top - 4 * unit), 13 * unit, tones.muted, align=(1, 1))
+        write(surface, "0", (bar.right + 3 * unit, bar.bottom - 6 * unit), 13 * unit, tones.muted, align=(0, 0.5))
+
+    def title_room(self) -> float:
+        """How wide a title may be beside the number of the scale; pixels."""
+        return self.area.width + RIGHT * self.unit - width(self._darkest(), 13 * self.unit)
+
+    def _darkest(self) -> str:
+        return prefixed(self.content.darkest)
 
 
 def _shades() -> Array:
