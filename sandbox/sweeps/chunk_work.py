@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import lru_cache
 from time import perf_counter
 from typing import Any
 
@@ -24,7 +25,7 @@ Array = NDArray[np.float64]
 
 TRIED = 8  # points of a chunk that run side by side, and as many alone, before the rest runs as was faster
 AT_ONCE = 64  # points that run side by side between two looks at the clock
-STATUS, WARNED = ":status", ":warned"  # columns beside the measures, by names that none of these has
+STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
 
 
@@ -56,16 +57,19 @@ class Chunk:
 
     Attributes:
         begin, end: their numbers.
-        columns: arrays (end - begin, ...) by the name of a measure, nan where there is no number; STATUS, WARNED.
-        reasons: what went wrong, by number of the point.
+        columns: arrays (end - begin, ...) by the name of a measure, nan where there is no number; STATUS, WARNED, REASON.
         seconds: what it took.
     """
 
     begin: int
     end: int
     columns: dict[str, NDArray[Any]]
-    reasons: dict[int, str]
     seconds: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """How many points it has."""
+        return self.end - self.begin
 
 
 @dataclass(frozen=True)
@@ -196,11 +200,10 @@ def stacked(arrays: Sequence[Array | None]) -> Array:
         raise StudyError("a measure is a number at one point and a list at another")
     shape = np.max([array.shape for array in given], axis=0).astype(int) if given and given[0].ndim else ()
     found = np.full((len(arrays), *shape), np.nan)
-    for row, array in zip(found, arrays, strict=True) if len(shape) else ():
+    for row, array in enumerate(arrays):
         if array is not None:
-            row[tuple(slice(0, length) for length in array.shape)] = array
-    if not len(shape):
-        found[:] = [np.nan if array is None else float(array) for array in arrays]
+            places: tuple[Any, ...] = (row, *(slice(0, length) for length in array.shape))
+            found[places] = array
     return found
 
 
@@ -212,8 +215,24 @@ def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chu
     }
     columns[STATUS] = np.array([outcome.status for outcome in outcomes], dtype=np.int8)
     columns[WARNED] = np.array([outcome.warned for outcome in outcomes], dtype=np.int32)
-    reasons = {begin + k: outcome.reason for k, outcome in enumerate(outcomes) if outcome.reason}
-    return Chunk(begin, begin + len(outcomes), columns, reasons, seconds)
+    columns[REASON] = np.array([outcome.reason for outcome in outcomes], dtype=str)
+    return Chunk(begin, begin + len(outcomes), columns, seconds)
+
+
+def merged(chunks: Sequence[Chunk], count: int) -> Chunk:
+    """All chunks, in the order of their points, as one. Raises StudyError where a measure is a number here and a list there."""
+    columns: dict[str, NDArray[Any]] = {}
+    for name in dict.fromkeys(name for chunk in chunks for name in chunk.columns):
+        found = [chunk.columns.get(name) for chunk in chunks]
+        shapes = {None if column is None else column.shape[1:] for column in found}
+        if len(shapes) == 1:
+            columns[name] = np.concatenate(found)  # type: ignore[arg-type]
+        else:
+            rows = zip(chunks, found, strict=True)
+            columns[name] = stacked(
+                [row for c, column in rows for row in ([None] * c.count if column is None else column)]
+            )
+    return Chunk(0, count, columns)
 
 
 def lost(begin: int, times: int) -> Chunk:
@@ -221,6 +240,7 @@ def lost(begin: int, times: int) -> Chunk:
     return packed(begin, [Outcome({}, PointStatus.LOST, 0, f"the process that computed it died, {times} times")])
 
 
+@lru_cache(maxsize=1)
 def current_versions() -> dict[str, str]:
     """Versions of all that the numbers of a sweep depend on."""
     import scipy
@@ -233,19 +253,10 @@ def current_versions() -> dict[str, str]:
 
 def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
     """A chunk, in another process, where everything has the same version as here. Raises StudyError."""
-    own = _own_versions()
+    own = current_versions()
     for name, wanted in work.versions.items():
         if own[name] != wanted:
             raise StudyError(
                 f"a worker has {name} {own[name]}, but the sweep was begun with {wanted}: install the same there"
             )
     return work.compute(begin, end, seconds)
-
-
-_versions: dict[str, str] = {}
-
-
-def _own_versions() -> dict[str, str]:
-    if not _versions:
-        _versions.update(current_versions())
-    return _versions

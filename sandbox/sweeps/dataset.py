@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.extras import needed_for
-from softcradle.sandbox.sweeps.chunk_work import STATUS, WARNED, Chunk, PointStatus
+from softcradle.sandbox.sweeps.chunk_work import REASON, STATUS, WARNED, Chunk, PointStatus
 from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.user_error import StudyError
@@ -50,12 +50,16 @@ def dataset_of(
     for name, dimensions in inner.items():
         for dimension, length in zip(dimensions, chunk.columns[name].shape[1:], strict=True):
             sizes[dimension] = max(length, sizes.get(dimension, 0))
-    reasons = np.array([chunk.reasons.get(k, "") for k in range(points.count)], dtype=object)
-    variables = {"reason": (points.dimensions, _shaped(reasons, points), {"long_name": REASON})}
+    variables = {}
     for name, column in chunk.columns.items():
-        whole = _padded(column, [sizes[dimension] for dimension in inner[name]])
-        told = _attributes(name, known.get(name), units)
-        variables[name.removeprefix(":")] = (*points.dimensions, *inner[name]), _shaped(whole, points), told
+        beyond = [
+            (0, sizes[dimension] - length) for dimension, length in zip(inner[name], column.shape[1:], strict=True)
+        ]
+        whole = np.pad(column, [(0, 0), *beyond], constant_values=np.nan) if any(map(any, beyond)) else column
+        whole = whole.reshape(*points.shape, *whole.shape[1:])
+        told = OWN_COLUMNS.get(name) or _attributes(name, known.get(name), units)
+        values = whole.astype(object) if name == REASON else whole
+        variables[name.removeprefix(":")] = (*points.dimensions, *inner[name]), values, told
     coordinates: dict[str, Any] = {name: np.arange(sizes[name]) for name in ("bead", "contact") if name in sizes}
     if "lane" in sizes:
         coordinates["lane"] = np.array([*lanes], dtype=object)
@@ -63,7 +67,17 @@ def dataset_of(
 
 
 RESERVED = ("status", "warned", "reason")  # variables beside the measures
-REASON = 'what went wrong; "" where nothing did'
+OWN_COLUMNS: dict[str, dict[str, Any]] = {
+    STATUS: {
+        "long_name": "what became of the point",
+        "flag_values": np.array(
+            [status.value for status in PointStatus], dtype=np.int8
+        ),  # by the conventions for flags
+        "flag_meanings": " ".join(status.name.lower() for status in PointStatus),
+    },
+    WARNED: {"long_name": "number of warnings"},
+    REASON: {"long_name": 'what went wrong; "" where nothing did'},
+}
 
 
 def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -> tuple[str, ...]:
@@ -75,26 +89,7 @@ def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -
 
 
 def _attributes(name: str, own: Measure | None, units: Mapping[str, str]) -> dict[str, Any]:
-    if name == STATUS:  # by the conventions for flags
-        codes = np.array([status.value for status in PointStatus], dtype=np.int8)
-        words = " ".join(status.name.lower() for status in PointStatus)
-        return {"long_name": "what became of the point", "flag_values": codes, "flag_meanings": words}
-    if name == WARNED:
-        return {"long_name": "number of warnings"}
     return {"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")}
-
-
-def _padded(column: NDArray[Any], inner: Sequence[int]) -> NDArray[Any]:
-    """(N, ...) the column with nan beyond the numbers that there are."""
-    if column.shape[1:] == tuple(inner):
-        return column
-    whole = np.full((len(column), *inner), np.nan)
-    whole[(slice(None), *(slice(0, length) for length in column.shape[1:]))] = column
-    return whole
-
-
-def _shaped(column: NDArray[Any], points: Points) -> NDArray[Any]:
-    return column.reshape(*points.shape, *column.shape[1:])
 
 
 def _axis_coordinates(points: Points) -> dict[str, Any]:
@@ -108,9 +103,27 @@ def _axis_coordinates(points: Points) -> dict[str, Any]:
     return found
 
 
+def checked_output(output: str | Path | None) -> Path | None:
+    """The path of the output. Raises StudyError where nothing can be written there."""
+    if output is None:
+        return None
+    path = Path(output)
+    if path.suffix not in KINDS:
+        raise StudyError(f"the output of a sweep must end in {' or '.join(KINDS)}, not {str(output)!r}")
+    if not path.absolute().parent.is_dir():
+        raise StudyError(f"cannot write {path}: there is no folder {path.absolute().parent}")
+    with needed_for(f"a sweep that is kept as {path.suffix}", "sweep"):
+        if path.suffix == ".zarr":
+            import zarr  # noqa: F401
+        else:
+            import h5netcdf  # noqa: F401
+    return path
+
+
 def write_dataset(found: xr.Dataset, path: Path) -> None:
-    """Write a Dataset whole or not at all. Raises OSError."""
+    """Write a Dataset whole or not at all, in place of what is there. Raises OSError."""
     if path.suffix == ".zarr":
+        shutil.rmtree(path, ignore_errors=True)
         with output_folder(path) as temporary:  # in the second format: the third has no texts that other programs read
             found.to_zarr(temporary, mode="w", zarr_format=2, consolidated=True)
         return
@@ -120,13 +133,23 @@ def write_dataset(found: xr.Dataset, path: Path) -> None:
         found.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
 
 
-def open_dataset(path: Path) -> xr.Dataset:
-    """The Dataset in a file; its numbers are read when they are asked for."""
+def opened_dataset(path: Path, study: str) -> xr.Dataset:
+    """The Dataset in a file; its numbers are read when they are asked for. Raises StudyError where it is of another study."""
     with needed_for("a sweep", "sweep"):
         import xarray as xr
-    if path.suffix == ".zarr":
-        return xr.open_zarr(path, chunks=None, consolidated=True, decode_timedelta=False)
-    return xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False)
+    try:
+        if path.suffix == ".zarr":
+            found = xr.open_zarr(path, chunks=None, consolidated=True, decode_timedelta=False)
+        else:
+            found = xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False)
+    except (OSError, ValueError, KeyError) as error:
+        raise StudyError(
+            f"{path} is there and cannot be read ({type(error).__name__}): give another output, or begin afresh"
+        ) from None
+    if found.attrs.get("study") != study:
+        found.close()
+        raise StudyError(f"{path} holds another study, or one by another version: give another output, or begin afresh")
+    return found
 
 
 def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:

@@ -7,33 +7,19 @@ import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from softcradle.physics.compile_log import log_compilation
-from softcradle.physics.ensemble_runs import cores
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
-from softcradle.sandbox.sweeps.chunk_work import STATUS, WARNED, Chunk, Outcome, PointStatus, Work
-from softcradle.sandbox.sweeps.dataset import KINDS, dataset_of, lost_points, open_dataset, write_dataset
-from softcradle.sandbox.sweeps.executors import (
-    PATIENCE,
-    Callers,
-    ChunkSchedule,
-    Dask,
-    Here,
-    Pool,
-    Processes,
-    Where,
-    check_places,
-    processes_or_threads,
-    threads,
-)
+from softcradle.sandbox.sweeps.chunk_work import REASON, STATUS, WARNED, Chunk, Outcome, PointStatus, Work, merged
+from softcradle.sandbox.sweeps.dataset import checked_output, dataset_of, lost_points, opened_dataset, write_dataset
+from softcradle.sandbox.sweeps.executors import ChunkSchedule, Place, Where, here, place_of, processes_or_threads
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
-from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, merged, partial_folder, study_in
+from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, partial_folder, study_in
 from softcradle.sandbox.sweeps.study_text import lanes_of, study_text, sweep_work
 from softcradle.sandbox.user_error import StudyError, reason
 
@@ -65,7 +51,6 @@ def sweep(
     fresh: bool = False,
     progress: Progress | None = None,
     chunk_seconds: float = 1.0,
-    patience: float = PATIENCE,
 ) -> xr.Dataset:
     """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Extra [sweep].
 
@@ -104,8 +89,6 @@ def sweep(
         Called with ("points" or "writing", done, all).
     chunk_seconds : float, optional
         Wanted work of one chunk [s].
-    patience : float, optional
-        For how long a Dask scheduler that went away is waited for [s].
 
     Returns
     -------
@@ -121,39 +104,29 @@ def sweep(
         import xarray  # noqa: F401  # before the work, not after it
     points = over if isinstance(over, Points) else grid(over)
     work = sweep_work(what, points, measures)
-    path, study = _checked_output(output), study_text(work, title)
+    path, study = checked_output(output), study_text(work, title)
     if path is not None and path.exists() and not fresh:
-        return _complete(path, study)
+        LOGGER.info("%s is complete: nothing to compute", path)
+        return opened_dataset(path, study)
     with opened(path, study, fresh) as store:
-        _compute_missing(
-            work, store, _place(work, executor, scheduler, workers, patience), workers, progress, chunk_seconds
-        )
+        place = place_of(work, executor, scheduler, workers)
+        _compute_missing(work, store, place, workers, progress, chunk_seconds)
+        tell = progress or _untold
+        tell("writing", 0, points.count)
         own = [measure for measure in work.measures if isinstance(measure, Measure)]
-        attributes = {"title": title or lanes_of(work)[1], **work.versions, "study": study, "digest": _digest(study)}
-        told = _telling(progress, "writing", points.count, 0)
+        digest = hashlib.sha256(study.encode()).hexdigest()[:16]
+        attributes = {"title": title or lanes_of(work)[1], **work.versions, "study": study, "digest": digest}
         whole = merged(store.chunks(), points.count)
         found = dataset_of(whole, points, lanes_of(work)[0], own, units or {}, attributes)
         if path is not None:
-            _write(found, path, fresh, store)
-        told(points.count)
+            try:
+                write_dataset(found, path)
+            except OSError as error:
+                told_where = f"the points are kept in {store.folder}"
+                raise StudyError(f"cannot write {path}: {reason(error)}; {told_where}") from None
+        tell("writing", points.count, points.count)
         store.remove()
-    return found if path is None else open_dataset(path)
-
-
-@dataclass(frozen=True)
-class SweepStatus:
-    """How far a sweep is.
-
-    Attributes:
-        done, count: points that are computed, and all.
-        lost: how many of a complete one no process survived.
-        sentence: all that, and where it is.
-    """
-
-    done: int
-    count: int
-    lost: int
-    sentence: str
+    return found if path is None else opened_dataset(path, study)
 
 
 def sweep_status(
@@ -162,25 +135,28 @@ def sweep_status(
     measures: Sequence[str | Measure],
     output: str | Path,
     title: str = "",
-) -> SweepStatus:
-    """How far the sweep of these arguments is, see `sweep`; nothing is computed. Raises StudyError."""
+) -> tuple[int, str]:
+    """How many points of a complete sweep no process survived, and a sentence of how far the sweep of these arguments is.
+
+    See `sweep`; nothing is computed. Raises StudyError.
+    """
     points, path = over if isinstance(over, Points) else grid(over), Path(output)
     study, folder, count = study_text(sweep_work(what, points, measures), title), partial_folder(path), points.count
     if path.exists():
-        with _complete(path, study) as found:
+        with opened_dataset(path, study) as found:
             lost = lost_points(found)
         told = f", {lost} of them lost: every process that computed them died" if lost else ""
-        return SweepStatus(count, count, lost, f"complete, {count} points are in {path}{told}")
+        return lost, f"complete, {count} points are in {path}{told}"
     known = study_in(folder)
     if known is None:
-        return SweepStatus(0, count, 0, f"not begun, none of {count} points is computed")
+        return 0, f"not begun, none of {count} points is computed"
     if known != study:
         raise StudyError(f"{folder} was begun for another study, or by another version")
     done, lock = sum(end - begin for begin, end in kept_ranges(folder)), locked(folder)
     if lock is not None:
         lock.close()
     busy = "no sweep is at it, the same command goes on" if lock is not None else "a sweep is at it"
-    return SweepStatus(done, count, 0, f"{done} of {count} points are in {folder}, and {busy}")
+    return 0, f"{done} of {count} points are in {folder}, and {busy}"
 
 
 def map_points(
@@ -214,14 +190,13 @@ def map_points(
     fresh = kept is not None and study_in(partial_folder(kept)) not in (None, study)
     with opened(kept, study, fresh) as store:
 
-        def keep(chunk: Chunk) -> None:
+        def take(chunk: Chunk) -> None:
             _refuse_broken(chunk, points)
-            store.keep(chunk)
             for k, row in enumerate(_rows(chunk) if each is not None else (), chunk.begin):
                 each(k, row)  # type: ignore[misc]
 
-        place = _place(work, executor, None, workers, PATIENCE)
-        _compute_missing(work, store, place, workers, progress, chunk_seconds, alike, keep)
+        place = place_of(work, executor, None, workers)
+        _compute_missing(work, store, place, workers, progress, chunk_seconds, alike, take)
         return [row for chunk in store.chunks() for row in _rows(chunk)]
 
 
@@ -231,64 +206,54 @@ def drop_kept(kept: Path) -> None:
 
 
 def _rows(chunk: Chunk) -> list[dict[str, Any]]:
-    columns = {name: column for name, column in chunk.columns.items() if name not in (STATUS, WARNED)}
-    rows = [{name: column[k] for name, column in columns.items()} for k in range(chunk.end - chunk.begin)]
-    for k, text in chunk.reasons.items():
-        rows[k - chunk.begin]["reason"] = text
-    return rows
+    columns = {name: column for name, column in chunk.columns.items() if name not in (STATUS, WARNED, REASON)}
+    told = [{"reason": str(text)} if text else {} for text in chunk.columns[REASON]]
+    return [{name: column[k] for name, column in columns.items()} | reason for k, reason in enumerate(told)]
 
 
 def _refuse_broken(chunk: Chunk, points: Points) -> None:
     broken = np.flatnonzero(chunk.columns[STATUS] >= PointStatus.REFUSED)
     if broken.size:
-        number = chunk.begin + int(broken[0])
-        values = {name: column[0] for name, column in points.columns(number, number + 1).items()}
-        raise StudyError(f"{', '.join(f'{name} {value}' for name, value in values.items())}: {chunk.reasons[number]}")
+        row = int(broken[0])
+        values = points.columns(chunk.begin + row, chunk.begin + row + 1)
+        point = ", ".join(f"{name} {column[0]}" for name, column in values.items())
+        raise StudyError(f"{point}: {chunk.columns[REASON][row]}")
 
 
-# ---- where points are computed
-
-
-def _place(
-    work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None, patience: float
-) -> Pool | None:
-    """The place that is asked for, before any work, so that a wrong address is told at once; None for "auto"."""
-    check_places(executor, scheduler, workers)
-    if scheduler is not None:
-        return Dask(work, scheduler, patience)
-    if not isinstance(executor, str):
-        return Callers(work, executor, workers)
-    if executor == "processes":
-        return Processes(work, workers)
-    if executor == "threads":
-        return threads(work, workers)
-    return Here(work) if executor == "here" or (workers or cores()) == 1 else None
+def _untold(what: str, done: int, count: int) -> None:
+    """Progress that nobody asks for."""
 
 
 def _compute_missing(
     work: Work,
     store: Store,
-    place: Pool | None,
+    place: Place | None,
     workers: int | None,
     progress: Progress | None,
     chunk_seconds: float,
     alike: bool = True,
-    keep: Callable[[Chunk], None] | None = None,
+    take: Callable[[Chunk], None] = lambda _: None,
 ) -> None:
     """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
     log_compilation()  # says at once where nothing can be compiled
-    missing, kept = list(store.missing(work.points.count)), store.done
-    if kept and store.folder is not None:
-        LOGGER.warning("%d of %d points are in %s and not computed again", kept, work.points.count, store.folder)
-    told = _telling(progress, "points", work.points.count, kept)
-    schedule = ChunkSchedule(missing, keep or store.keep, told, chunk_seconds)
+    count, tell = work.points.count, progress or _untold
+
+    def keep(chunk: Chunk) -> None:
+        take(chunk)
+        store.keep(chunk)
+        tell("points", store.done, count)
+
+    if store.done and store.folder is not None:
+        LOGGER.warning("%d of %d points are in %s and not computed again", store.done, count, store.folder)
+    tell("points", store.done, count)
+    schedule = ChunkSchedule(store.missing(count), keep, chunk_seconds)
     stopped = True
     try:
         if place is None and alike and not store.died:
             with store.trying():
-                schedule.run(Here(work), TRIED_HERE)
+                schedule.run(here(work), TRIED_HERE)
                 if schedule.seconds_left < WORTH_PROCESSES:
-                    schedule.run(Here(work))
+                    schedule.run(here(work))
         if schedule.left:
             place = place or processes_or_threads(work, workers)
             schedule.run(place)
@@ -296,22 +261,6 @@ def _compute_missing(
     finally:
         if place is not None:
             place.close(stopped)
-
-
-def _telling(progress: Progress | None, what: str, count: int, begin: int) -> Callable[[int], None]:
-    """A function that counts points on, for the caller's."""
-    done = [begin]
-
-    def tell(more: int) -> None:
-        done[0] += more
-        if progress is not None:
-            progress(what, done[0], count)
-
-    tell(0)
-    return tell
-
-
-# ---- files
 
 
 @contextmanager
@@ -332,58 +281,3 @@ def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
         raise
     finally:
         store.close()
-
-
-def _write(found: xr.Dataset, path: Path, fresh: bool, store: Store) -> None:
-    if fresh:
-        _remove(path)
-    try:
-        write_dataset(found, path)
-    except OSError as error:
-        raise StudyError(f"cannot write {path}: {reason(error)}; the points are kept in {store.folder}") from None
-
-
-def _digest(study: str) -> str:
-    return hashlib.sha256(study.encode()).hexdigest()[:16]
-
-
-def _checked_output(output: str | Path | None) -> Path | None:
-    """The path of the output. Raises StudyError where nothing can be written there."""
-    if output is None:
-        return None
-    path = Path(output)
-    if path.suffix not in KINDS:
-        raise StudyError(f"the output of a sweep must end in {' or '.join(KINDS)}, not {str(output)!r}")
-    if not path.absolute().parent.is_dir():
-        raise StudyError(f"cannot write {path}: there is no folder {path.absolute().parent}")
-    with needed_for(f"a sweep that is kept as {path.suffix}", "sweep"):
-        if path.suffix == ".zarr":
-            import zarr  # noqa: F401
-        else:
-            import h5netcdf  # noqa: F401
-    return path
-
-
-def _complete(path: Path, study: str) -> xr.Dataset:
-    """The Dataset that is there already. Raises StudyError where it is another."""
-    try:
-        found = open_dataset(path)
-        same = found.attrs.get("study") == study
-    except (OSError, ValueError, KeyError) as error:
-        raise StudyError(
-            f"{path} is there and cannot be read ({type(error).__name__}): give another output, or begin afresh"
-        ) from None
-    if not same:
-        found.close()
-        raise StudyError(f"{path} holds another study, or one by another version: give another output, or begin afresh")
-    LOGGER.info("%s is complete: nothing to compute", path)
-    return found
-
-
-def _remove(path: Path) -> None:
-    import shutil
-
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-import threading
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.checked_input import shown, whole_number
 from softcradle.sandbox.user_error import StudyError
-
-if TYPE_CHECKING:
-    from scipy.stats import qmc
 
 Array = NDArray[np.float64]
 Scale = Literal["linear", "log", "whole"]
@@ -24,9 +20,8 @@ Design = Literal["grid", "list", "sobol", "latin_hypercube"]
 
 SCALES = ("linear", "log", "whole")
 MOST_POINTS = 2**53  # whole numbers up to here are exact as floats
-MOST_LATIN = 2**24  # numbers of a Latin hypercube, which exists as a whole alone: 128 MB in every process
-SOBOL_BITS = 30  # of the sequence, so that 2**30 points differ; SciPy goes on from a point with at most 32 of them
-_own = threading.local()  # the Sobol engine of each thread: it goes on from where it is
+MOST_SAMPLED = 2**24  # numbers of samples, which exist as a whole alone: 128 MB in every process
+SOBOL_BITS = 30  # of the sequence, so that 2**30 points differ
 
 
 @dataclass(frozen=True)
@@ -115,7 +110,7 @@ class Points:
             return {axis.path: _array(axis.values)[place] for axis, place in zip(self.axes, places, strict=True)}
         if self.design == "list":
             return {axis.path: _array(axis.values[begin:end]) for axis in self.axes}
-        unit = _unit_rows(self.design, len(self.axes), self.count, self.seed, begin, end)
+        unit = _unit_rows(self.design, len(self.axes), self.count, self.seed)[begin:end]
         return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
 
 
@@ -139,19 +134,19 @@ def sobol(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -
 
     A power of 2 balances them best. The first of a longer sequence of the same seed are those of a shorter one.
     """
-    if whole_number("count", count) > 2**SOBOL_BITS:
-        raise StudyError(f"a Sobol sequence has at most {2**SOBOL_BITS} points, not {count}")
-    return _checked(Points("sobol", _bounded(axes), count, whole_number("seed", seed)))
+    return _sampled("sobol", axes, count, seed)
 
 
 def latin_hypercube(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -> Points:
     """`count` points of a Latin hypercube: each of `count` equal parts of every axis holds one; axes as for `sobol`."""
-    found = Points("latin_hypercube", _bounded(axes), whole_number("count", count), whole_number("seed", seed))
-    if count * len(found.axes) > MOST_LATIN:
-        most = MOST_LATIN // len(found.axes)
-        raise StudyError(
-            f"a Latin hypercube of {len(found.axes)} parameters has at most {most} points, not {count}: take sobol"
-        )
+    return _sampled("latin_hypercube", axes, count, seed)
+
+
+def _sampled(design: Design, axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int) -> Points:
+    found = Points(design, _bounded(axes), whole_number("count", count), whole_number("seed", seed))
+    most = MOST_SAMPLED // len(found.axes)
+    if count > most:
+        raise StudyError(f"samples of {len(found.axes)} parameters have at most {most} points, not {count}")
     return _checked(found)
 
 
@@ -221,31 +216,14 @@ def _array(values: tuple[Any, ...]) -> NDArray[Any]:
     return np.array(values, dtype=np.int64 if whole else np.float64 if real else object)
 
 
-def _unit_rows(design: Design, dimensions: int, count: int, seed: int, begin: int, end: int) -> Array:
-    """(end - begin, dimensions) places from 0 to 1 of the points from `begin` to `end`."""
-    if design == "latin_hypercube":
-        return _latin_rows(dimensions, count, seed)[begin:end]
-    key, engine = getattr(_own, "sobol", (None, None))
-    if engine is None or key != (dimensions, seed) or engine.num_generated > begin:
-        engine = _sobol_engine(dimensions, seed)
-        _own.sobol = (dimensions, seed), engine
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a number of points that is no power of 2: a chunk is not the sample
-        if begin > engine.num_generated:
-            engine.fast_forward(begin - engine.num_generated)
-        rows: Array = engine.random(end - begin)
-    return rows
-
-
-def _sobol_engine(dimensions: int, seed: int) -> qmc.Sobol:
-    from scipy.stats import qmc
-
-    return qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=np.random.default_rng(seed))
-
-
 @lru_cache(maxsize=2)
-def _latin_rows(dimensions: int, count: int, seed: int) -> Array:
+def _unit_rows(design: Design, dimensions: int, count: int, seed: int) -> Array:
+    """(count, dimensions) places from 0 to 1 of all samples."""
     from scipy.stats import qmc
 
-    rows: Array = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
-    return rows
+    random = np.random.default_rng(seed)
+    if design == "latin_hypercube":
+        return np.asarray(qmc.LatinHypercube(dimensions, rng=random).random(count))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a number of points that is no power of 2
+        return np.asarray(qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=random).random(count))

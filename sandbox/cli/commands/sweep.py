@@ -35,10 +35,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--threads", action="store_true", help="threads in place of processes")
     parser.add_argument("--fresh", action="store_true", help="begin anew, and replace what is there")
-    parser.add_argument(
-        "--patience", type=positive_number, metavar="SECONDS", default=60.0,
-        help="for how long a scheduler that went away is waited for (default 60)",
-    )  # fmt: skip
     parser.add_argument("--status", action="store_true", help="say how far the study is, and compute nothing")
     parser.add_argument("--measures", action="store_true", help="list the measures that a study can name")
 
@@ -80,7 +76,6 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
             fresh=args.fresh,
             progress=progress.tell,
             chunk_seconds=args.chunk,
-            patience=args.patience,
         )
     _print_summary(found)
     lost = lost_points(found)
@@ -93,9 +88,9 @@ def _tell_status(study: SweepStudy, output: Path) -> int:
     """Say how far a study is."""
     from softcradle.sandbox.sweeps.run_sweep import sweep_status
 
-    status = sweep_status(study.scene, study.points, study.measures, output, study.title)
-    print(f"{study.title or study.scene.title}: {status.sentence}")
-    return POINTS_LOST if status.lost else 0
+    lost, sentence = sweep_status(study.scene, study.points, study.measures, output, study.title)
+    print(f"{study.title or study.scene.title}: {sentence}")
+    return POINTS_LOST if lost else 0
 
 
 def _list_measures() -> int:

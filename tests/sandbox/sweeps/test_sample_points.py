@@ -56,8 +56,6 @@ def test_a_longer_sobol_sequence_begins_with_the_shorter_one():
 
 
 def test_points_far_out_need_no_others():
-    far = sobol(BOUNDS, 10_000_000).columns(9_999_990, 10_000_000)
-    assert len(far["x"]) == 10
     far = grid({"x": range(10_000), "y": range(10_000)}).columns(99_999_999, 100_000_000)
     assert (far["x"].item(), far["y"].item()) == (9999, 9999)
 
@@ -75,9 +73,9 @@ def test_points_far_out_need_no_others():
         (lambda: sobol({"x": (0.5, 2, "whole")}, 8), "x: bounds of whole numbers must be whole"),
         (lambda: sobol({"x": (0, 1, "cubic")}, 8), "x: scale must be one of linear, log, whole, not 'cubic'"),
         (lambda: sobol({"x": (0, 1)}, 0), "from 1 to .* points, not 0"),
-        (lambda: sobol({"x": (0, 1)}, 2**31), "a Sobol sequence has at most"),
+        (lambda: sobol({"x": (0, 1)}, 2**31), "samples of 1 parameters have at most"),
         (lambda: sobol({"x": (0, 1)}, 8, -1), "seed must be at least 0, not -1"),
-        (lambda: latin_hypercube(BOUNDS, 10_000_000), "at most 5592405 points, not 10000000: take sobol"),
+        (lambda: latin_hypercube(BOUNDS, 10_000_000), "at most 5592405 points, not 10000000"),
         (lambda: grid([Axis("x", (1,), name="a"), Axis("y", (2,), name="a")]), "two parameters are called 'a'"),
     ],
 )
