@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import nullcontext
 from time import process_time
+from unittest.mock import patch
 
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
@@ -51,17 +53,25 @@ class Driver:
         return [message.text for message in self.app.messages.visible]
 
     def frames(self, count: int = 1) -> None:
-        for _ in range(count):
-            self.app.frame(FRAME)
-            self.time += FRAME
+        """So many frames, of which the last two are drawn: what a test looks at is the end."""
+        for left in range(count - 1, -1, -1):
+            self._frame(drawn=left < 2)
 
-    def until(self, found: Callable[[], object]) -> None:
-        """Frames until `found`, for what a thread behind the window does."""
-        end = process_time() + LONGEST_WORK
+    def _frame(self, drawn: bool = True) -> None:
+        with nullcontext() if drawn else patch.object(self.app, "paint", lambda: None):
+            self.app.frame(FRAME)
+        self.time += FRAME
+
+    def until(self, found: Callable[[], object], most: int = 0) -> None:
+        """Frames until `found`, at most `most`; without, for what a thread behind the window does."""
+        end, count = process_time() + LONGEST_WORK, 0
         while not found():
-            assert process_time() < end, "nothing came"
-            self.frames()
-            pygame.time.wait(2)
+            assert count < most if most else process_time() < end, "nothing came"
+            count += 1
+            self._frame(drawn=False)
+            if not most:
+                pygame.time.wait(2)
+        self.frames()
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
         pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode=text, scancode=0))

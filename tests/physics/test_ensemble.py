@@ -13,7 +13,7 @@ CHAINS = [one_on(n, power_law(1.0, 1.0 / k)) for n in (1, 2, 4) for k in (3, 10)
 STARTS = [[1.0] + [0.0] * chain.contacts for chain in CHAINS]
 
 
-@pytest.mark.parametrize("method", ["accurate", "conserving", "scipy"])
+@pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("workers", [1, 3, 16])
 def test_each_chain_moves_as_it_would_alone(method, workers):
     found = ensemble(CHAINS, STARTS, method=method, tolerance=1e-6, workers=workers)

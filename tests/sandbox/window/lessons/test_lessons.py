@@ -45,10 +45,7 @@ def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
             driver.key(pygame.K_DOWN)
         driver.key(pygame.K_RETURN)
         assert driver.session.playing
-        for _ in range(900):
-            driver.frames()
-            if driver.app.dialog.open:
-                break
+        driver.until(lambda: driver.app.dialog.open, 900)
         assert driver.app.dialog.title == title
         assert "Measured:" in driver.app.dialog.note
         driver.key(pygame.K_ESCAPE)
@@ -70,10 +67,7 @@ def answered(driver: Driver) -> str:
     driver.key(pygame.K_q)
     driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
-    for _ in range(1500):
-        driver.frames()
-        if driver.app.dialog.open:
-            break
+    driver.until(lambda: driver.app.dialog.open, 1500)
     return driver.app.dialog.note
 
 

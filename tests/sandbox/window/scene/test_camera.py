@@ -72,10 +72,7 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_hap
 
 def played_to_the_end(driver: Driver) -> None:
     driver.key(pygame.K_SPACE)
-    for _ in range(900):
-        if driver.session.playing:
-            driver.frames()
-    assert not driver.session.playing
+    driver.until(lambda: not driver.session.playing, 900)
 
 
 def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
