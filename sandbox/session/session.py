@@ -10,12 +10,12 @@ from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import BAD, LEVELS, Array
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.session.badge_numbers import WINDOW, Finding, Health, RunVerdicts, health_of
 from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
 from softcradle.sandbox.session.frame_history import MEMORY
 from softcradle.sandbox.session.frame_pacing import BUDGET
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices, last_slice
 from softcradle.sandbox.session.player import Player
+from softcradle.sandbox.session.run_verdict import WINDOW, Finding, Health, RunVerdicts, health_of
 from softcradle.sandbox.session.session_export import lane_label, scene_of, trajectory_of
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene

@@ -111,9 +111,6 @@ def draw_starting(table: Table) -> Figure:
     return figure
 
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 SIZES = (2, 3, 4, 6, 8)
 ALPHAS = tuple(np.geomspace(1.0 / 20.0, 1.0, 40).tolist())
 RATIOS = np.concatenate(([0.9], np.geomspace(1.0, 40.0, 240)))  # V/v_c; below 1 all are alike

@@ -11,7 +11,7 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.sandbox.studies.precision.cases import Case, Start
+from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES, Solution, Solver
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class TimeLimits:
 
 
 @dataclass
-class Point:
+class ChartPoint:
     """One setting of one solver.
 
     Attributes:
@@ -65,11 +65,11 @@ class Series:
     """The points of one solver, coarse to fine, and whether a time limit ended them."""
 
     solver: Solver
-    points: list[Point]
+    points: list[ChartPoint]
     out_of_time: bool = False
 
 
-def error_of(case: Case, quantity: str, solution: Solution) -> float:
+def error_of(case: ChartCase, quantity: str, solution: Solution) -> float:
     """Error of a solution: of final velocities the largest; of forces and overlaps the root mean square over the samples.
 
     Forces are relative to the largest force, overlaps to the overlap itself (App. B), at most 1, where it is not 0.
@@ -92,7 +92,7 @@ def error_of(case: Case, quantity: str, solution: Solution) -> float:
 
 
 def measure_case(
-    case: Case,
+    case: ChartCase,
     solvers: Sequence[Solver],
     quantity: str = "velocities",
     limits: TimeLimits = TimeLimits(),
@@ -116,10 +116,10 @@ def measure_case(
 
 
 def measure_series(
-    case: Case, solver: Solver, quantity: str = "velocities", limits: TimeLimits = TimeLimits()
+    case: ChartCase, solver: Solver, quantity: str = "velocities", limits: TimeLimits = TimeLimits()
 ) -> Series:
     """Points of a series from coarse to fine; its first run should not be the solver's first, which may compile."""
-    points: list[Point] = []
+    points: list[ChartPoint] = []
     began = perf_counter()
     for fineness in solver.finenesses:
         points.append(_point(case, solver, fineness, quantity))
@@ -131,13 +131,13 @@ def measure_series(
     return Series(solver, points)
 
 
-def _growth(points: Sequence[Point]) -> float:
+def _growth(points: Sequence[ChartPoint]) -> float:
     """Expected time of the next finer setting over that of the last one."""
     last = points[-1].seconds / points[-2].seconds if len(points) > 1 else LEAST_GROWTH
     return min(max(last, LEAST_GROWTH), MOST_GROWTH)
 
 
-def _point(case: Case, solver: Solver, fineness: float, quantity: str) -> Point:
+def _point(case: ChartCase, solver: Solver, fineness: float, quantity: str) -> ChartPoint:
     starts, times = solver.starts(case, fineness), _sample_times(case, quantity)
     solutions = [_run(solver, fineness, start, times) for start in starts]
     errors = [error_of(case, quantity, solution) for solution in solutions]
@@ -147,14 +147,14 @@ def _point(case: Case, solver: Solver, fineness: float, quantity: str) -> Point:
     evaluations = float(np.mean([solution.evaluations for solution in solutions]))
     with np.errstate(over="ignore"):
         error = float(np.sqrt(np.mean(np.square(errors))))
-    return Point(solver, fineness, error, float(np.median(seconds)), evaluations)
+    return ChartPoint(solver, fineness, error, float(np.median(seconds)), evaluations)
 
 
-def _first_point(case: Case, solver: Solver, quantity: str) -> Point:
+def _first_point(case: ChartCase, solver: Solver, quantity: str) -> ChartPoint:
     """One run at the coarsest setting."""
     fineness = solver.finenesses[0]
     solution = _run(solver, fineness, solver.starts(case, fineness)[0], _sample_times(case, quantity))
-    return Point(solver, fineness, error_of(case, quantity, solution), solution.seconds, solution.evaluations)
+    return ChartPoint(solver, fineness, error_of(case, quantity, solution), solution.seconds, solution.evaluations)
 
 
 def _run(solver: Solver, fineness: float, start: Start, sample_times: Array) -> Solution:
@@ -168,7 +168,7 @@ def _run(solver: Solver, fineness: float, start: Start, sample_times: Array) -> 
         return Solution(None, perf_counter() - began)
 
 
-def _sample_times(case: Case, quantity: str) -> Array:
+def _sample_times(case: ChartCase, quantity: str) -> Array:
     return NO_SAMPLES if quantity == "velocities" else case.sample_times
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from softcradle.physics import METHODS
 from softcradle.physics.methods import AUTO, Method
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.studies.precision.cases import Case, Start
+from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class Solver:
     ours: bool = False
     steps: bool = False
 
-    def starts(self, case: Case, fineness: float) -> list[Start]:
+    def starts(self, case: ChartCase, fineness: float) -> list[Start]:
         """The starts over which the error is averaged.
 
         The error of a fixed step depends on where in a step the first touch lies; an adaptive run locates the touch.
@@ -84,24 +84,24 @@ def step_counts() -> list[float]:
     return [FEWEST_STEPS * 2.0**k for k in range(1 + int(np.log2(MOST_STEPS / FEWEST_STEPS)))]
 
 
-def our_solvers(case: Case) -> list[Solver]:
+def our_solvers(case: ChartCase) -> list[Solver]:
     """Every method that can take the case, adaptive ones over tolerances, others over numbers of steps; and `auto`."""
     auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_run_adaptive, case, AUTO), ours=True)
     return [*(_solver(case, method) for method in METHODS if method.dissipative or not case.chain.dissipative), auto]
 
 
-def _solver(case: Case, method: Method) -> Solver:
+def _solver(case: ChartCase, method: Method) -> Solver:
     if method.adaptive:
         return Solver(method.name, "", tolerances(), partial(_run_adaptive, case, method.name), ours=True)
     return Solver(method.name, "", step_counts(), partial(_run_fixed, case, method.name), ours=True, steps=True)
 
 
-def _run_adaptive(case: Case, method: str, tolerance: float, start: Start, sample_times: Array) -> Solution:
+def _run_adaptive(case: ChartCase, method: str, tolerance: float, start: Start, sample_times: Array) -> Solution:
     duration = case.run_duration if sample_times.size else case.duration
     return _run(start, duration, method, sample_times, tolerance=tolerance)
 
 
-def _run_fixed(case: Case, method: str, steps: float, start: Start, sample_times: Array) -> Solution:
+def _run_fixed(case: ChartCase, method: str, steps: float, start: Start, sample_times: Array) -> Solution:
     # to the known end, as the peers: a run that chatters may never end by itself
     duration = case.run_duration + start.early
     return _run(start, duration, method, sample_times, step=case.run_duration / steps)

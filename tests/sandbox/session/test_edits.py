@@ -23,9 +23,9 @@ from softcradle.sandbox.session import (
     SetStep,
     SetVelocity,
 )
-from softcradle.sandbox.session.badge_numbers import PASSED
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.ledger import KINETIC
+from softcradle.sandbox.session.run_verdict import PASSED
 
 from softcradle import scenes
 

@@ -14,7 +14,7 @@ from softcradle.sandbox.session import (
     SetStep,
     SetVelocity,
 )
-from softcradle.sandbox.session.badge_numbers import PASSED
+from softcradle.sandbox.session.run_verdict import PASSED
 from softcradle.sandbox.session.velocity_check import VelocityCheck
 
 from softcradle import scenes

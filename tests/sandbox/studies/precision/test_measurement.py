@@ -23,7 +23,7 @@ def test_every_method_has_a_solver(case):
 
 
 def test_a_chain_with_friction_has_the_methods_that_can_take_it():
-    sliding = type("Case", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
+    sliding = type("ChartCase", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
     methods = {method.name for method in METHODS if method.dissipative}
     assert {solver.name for solver in our_solvers(sliding)} == {"auto", *methods}
 

@@ -5,8 +5,8 @@ import pytest
 from softcradle.physics import METHODS, simulate
 from softcradle.physics.scales import speed_scale
 from softcradle.sandbox.session import AddBead, SetContact, SetMethod, SetSlow, SetStep, SetVelocity
-from softcradle.sandbox.session.badge_numbers import LEVELS, MOST_CHATTER
 from softcradle.sandbox.session.lane_setup import ERROR, FRAME_COST, STEP_COST, choose_method, steps_in
+from softcradle.sandbox.session.run_verdict import LEVELS, MOST_CHATTER
 
 from softcradle import scenes
 from tests.helpers.relations import simulate_quietly
