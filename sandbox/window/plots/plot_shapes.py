@@ -174,13 +174,12 @@ class PhasePlot(Plot):
     def points(self) -> Array:
         """(T, 3) time, y and x of the history."""
         history = self.history
-        seen = (history.branch, history.first, history.last)
-        if seen != self._seen:
+        if history.version != self._seen:
             parts = history_slices(history, self.lane, history.first, history.last, MOST_POINTS)
             self._points = np.concatenate(
                 [np.column_stack((part.time, self.content.values(part))) for part in parts] or [np.zeros((0, 3))]
             )
-            self._seen = seen
+            self._seen = history.version
         return self._points
 
     def backdrop(self, surface: pygame.Surface) -> None:
