@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, ERROR_LEVELS, ChartCase
-from softcradle.sandbox.studies.precision.measurement import ChartPoint, TimeLimits, measure_case
-from softcradle.sandbox.studies.precision.precision_table import (
+from softcradle.sandbox.studies.precision.measurement import ChartPoint, Solver, TimeLimits, measure_case, our_solvers
+from softcradle.sandbox.studies.precision.table import (
     CurveRow,
     MeasuredCase,
     auto_sentence,
@@ -21,7 +21,6 @@ from softcradle.sandbox.studies.precision.precision_table import (
     ratio_sentence,
     setting_text,
 )
-from softcradle.sandbox.studies.precision.solvers import Solver, our_solvers
 
 from benchmarks.peers import missing_peers, peer_solvers
 from benchmarks.reports import Report, at_most

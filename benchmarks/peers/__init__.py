@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from typing import NamedTuple
 
 from softcradle.sandbox.studies.precision.cases import ChartCase
-from softcradle.sandbox.studies.precision.solvers import Solver
+from softcradle.sandbox.studies.precision.measurement import Solver
 
 
 class Peer(NamedTuple):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.precision.cases import ChartCase, Start
-from softcradle.sandbox.studies.precision.solvers import Solution, Solver, step_counts, tolerances
+from softcradle.sandbox.studies.precision.measurement import Solution, Solver, step_counts, tolerances
 
 from benchmarks.peers.problem import (
     TimeLimitError,

@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.studies.precision.cases import ChartCase
-from softcradle.sandbox.studies.precision.solvers import Solution
+from softcradle.sandbox.studies.precision.measurement import Solution
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import BAD, LEVELS, Array
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session.contact_events import ContactEvents, Impact, contact_events
+from softcradle.sandbox.session.export import lane_label, scene_of, trajectory_of
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices, last_slice
 from softcradle.sandbox.session.player import Player
 from softcradle.sandbox.session.run_verdict import WINDOW, Finding, Health, health_of, run_findings
-from softcradle.sandbox.session.session_export import lane_label, scene_of, trajectory_of
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series, TimeLimits
-from softcradle.sandbox.studies.precision.solvers import Solution, Solver, our_solvers
+from softcradle.sandbox.studies.precision.measurement import (
+    ChartPoint,
+    Series,
+    Solution,
+    Solver,
+    TimeLimits,
+    our_solvers,
+)
 
 SHORT_LIMITS = TimeLimits(run=0.05, series=0.05, case=2.0)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.film.film_kinds import check
+from softcradle.sandbox.film.kinds import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.page_document import footer, note, table

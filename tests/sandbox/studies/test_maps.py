@@ -11,10 +11,9 @@ from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.maps import rigidity_scan
-from softcradle.sandbox.studies.maps.map_figure import draw_map
-from softcradle.sandbox.studies.maps.rigidity_scan import compute_map, rigidity_maps
+from softcradle.sandbox.studies import rigidity_maps as rigidity_scan
 from softcradle.sandbox.studies.plot_style import styled
+from softcradle.sandbox.studies.rigidity_maps import compute_map, draw_map, rigidity_maps
 from softcradle.sandbox.sweeps.store import partial_folder
 
 from tests.helpers.figure_layout import small_texts, texts_beyond, texts_of, texts_on_curves, texts_on_texts

@@ -8,8 +8,16 @@ import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, power_law
 from softcradle.sandbox.studies.precision import measurement
-from softcradle.sandbox.studies.precision.measurement import TimeLimits, error_of, measure_case, measure_series
-from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES, START_PHASES, Solver, our_solvers
+from softcradle.sandbox.studies.precision.measurement import (
+    NO_SAMPLES,
+    START_PHASES,
+    Solver,
+    TimeLimits,
+    error_of,
+    measure_case,
+    measure_series,
+    our_solvers,
+)
 
 from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
 

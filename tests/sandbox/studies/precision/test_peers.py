@@ -8,8 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from softcradle.physics import Chain, hertz, one_on, power_law
-from softcradle.sandbox.studies.precision.measurement import error_of
-from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES
+from softcradle.sandbox.studies.precision.measurement import NO_SAMPLES, error_of
 
 from benchmarks import peers
 from benchmarks.peers import PEERS, missing_peers, peer_solvers

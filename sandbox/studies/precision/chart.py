@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
 from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series
-from softcradle.sandbox.studies.precision.precision_table import (
+from softcradle.sandbox.studies.precision.table import (
     LARGEST_ERROR,
     MeasuredCase,
     curve_rows,
