@@ -153,10 +153,11 @@ class History:
 
     Attributes:
         cuts: how often later frames were dropped or brought back, by a start, a new branch, an undo or a redo.
+        edits: how often the newest frame was replaced.
     """
 
     def __init__(self, memory: int = MEMORY) -> None:
-        self.bound, self.cuts = memory, 0
+        self.bound, self.cuts, self.edits = memory, 0, 0
         self.blocks: deque[Block] = deque()
 
     @property
@@ -170,12 +171,12 @@ class History:
         return self.blocks[-1].first + self.blocks[-1].used - 1
 
     @property
-    def branch(self) -> tuple[object, int]:
+    def branch(self) -> tuple[int, int]:
         """Another one where frames were dropped or replaced: what was made from them is stale."""
-        return self.blocks[-1], self.blocks[-1].revision
+        return self.cuts, self.edits
 
     @property
-    def version(self) -> tuple[object, ...]:
+    def version(self) -> tuple[int, ...]:
         """Another one after whatever has happened to the frames: views that were made of all of them are made anew."""
         return *self.branch, self.first, self.last
 
@@ -216,6 +217,7 @@ class History:
 
     def replace_last(self, snapshot: Snapshot) -> None:
         """Put `snapshot` in place of the newest frame: an edit."""
+        self.edits += 1
         frame, block = self.last, self.blocks[-1]
         block.drop_last()
         if block.widths != _widths(snapshot):
