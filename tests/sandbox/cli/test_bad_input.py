@@ -102,7 +102,6 @@ BAD_ARGUMENTS = {
     "no scene": (["run"], r"required: SCENE"),
     "unknown method": (["run", "mixed", "--method", "verlett"], r"did you mean 'verlet'. there are auto, euler"),
     "step 0": (["run", "mixed", "--step", "0"], r"--step: must be a number > 0, not '0'"),
-    "step negative": (["run", "mixed", "--step=-1"], r"--step: must be a number > 0, not '-1'"),
     "step NaN": (["run", "mixed", "--step", "nan"], r"--step: must be a number > 0, not 'nan'"),
     "duration inf": (["run", "mixed", "--duration", "inf"], r"--duration: must be a number > 0, not 'inf'"),
     "one sample": (["run", "mixed", "--samples", "1"], r"--samples: must be a whole number from 2"),
@@ -111,7 +110,6 @@ BAD_ARGUMENTS = {
     "size": (["render", "mixed", "-o", "x.mp4", "--size", "wide"], r"--size: must be WIDTHxHEIGHT"),
     "frames a second": (["render", "mixed", "-o", "x.mp4", "--fps", "0"], r"--fps: must be a number > 0"),
     "unknown data format": (["run", "mixed", "-o", "out.xls"], r"cannot write out\.xls: run writes \.npz or \.csv"),
-    "no data format": (["run", "mixed", "-o", "out"], r"cannot write out: run writes"),
     "no such folder": (["run", "mixed", "-o", "nowhere/out.npz"], r"there is no folder .*nowhere"),
     "unwritable folder": (
         ["run", "mixed", "-o", "/proc/out.npz"],
