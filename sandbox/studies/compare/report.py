@@ -25,7 +25,7 @@ from softcradle.sandbox.page.page_tables import result_notes
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.page.shared_page import recorded_page
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
-from softcradle.sandbox.quantities import FORCE, OVERLAP
+from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
     MeasureRow,
     SideResult,
@@ -50,7 +50,7 @@ class TimeAxis:
     def __init__(self, played: PlayedMotion) -> None:
         self.begin, self.end = played.scales.time
         self.unit, name = played.time_unit
-        self.label = f"time ({name})"
+        self.label = f"{TIME.name} ({name})"
 
     def axes(self, values: Range, label: str) -> ChartAxes:
         """The axes of `values` over time."""
