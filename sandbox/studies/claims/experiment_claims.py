@@ -10,14 +10,14 @@ from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.contact_distance import GRADED, squared_difference
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.matching import match
-from softcradle.sandbox.studies.bed_experiment import (
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.experiment import (
     MASS,
     PRECOMPRESSION,
     STIFFNESS,
     deficits,
     friction_for,
 )
-from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import MethodFineness, Parameters, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)
