@@ -25,12 +25,15 @@ MOST_SPEED = 100.0  # closing speeds of the scene that hands, and beads pushed b
 LEAST_MOVED = 0.5  # of the pictures: those in which time goes on
 MOST_GROWN = 8e6  # bytes of memory that an hour may add: texts and caches of the browser
 MEASURED = 240  # pictures whose cost is measured
+DESK, TELEPHONE = (1280, 900, 1.0), (390, 844, 3.0)  # width and height [CSS pixels], and pixels to one of these
 COSTS = (
-    ("", 1),
-    ("", 4),
-    ("#with=steel", 4),
-    ("#n=49", 1),
-)  # experiment, and how many times the processor is throttled
+    ("", 1, DESK),
+    ("", 4, DESK),
+    ("#with=steel", 4, DESK),
+    ("", 4, TELEPHONE),
+    ("#with=steel", 4, TELEPHONE),
+    ("#n=49", 1, DESK),
+)  # experiment, how many times the processor is throttled, and the screen
 SCRIPTS = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
@@ -66,12 +69,13 @@ def play(browser: Browser, page: Path, minutes: float) -> None:
 
 
 def costs(browser: Browser, page: Path) -> None:
-    """Processor time of the page's thread in a picture, which other processes do not change: physics, script, and all of it.
+    """Processor time of the page's thread in a picture, which other processes do not change: physics, script, and the rest.
 
-    All is what the browser adds to the script: layout, and painting, which a headless browser does without a graphics card.
+    The rest is what the browser adds to the script: layout, and painting, which a headless browser does without a graphics card.
     """
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=SCRIPTS)
-    for fragment, rate in COSTS:
+    for fragment, rate, screen in COSTS:
+        browser.device(*screen)
         browser.visit(page, fragment)
         browser.call("Performance.enable", timeDomain="threadTicks")
         browser.run(f"steps({PICTURES}), shown({PICTURES})")  # compiles
@@ -81,9 +85,10 @@ def costs(browser: Browser, page: Path) -> None:
         found = spent(browser, f"shown({MEASURED})")
         browser.call("Emulation.setCPUThrottlingRate", rate=1)
         beads = browser.run("page.specs.map((spec) => spec.mass.length).join(' and ')")
+        script, rest = found["ScriptDuration"], found["TaskDuration"] - found["ScriptDuration"]
         print(
-            f"{beads} beads, throttled {rate} times: physics {physics:.3f} ms, script {found['ScriptDuration']:.1f} ms, "
-            f"all {found['TaskDuration']:.1f} ms of the processor a picture; a picture every {found['value']:.1f} ms",
+            f"{beads} beads, {screen[0]} wide, throttled {rate} times: physics {physics:.3f} ms, script {script:.1f} ms, "
+            f"painting and layout {rest:.1f} ms of the processor a picture; a picture every {found['value']:.1f} ms",
             flush=True,
         )
 

@@ -18,7 +18,7 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film.film_encoder import open_film
+from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.scene_film import Shot, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import scene_motions
 

@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, ERROR_LEVELS, Case
-from softcradle.sandbox.studies.precision.measurement import Point, TimeLimits, measure_case
-from softcradle.sandbox.studies.precision.precision_table import (
+from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, ERROR_LEVELS, ChartCase
+from softcradle.sandbox.studies.precision.measurement import ChartPoint, Solver, TimeLimits, measure_case, our_solvers
+from softcradle.sandbox.studies.precision.table import (
     CurveRow,
     MeasuredCase,
     auto_sentence,
@@ -21,7 +21,6 @@ from softcradle.sandbox.studies.precision.precision_table import (
     ratio_sentence,
     setting_text,
 )
-from softcradle.sandbox.studies.precision.solvers import Solver, our_solvers
 
 from benchmarks.peers import missing_peers, peer_solvers
 from benchmarks.reports import Report, at_most
@@ -38,7 +37,7 @@ def reports() -> Iterator[Report]:
         yield case_report(case, [*our_solvers(case), *peer_solvers(case)])
 
 
-def case_report(case: Case, solvers: Sequence[Solver], limits: TimeLimits = LIMITS) -> Report:
+def case_report(case: ChartCase, solvers: Sequence[Solver], limits: TimeLimits = LIMITS) -> Report:
     """Measure one case: a row a solver, with aims for `accurate`, which is the default of `simulate`."""
     measured = MeasuredCase(case, measure_case(case, solvers, limits=limits))
     rows = curve_rows(measured)
@@ -58,7 +57,7 @@ def case_report(case: Case, solvers: Sequence[Solver], limits: TimeLimits = LIMI
     )
 
 
-def _times(case: Case, row: CurveRow) -> list[str]:
+def _times(case: ChartCase, row: CurveRow) -> list[str]:
     times = [1e3 * point.seconds if point else None for point in row.fastest]
     aims = [case.aims.get(error) if row.name == "accurate" else None for error in ERROR_LEVELS]
     return [at_most(time, aim) for time, aim in zip(times, aims, strict=True)]
@@ -74,7 +73,7 @@ def _solver_data(row: CurveRow, measured: MeasuredCase) -> dict[str, Any]:
     }
 
 
-def _point_data(point: Point) -> dict[str, Any]:
+def _point_data(point: ChartPoint) -> dict[str, Any]:
     return {
         "setting": point.solver.setting,
         "fineness": point.fineness,

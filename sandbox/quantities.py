@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
 from softcradle.sandbox.languages import N_, NP_
 from softcradle.sandbox.motion import Array, Motion
 
@@ -45,6 +46,7 @@ class Quantity(NamedTuple):
 
 
 TIME = Quantity(N_("time (s)"), "time (s)", "t", CHAIN, lambda motion, _: motion.time[:, None])
+MASS = Quantity("mass (kg)", NP_("column", "mass (kg)"), "m", BEAD, lambda motion, _: np.array(motion.chain.mass)[None])
 POSITION = Quantity(
     N_("position (m)"), NP_("column", "position (m)"), "x", BEAD, lambda motion, length: motion.middles(length)
 )

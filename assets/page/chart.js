@@ -4,6 +4,7 @@ const CHART_LEFT = 44, CHART_RIGHT = 34, CHART_TOP = 26, CHART_BOTTOM = 24;
 const CHART_HEIGHT = 190, MOST_POINTS = 420; // points of a curve; rows of many beads have fewer
 const SPARE = 0.3; // of its length that an axis of time may be off the time that there is, while somebody plays
 const PIECE = 24; // pixels of curves that are put onto the layer at once
+const SPREAD = 5; // pixels that dots and ends of curves reach beyond their place
 const MOST_LABELLED = 7, LABEL_PITCH = 13; // curves with a number at their end, and pixels between two of these
 
 class Chart {
@@ -15,12 +16,13 @@ class Chart {
     this.first = channel === "velocity" ? 0 : 1; // a contact has the colour of the bead behind it
     this.low = this.high = this.begin = this.end = this.branch = 0;
     this.drawn = -Infinity; // up to this time curves are on the layer
+    this.dirty = [0, 0]; // pixels across that are not those of the layer
     this.pen = canvas.getContext("2d");
     this.layer = document.createElement("canvas").getContext("2d"); // what stays from picture to picture
   }
 
   fit(theme, title) {
-    const { canvas } = this, density = window.devicePixelRatio || 1, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
+    const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
     canvas.width = this.layer.canvas.width = Math.round(width * density);
     canvas.height = this.layer.canvas.height = Math.round(CHART_HEIGHT * density);
     canvas.style.height = `${CHART_HEIGHT}px`;
@@ -34,19 +36,19 @@ class Chart {
 
   /** @param {any} source @param {any} data of the page @param {any} unit of the values */
   draw(source, data, unit) {
-    const { pen, layer, density } = this, { scales } = source;
+    const { layer, density } = this, { scales } = source;
     const [low, high] = this.channel === "velocity" ? padded(scales.velocity) : [0, scales.force[this.lane]];
     if (this.outlived(source) || low !== this.low || high !== this.high || this.branch !== source.branch) {
       Object.assign(this, { low, high, branch: source.branch, drawn: -Infinity });
       layer.setTransform(density, 0, 0, density, 0, 0);
       layer.clearRect(0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
       this.grid(data, unit);
+      this.dirty = [0, this.right + CHART_RIGHT];
     }
-    const now = source.values(this.lane)[this.channel];
-    pen.setTransform(density, 0, 0, density, 0, 0);
-    pen.clearRect(0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
-    this.curves(source, now.length);
-    this.labels(now, Math.min(this.across(source.time), this.right));
+    const now = source.values(this.lane)[this.channel], x = Math.min(this.across(source.time), this.right);
+    const end = this.curves(source, now.length);
+    this.labels(now, x);
+    this.dirty = [Math.min(x, this.across(this.drawn)) - SPREAD, Math.max(x + CHART_RIGHT, end) + SPREAD];
   }
 
   // Whether the layer is of no more use. A run that somebody touches has no known end: its axis ends later than it does.
@@ -78,14 +80,25 @@ class Chart {
     write(pen, data.unit.name, this.right + CHART_RIGHT - 4, this.foot + 17, 12, theme.muted, "right");
   }
 
-  // Curves on from where the layer has them: onto the layer once they are so long that no one sees where they were joined.
+  // Curves on from where the layer has them: onto the layer once they are so long that no one sees where they were joined. Where they end.
   curves(source, count) {
     const most = Math.max(40, Math.min(MOST_POINTS, Math.floor(6000 / count))), points = [];
     source.trace(this.lane, this.channel, most, this.drawn, (time, values, at) => points.push([time, values, at]));
-    const last = points.at(-1)[0], long = this.across(last) - this.across(this.drawn) > PIECE;
+    const last = points.at(-1)[0], end = this.across(last), from = this.across(this.drawn), long = end - from > PIECE;
     if (long) { this.stroke(this.layer, points, count); this.drawn = last; }
-    this.pen.drawImage(this.layer.canvas, 0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
+    this.restore(long ? Math.min(from - SPREAD, this.dirty[0]) : this.dirty[0], Math.max(end + SPREAD, this.dirty[1]));
     if (!long) this.stroke(this.pen, points, count);
+    return end;
+  }
+
+  // The pixels of the layer between two places.
+  restore(from, to) {
+    const { pen, density, layer: { canvas } } = this, left = Math.max(0, Math.floor(from * density));
+    const wide = Math.min(canvas.width, Math.ceil(to * density)) - left;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.clearRect(left, 0, wide, canvas.height);
+    pen.drawImage(canvas, left, 0, wide, canvas.height, left, 0, wide, canvas.height);
+    pen.setTransform(density, 0, 0, density, 0, 0);
   }
 
   stroke(pen, points, count) {

@@ -1,6 +1,9 @@
 // The page: its controls, its one clock, and what is shown of the source of the motion.
 
 const TEXT_RATE = 8; // times a second that texts and tables change while the motion plays
+const WATCHED = 60; // pictures by whose median it is judged whether they are late
+const LATE = 22; // ms from a picture to the next
+const SOONER = 0.8; // of the time that it was: fewer pixels help
 const SLIDER = 1000; // positions of a slider
 const PULLED = 0.3; // bead lengths that a key pulls the hand
 const part = (id) => /** @type {any} */ (document.getElementById(id));
@@ -17,6 +20,13 @@ class Page {
     this.textsAt = 0;
     this.firstWindow = 0;
     /** @type {{lane: number, bead: number}|null} */ this.chosen = null;
+    this.unseen = new WeakSet(); // canvases scrolled out of sight, which are not drawn while the motion plays
+    this.sight = new IntersectionObserver((changes) => {
+      for (const { target, isIntersecting } of changes) this.unseen[isIntersecting ? "delete" : "add"](target);
+    });
+    this.most = Infinity; // pixels of a canvas to one of the page, at most
+    this.waits = []; // ms from picture to picture
+    this.late = null; // the median of these at which fewer pixels were tried; 0 once that is decided
     this.specs = data.lanes.map((lane) => lane.spec);
     this.moment = addressMoment(location.hash);
     this.speak(addressLanguage(location.hash) ?? navigator.language);
@@ -57,6 +67,8 @@ class Page {
       this.stages = specs.map((_, lane) => new Stage(canvasOf(this, lane, lanes)));
       charts.replaceChildren();
       this.charts = specs.flatMap((_, lane) => ["velocity", "force"].map((channel) => new Chart(chartCanvas(this, charts), lane, channel)));
+      this.sight.disconnect();
+      for (const { canvas } of [...this.stages, ...this.charts]) this.sight.observe(canvas);
     }
     this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: this.looks[lane].label || data.title })));
     charts.hidden = !experiment.shown.includes("charts");
@@ -81,7 +93,8 @@ class Page {
     const narrow = part("lanes").clientWidth < 640, share = two ? (narrow ? 0.19 : 0.25) : narrow ? 0.28 : 0.4;
     const tall = Math.min(Math.max(share * high, two ? 150 : 214), two ? 330 : 460);
     const shown = narrow && two ? experiment.shown.filter((name) => name !== "balance") : experiment.shown; // no room for both
-    this.theme = currentTheme(data, Math.max(...looks.map(({ mass }) => mass.length)));
+    const density = Math.min(window.devicePixelRatio || 1, this.most);
+    this.theme = { ...currentTheme(data, Math.max(...looks.map(({ mass }) => mass.length))), density };
     stages.forEach((stage, lane) => stage.fit(looks[lane], data, this.theme, { tall, shown, force: data.scales.force[lane] }));
     if (experiment.shown.includes("charts")) {
       for (const chart of this.charts) {
@@ -90,24 +103,23 @@ class Page {
         chart.canvas.setAttribute("aria-label", chart.title);
       }
     }
-    this.show(true);
+    this.show(true, true);
   }
 
-  show(texts) {
+  // Draw the moment: `texts` too, and what is `unseen` as well if it is to be `whole`.
+  show(texts, whole = !this.playing) {
     const { source, data, stages, chosen } = this, { hand } = source;
-    const nows = stages.map((_, lane) => source.values(lane));
+    const nows = stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
     if (source.touched && this.widen(nows)) { this.dress(); return; }
     stages.forEach((stage, lane) => {
+      if (!due(stage)) return;
       const mine = hand && hand.lane === lane ? hand : document.activeElement === stage.canvas && chosen?.lane === lane ? chosen : null;
       stage.draw(nows[lane], mine && { bead: mine.bead, across: mine === hand ? this.acrossOf(stage, nows[lane]) : undefined });
     });
     if (this.experiment.shown.includes("charts")) {
-      for (const chart of this.charts) chart.draw(source, data, chart.channel === "force" ? data.forceUnit.size : 1);
+      for (const chart of this.charts.filter(due)) chart.draw(source, data, chart.channel === "force" ? data.forceUnit.size : 1);
     }
-    const clock = `t = ${fixed(source.time / data.unit.size, this.decimals)} ${data.unit.name}`;
-    part("clock").textContent = clock;
-    part("time").value = String(Math.round(SLIDER * (source.time - source.begun) / (source.last - source.begun || 1)));
-    if (texts) this.tell(nows, clock);
+    if (texts) this.tell(nows);
   }
 
   // Axes grow with what somebody throws, the ground to four times its length.
@@ -129,9 +141,11 @@ class Page {
 
   get decimals() { return Math.max(0, 2 - Math.floor(Math.log10((this.source.last - this.source.begun) / this.data.unit.size || 1))); }
 
-  // Texts: the slider's value, the end in words, the energy, the tables.
-  tell(nows, clock) {
-    const { source, specs, looks } = this;
+  // Texts: the time, the end in words, the energy, the tables. The browser lays the page out anew for each of them.
+  tell(nows) {
+    const { source, specs, looks, data } = this, clock = `t = ${fixed(source.time / data.unit.size, this.decimals)} ${data.unit.name}`;
+    part("clock").textContent = clock;
+    part("time").value = String(Math.round(SLIDER * (source.time - source.begun) / (source.last - source.begun || 1)));
     part("time").setAttribute("aria-valuetext", clock);
     const ended = source.apart && (source.over || source.touched) && !source.hand;
     const said = nows.map((now, lane) => {
@@ -182,6 +196,7 @@ class Page {
 
   picture(now) {
     this.source.advance((now - (this.last ?? now)) / 1000);
+    if (this.last) this.spare(now - this.last);
     this.last = now;
     this.follow();
     const texts = now - this.textsAt > 1000 / TEXT_RATE;
@@ -189,6 +204,16 @@ class Page {
     if (this.source.over) { this.pause(); return; }
     this.show(texts);
     this.next();
+  }
+
+  // Where pictures are late, draw fewer pixels, unless that does not help: a screen may be slow by itself.
+  spare(wait) {
+    if (this.waits.push(wait) < WATCHED) return;
+    const usual = this.waits.sort((a, b) => a - b)[WATCHED >> 1], { most } = this;
+    this.waits = [];
+    if (this.late) [this.most, this.late] = [usual < SOONER * this.late ? 1 : Infinity, 0];
+    else if (this.late === null && usual > LATE && this.theme.density > 1) [this.most, this.late] = [1, usual];
+    if (this.most !== most) this.dress();
   }
 
   go(time) {

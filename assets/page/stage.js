@@ -14,6 +14,7 @@ class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.pen = canvas.getContext("2d");
+    this.layer = document.createElement("canvas").getContext("2d"); // what stays from picture to picture
   }
 
   /**
@@ -23,13 +24,13 @@ class Stage {
    * @param {{tall: number, shown: string[], force: number}} options height of the drawing of the beads, what is shown, and its axis of forces
    */
   fit(motion, data, theme, { tall, shown, force }) {
-    const { canvas } = this, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH), density = window.devicePixelRatio || 1;
+    const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
     const narrow = width < 640, [low, high] = data.scales.window;
     const scale = Math.min(width / (high - low), TALLEST_BEAD * tall / (data.height * data.length)), size = data.length * scale;
     const loupeFit = shown.includes("loupes") ? loupeRow(motion, width) : { height: 0, count: 0 };
     const balance = shown.includes("balance") ? (narrow ? 2 : 1) * BARS_HEIGHT : 0, height = tall + loupeFit.height + balance;
-    canvas.width = Math.round(width * density);
-    canvas.height = Math.round(height * density);
+    canvas.width = this.layer.canvas.width = Math.round(width * density);
+    canvas.height = this.layer.canvas.height = Math.round(height * density);
     canvas.style.height = `${height}px`;
     const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
     const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8, forces = shown.includes("forces");
@@ -38,14 +39,19 @@ class Stage {
     this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions, forces, force, balance,
       contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
       barRoom: base - captions.bottom - 20, origin: width / 2 - scale * (low + high) / 2 };
+    this.layer.setTransform(density, 0, 0, density, 0, 0);
+    backdrop(this.layer, this.view, data);
+    if (balance) balanceFrames(this.layer, this.view, tall + loupeFit.height);
   }
 
   /** @param {Now} now @param {{bead: number, across?: number}|null} held the bead in the hand, and where the hand is */
   draw(now, held) {
     const { pen, view, data } = this;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.globalCompositeOperation = "copy";
+    pen.drawImage(this.layer.canvas, 0, 0);
+    pen.globalCompositeOperation = "source-over";
     pen.setTransform(view.density, 0, 0, view.density, 0, 0);
-    pen.clearRect(0, 0, view.width, this.canvas.height);
-    backdrop(pen, view, data);
     const edges = this.edges = leftEdges(now, view, data), faces = edges.slice(0, -1).map((x) => x + view.size);
     now.contacts = faces.map((face, k) => (face + edges[k + 1]) / 2);
     bodies(pen, view, data, edges, faces);
@@ -227,24 +233,33 @@ function arrows(pen, view, data, edges, now) {
   });
 }
 
-// Bars of energy and of momentum: each bead's part, and a total that must not change.
-function balances(pen, view, data, now, top) {
-  const { motion, width, theme, narrow } = view, wide = narrow ? width : (width - 24) / 2;
-  const second = narrow ? { x: 0, y: top + BARS_HEIGHT } : { x: wide + 24, y: top };
-  const mass = motion.mass.map((m) => m ?? 0);
-  const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
+// Where the bars of energy and of momentum are: their width, and the corner of the second, beside the first or below it.
+function balancePlaces({ width, narrow }, top) {
+  const wide = narrow ? width : (width - 24) / 2;
+  return { wide, second: narrow ? { x: 0, y: top + BARS_HEIGHT } : { x: wide + 24, y: top } };
+}
+
+function balanceFrames(pen, view, top) {
+  const { motion, theme } = view, { wide, second } = balancePlaces(view, top);
   const whole = say(motion.dissipative ? "energy lossy" : "energy bar"), brief = say(motion.dissipative ? "energy lossy brief" : "energy brief");
   pen.font = `400 12px ${FONT}`;
   write(pen, pen.measureText(whole).width < wide ? whole : brief, 0, top + 16, 12, theme.muted);
-  let x = frame(pen, theme, 0, top + 23, wide);
+  write(pen, say("momentum bar"), second.x, second.y + 16, 12, theme.muted);
+  pen.fillStyle = theme.line;
+  for (const { x, y } of [{ x: 0, y: top }, second]) pen.fillRect(x, y + 23, wide, 11);
+}
+
+// Bars of energy and of momentum: each bead's part, and a total that must not change.
+function balances(pen, view, data, now, top) {
+  const { motion, theme } = view, { wide, second } = balancePlaces(view, top), mass = motion.mass.map((m) => m ?? 0);
+  const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
+  let x = 0;
   [...kinetic, now.stored, now.absorbed].forEach((value, k) => {
     const part = Math.max(0, value / data.scales.energy * wide);
     pen.fillStyle = [...view.colours, theme.steel, theme.muted][k];
     pen.fillRect(x, top + 23, part, 11);
     x += part;
   });
-  write(pen, say("momentum bar"), second.x, second.y + 16, 12, theme.muted);
-  frame(pen, theme, second.x, second.y + 23, wide);
   const [low, high] = data.scales.momentum, unit = wide / (high - low), zero = second.x - low * unit, ends = [zero, zero];
   momentum.forEach((value, k) => {
     const side = value > 0 ? 1 : 0, part = value * unit;
@@ -257,10 +272,4 @@ function balances(pen, view, data, now, top) {
     pen.fillStyle = colour;
     pen.fillRect(Math.min(Math.max(at - 0.75, second.x), second.x + wide - 1.5), second.y + 20, 1.5, 17);
   }
-}
-
-function frame(pen, theme, x, y, wide) {
-  pen.fillStyle = theme.line;
-  pen.fillRect(x, y, wide, 11);
-  return x;
 }

@@ -10,8 +10,8 @@ from __future__ import annotations
 from importlib.util import find_spec
 from typing import NamedTuple
 
-from softcradle.sandbox.studies.precision.cases import Case
-from softcradle.sandbox.studies.precision.solvers import Solver
+from softcradle.sandbox.studies.precision.cases import ChartCase
+from softcradle.sandbox.studies.precision.measurement import Solver
 
 
 class Peer(NamedTuple):
@@ -21,7 +21,7 @@ class Peer(NamedTuple):
     package: str
     function: str
 
-    def solvers(self, case: Case) -> list[Solver]:
+    def solvers(self, case: ChartCase) -> list[Solver]:
         """Solvers of the case, none where the peer cannot take it."""
         from benchmarks.peers import integrators  # needs numba
 
@@ -50,7 +50,7 @@ def peer_distributions() -> list[str]:
     return [peer.name for peer in PEERS if peer.package not in ("numba", "scipy")]
 
 
-def peer_solvers(case: Case) -> list[Solver]:
+def peer_solvers(case: ChartCase) -> list[Solver]:
     """Solvers of every installed peer that can take the case: none where friction or losses take energy."""
     if case.chain.dissipative or not _numba_compiles():
         return []

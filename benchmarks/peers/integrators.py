@@ -11,8 +11,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.studies.precision.cases import Case, Start
-from softcradle.sandbox.studies.precision.solvers import Solution, Solver, step_counts, tolerances
+from softcradle.sandbox.studies.precision.cases import ChartCase, Start
+from softcradle.sandbox.studies.precision.measurement import Solution, Solver, step_counts, tolerances
 
 from benchmarks.peers.problem import (
     TimeLimitError,
@@ -67,7 +67,7 @@ def leapfrog(overlap: Any, rate: Any, stiffness: float, exponent: float, h: floa
             overlap[i] += 0.5 * h * rate[i]
 
 
-def verlet_by_hand(case: Case) -> list[Solver]:
+def verlet_by_hand(case: ChartCase) -> list[Solver]:
     """None for a chain that is not of unit masses and one power law: a preload is added to no force."""
     chain = case.chain
     simple = set(chain.mass) == {1.0} and len(set(chain.power_laws)) == 1 and chain.power_laws[0].preload == 0.0
@@ -76,7 +76,7 @@ def verlet_by_hand(case: Case) -> list[Solver]:
     return [Solver("Verlet by hand", "", step_counts(), partial(_by_hand, case), steps=True)]
 
 
-def _by_hand(case: Case, steps: float, start: Start, sample_times: Array) -> Solution:
+def _by_hand(case: ChartCase, steps: float, start: Start, sample_times: Array) -> Solution:
     law = case.chain.power_laws[0]
     overlap, rate = 0.0 - np.array(start.chain.gap), -np.diff(start.velocity)
     step, count, times = case.run_duration / steps, 0, np.append(sample_times, case.run_duration) + start.early
@@ -95,7 +95,7 @@ def _by_hand(case: Case, steps: float, start: Start, sample_times: Array) -> Sol
 # CyRK: its compiled loop called from compiled code.
 
 
-def cyrk(case: Case) -> list[Solver]:
+def cyrk(case: ChartCase) -> list[Solver]:
     """A curve a method, over ratios of the absolute tolerances."""
     return [
         Solver(f"CyRK {method}", f"overlaps {ratio:g}", tolerances(), partial(_cyrk, case, method, ratio))
@@ -125,7 +125,7 @@ def _cyrk_parts() -> tuple[int, Callable[..., Any]]:
     return nb_diffeq_addr(right_hand_side), solve
 
 
-def _cyrk(case: Case, method: str, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
+def _cyrk(case: ChartCase, method: str, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     address, solve = _cyrk_parts()
     counter, start, times = np.zeros(1), start_state(case), output_times(case, sample_times)
     absolute, parameters = absolute_tolerances(case, ratio, tolerance), parameter_array(case, counter)
@@ -138,7 +138,7 @@ def _cyrk(case: Case, method: str, ratio: float, tolerance: float, _start: Start
 # numbalsoda: one absolute tolerance for all variables, so parts of the relative one are scanned.
 
 
-def numbalsoda(case: Case) -> list[Solver]:
+def numbalsoda(case: ChartCase) -> list[Solver]:
     """One curve."""
     return [
         Solver("numbalsoda", f"LSODA, absolute {ratio:g}", tolerances(), partial(_numbalsoda, case, ratio))
@@ -157,7 +157,7 @@ def _numbalsoda_parts() -> tuple[Any, Callable[..., Any]]:
     return right_hand_side, lsoda
 
 
-def _numbalsoda(case: Case, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
+def _numbalsoda(case: ChartCase, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     right_hand_side, lsoda = _numbalsoda_parts()
     counter, start, times = np.zeros(1), start_state(case), np.append(0.0, output_times(case, sample_times))
     parameters, address = parameter_array(case, counter), right_hand_side.address
@@ -171,7 +171,7 @@ def _numbalsoda(case: Case, ratio: float, tolerance: float, _start: Start, sampl
 # is zero: `radau` computes the beginning, and its time counts. A contact counts as open below a small overlap, scanned too.
 
 
-def heyoka(case: Case) -> list[Solver]:
+def heyoka(case: ChartCase) -> list[Solver]:
     """One curve; none for preloads, walls, or contacts that are not all alike."""
     chain, law = case.chain, case.chain.power_laws[0]
     soft = set(chain.power_laws) == {law} and law.preload == 0.0 and law.exponent < 1.0
@@ -208,7 +208,9 @@ def _taylor(n: int, exponent: float, stiffness: float, tolerance: float, least: 
     )
 
 
-def _heyoka(case: Case, start: float, least: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
+def _heyoka(
+    case: ChartCase, start: float, least: float, tolerance: float, _start: Start, sample_times: Array
+) -> Solution:
     import heyoka as hy
 
     n, law = case.chain.contacts, case.chain.power_laws[0]
@@ -234,12 +236,12 @@ def _heyoka(case: Case, start: float, least: float, tolerance: float, _start: St
 # SciPy's solve_ivp with a compiled right-hand side, called from its Python loop.
 
 
-def scipy(case: Case) -> list[Solver]:
+def scipy(case: ChartCase) -> list[Solver]:
     """A curve a method."""
     return [Solver(f"SciPy {method}", "", tolerances(), partial(_scipy, case, method)) for method in SCIPY_METHODS]
 
 
-def _scipy(case: Case, method: str, tolerance: float, _start: Start, sample_times: Array) -> Solution:
+def _scipy(case: ChartCase, method: str, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     from scipy.integrate import solve_ivp
 
     counter, start, times = np.zeros(1), start_state(case), output_times(case, sample_times)
@@ -265,7 +267,7 @@ def _scipy(case: Case, method: str, tolerance: float, _start: Start, sample_time
 # SUNDIALS' CVODE through scikit-sundae, with a compiled right-hand side and its banded solver.
 
 
-def sundae(case: Case) -> list[Solver]:
+def sundae(case: ChartCase) -> list[Solver]:
     """A curve a method."""
     return [
         Solver(f"CVODE {method}", f"overlaps {ratio:g}", tolerances(), partial(_sundae, case, method, ratio))
@@ -274,7 +276,9 @@ def sundae(case: Case) -> list[Solver]:
     ]
 
 
-def _sundae(case: Case, method: str, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
+def _sundae(
+    case: ChartCase, method: str, ratio: float, tolerance: float, _start: Start, sample_times: Array
+) -> Solution:
     from sksundae.cvode import CVODE
 
     counter, start, times = np.zeros(1), start_state(case), np.append(0.0, output_times(case, sample_times))
@@ -301,7 +305,7 @@ def _sundae(case: Case, method: str, ratio: float, tolerance: float, _start: Sta
 # tried on one on 4 at alpha = 1/10, take 20 (Dopri8) to 100 times (Kvaerno5) as long as Tsit5.
 
 
-def diffrax(case: Case) -> list[Solver]:
+def diffrax(case: ChartCase) -> list[Solver]:
     """One curve; none for a driven chain."""
     if case.chain.drive:
         return []
@@ -339,7 +343,7 @@ def _tsit5() -> Callable[..., Any]:
     return solve
 
 
-def _diffrax(case: Case, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
+def _diffrax(case: ChartCase, ratio: float, tolerance: float, _start: Start, sample_times: Array) -> Solution:
     start, times = start_state(case), output_times(case, sample_times)
     absolute = absolute_tolerances(case, ratio, tolerance)
     began = perf_counter()

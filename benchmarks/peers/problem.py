@@ -10,8 +10,8 @@ from numba import carray, njit, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 from softcradle.physics.state import from_anchor
-from softcradle.sandbox.studies.precision.cases import Case
-from softcradle.sandbox.studies.precision.solvers import Solution
+from softcradle.sandbox.studies.precision.cases import ChartCase
+from softcradle.sandbox.studies.precision.measurement import Solution
 
 Array = NDArray[np.float64]
 
@@ -28,29 +28,31 @@ def timed_derivatives(parameters: Array, out: Array, y: Array, deadline: float) 
     return out
 
 
-def start_state(case: Case) -> Array:
+def start_state(case: ChartCase) -> Array:
     """(2n,) overlaps and rates at the start."""
     return np.concatenate((0.0 - np.array(case.chain.gap), -np.diff(case.velocity)))
 
 
-def output_times(case: Case, sample_times: Array) -> Array:
+def output_times(case: ChartCase, sample_times: Array) -> Array:
     """The sample times, if any, and the end [s]."""
     return np.append(sample_times, case.run_duration)
 
 
-def parameter_array(case: Case, counter: Array) -> Array:
+def parameter_array(case: ChartCase, counter: Array) -> Array:
     """(2 + 3n + n+1 + n+1,) number of contacts, address of `counter` (1,), laws, inverse masses, drive: one array for C."""
     law, inverse_mass = case.chain.parameters
     drive = np.zeros(inverse_mass.size) if case.chain.drive_force is None else case.chain.drive_force
     return np.concatenate(([case.chain.contacts, counter.ctypes.data], law.ravel(), inverse_mass, drive * inverse_mass))
 
 
-def absolute_tolerances(case: Case, ratio: float, tolerance: float) -> Array:
+def absolute_tolerances(case: ChartCase, ratio: float, tolerance: float) -> Array:
     """(2n,) absolute tolerances: of overlaps `ratio` times that of rates."""
     return np.repeat((ratio * tolerance, tolerance), case.chain.contacts)
 
 
-def solution_of(case: Case, states: Array | None, sample_times: Array, seconds: float, evaluations: float) -> Solution:
+def solution_of(
+    case: ChartCase, states: Array | None, sample_times: Array, seconds: float, evaluations: float
+) -> Solution:
     """The Solution from states (T, 2n) at the sample times and at the end; None for a run that gave up."""
     if states is None or len(states) != sample_times.size + 1 or not np.isfinite(states).all():
         return Solution(None, seconds, evaluations)
@@ -63,7 +65,7 @@ def solution_of(case: Case, states: Array | None, sample_times: Array, seconds: 
     return Solution(velocity, seconds, evaluations, overlap, force)
 
 
-def _velocities(case: Case, rate: Array) -> Array:
+def _velocities(case: ChartCase, rate: Array) -> Array:
     """(n+1,) velocities from rates (n,): the total momentum and the velocity of a wall are known."""
     mass = np.array(case.chain.mass)
     relative = from_anchor(rate, 0.0, 0)

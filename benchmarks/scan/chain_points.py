@@ -12,11 +12,11 @@ from softcradle.physics.status import WarningCode
 
 from benchmarks.scan.families import motion
 from benchmarks.scan.truth import SOURCES, Truth, truth_of
-from benchmarks.scan.verdict import Verdict, judge
+from benchmarks.scan.verdict import RunVerdict, judge
 from softcradle import warm
 
 Entry = dict[str, Any]
-VERDICTS, CODES = list(Verdict), [code.value for code in WarningCode]
+VERDICTS, CODES = list(RunVerdict), [code.value for code in WarningCode]
 TRUTH = "truth "  # before the names of the columns of a new truth
 
 

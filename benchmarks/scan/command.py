@@ -29,7 +29,7 @@ from benchmarks.json_lines import append, lines
 from benchmarks.reports import Report
 from benchmarks.scan.chain_points import Entry, chain_numbers, compiled, entries
 from benchmarks.scan.families import FAMILIES, motion
-from benchmarks.scan.verdict import PROMISE, SLOW, Verdict
+from benchmarks.scan.verdict import PROMISE, SLOW, RunVerdict
 
 SEEDS_SHOWN = 8  # of a family's chains that fail, in the table
 TRUTHS = "truths.jsonl"  # file of the truths in the folder
@@ -68,7 +68,7 @@ def main(arguments: list[str]) -> int:
     if args.markdown is not None:
         with output_file(args.markdown) as temporary:
             temporary.write_text(report.markdown(), encoding="utf-8")
-    return int(args.require and any(entry["verdict"] == Verdict.SILENT for entry in found))
+    return int(args.require and any(entry["verdict"] == RunVerdict.SILENT for entry in found))
 
 
 def _compute(
@@ -113,18 +113,18 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
     rows = []
     for family in (*families, "all"):
         own = [entry for entry in entries if family in (entry["family"], "all")]
-        counts = [sum(entry["verdict"] == verdict for entry in own) for verdict in Verdict]
+        counts = [sum(entry["verdict"] == verdict for entry in own) for verdict in RunVerdict]
         times = sorted(entry["seconds"] for entry in own)
         slow = sum(entry["slow"] for entry in own)
-        bad = [entry for entry in own if entry["verdict"] in (Verdict.SILENT, Verdict.GAVE_UP)]
+        bad = [entry for entry in own if entry["verdict"] in (RunVerdict.SILENT, RunVerdict.GAVE_UP)]
         worst = sorted(bad, key=lambda entry: -entry["error"])[:SEEDS_SHOWN] if family != "all" else []
-        seeds = ", ".join(f"{entry['seed']}{'' if entry['verdict'] == Verdict.SILENT else '!'}" for entry in worst)
+        seeds = ", ".join(f"{entry['seed']}{'' if entry['verdict'] == RunVerdict.SILENT else '!'}" for entry in worst)
         middle = f"{1e3 * times[len(times) // 2]:.2g}" if times else "-"
         rows.append(
             [family, str(len(own)), *map(str, counts), str(slow), middle, f"{max(times, default=math.nan):.2g}", seeds]
         )
     sources = Counter(entry["truth"] for entry in entries)
-    columns = ["family", "chains", *Verdict, f"over {SLOW:g} s", "median [ms]", "worst [s]", "seeds (! gave up)"]
+    columns = ["family", "chains", *RunVerdict, f"over {SLOW:g} s", "median [ms]", "worst [s]", "seeds (! gave up)"]
     notes = [
         f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
         "the run warns; silent: beyond both; unknown: the truth is known less well",

@@ -17,7 +17,7 @@ PROMISE = 10.0  # tolerances: an error below this is within
 SLOW = 1.0  # [s]
 
 
-class Verdict(StrEnum):
+class RunVerdict(StrEnum):
     """How one run stands to the truth."""
 
     WITHIN = "within"  # the error is within the tolerance
@@ -46,13 +46,13 @@ def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[s
     }
 
 
-def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float) -> Verdict:
+def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float) -> RunVerdict:
     if found.status.gave_up:
-        return Verdict.GAVE_UP
+        return RunVerdict.GAVE_UP
     if (apart <= allowed + np.minimum(truth.doubt, allowed)).all():
-        return Verdict.WITHIN
+        return RunVerdict.WITHIN
     bound = np.fmax(found.velocity_error, allowed)  # NaN where a method states none
     if found.warnings or (apart <= bound + np.minimum(truth.doubt, bound)).all():
-        return Verdict.STATED
+        return RunVerdict.STATED
     known = truth.source == FINE_SPREAD or (apart > bound + truth.doubt).any()
-    return Verdict.SILENT if known else Verdict.UNKNOWN
+    return RunVerdict.SILENT if known else RunVerdict.UNKNOWN

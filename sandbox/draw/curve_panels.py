@@ -27,7 +27,7 @@ LABEL_GAP = 14.0  # design pixels between names beside the axes
 
 
 @dataclass(frozen=True)
-class Axis:
+class VerticalAxis:
     """A vertical axis.
 
     Attributes:
@@ -60,14 +60,14 @@ def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) ->
     return list(ticks[kept::every])
 
 
-def linear_axis(title: str, low: float, high: float) -> Axis:
-    """Axis from `low` to `high` with round ticks."""
-    return Axis(title, low, high, tuple(ticks(low, high, 5)))
+def linear_axis(title: str, low: float, high: float) -> VerticalAxis:
+    """An axis from `low` to `high` with round ticks."""
+    return VerticalAxis(title, low, high, tuple(ticks(low, high, 5)))
 
 
-def decade_axis(title: str, low: int, high: int) -> Axis:
-    """Axis of powers of ten."""
-    return Axis(title, float(low), float(high), tuple(decades(low, high, 5)), True)
+def decade_axis(title: str, low: int, high: int) -> VerticalAxis:
+    """An axis of powers of ten."""
+    return VerticalAxis(title, float(low), float(high), tuple(decades(low, high, 5)), True)
 
 
 class Panel:
@@ -86,7 +86,7 @@ class Panel:
         rect: pygame.Rect,
         unit: float,
         time: tuple[float, float],
-        axis: Axis,
+        axis: VerticalAxis,
         *,
         colours: Sequence[Colour],
         names: Sequence[str],

@@ -18,8 +18,8 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import shortened, width, write
-from softcradle.sandbox.film.film_encoder import open_film
-from softcradle.sandbox.film.film_kinds import check, pixels_of
+from softcradle.sandbox.film.encoder import open_film
+from softcradle.sandbox.film.kinds import check, pixels_of
 from softcradle.sandbox.film.scene_film import RenderReport
 from softcradle.sandbox.film.scene_motion import AFTER, LEAD, motion_end, scene_motions
 from softcradle.sandbox.motion import Motion
@@ -36,7 +36,7 @@ LINE_HEIGHT = 0.16  # of the line of pixels above the ground, in lengths of a be
 SURROUNDINGS = 90.0  # pixels of a frame above and below the beads
 
 
-class Camera:
+class SlitCamera:
     """A camera that films lane `number` of `scene` from the side.
 
     Arguments:
@@ -84,7 +84,7 @@ class Camera:
         return cut
 
 
-def stacked(camera: Camera, motion: Motion) -> Pixels:
+def stacked(camera: SlitCamera, motion: Motion) -> Pixels:
     """(T, width, 3) the lines of all frames, which are the kymograph; time along the first axis."""
     return np.stack([camera.line(motion, row) for row in range(len(motion.time))])
 
@@ -193,7 +193,7 @@ def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate
     for number, motion in enumerate(motions):
         label = LABEL * unit if scene.lanes[number].label else 0.0
         top = HEADER * unit + number * each + label
-        camera = Camera(scene, number, scales, max(8, round(each - label - LANE_GAP * unit)))
+        camera = SlitCamera(scene, number, scales, max(8, round(each - label - LANE_GAP * unit)))
         place = pygame.Rect(left, round(top), width, camera.frame.get_width())
         if label:
             write(surface, scene.lanes[number].label, (left, top - 4 * unit), 15 * unit, bold=True, align=(0, 1))
@@ -229,7 +229,7 @@ def _mark(surface: pygame.Surface, place: pygame.Rect, x: int, words: str, down:
     write(surface, words, (x + 6 * unit, place.top + down), size, tones.foreground)
 
 
-def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, motion: Motion, unit: float) -> None:
+def _lane(surface: pygame.Surface, place: pygame.Rect, camera: SlitCamera, motion: Motion, unit: float) -> None:
     """The stacked lines, stretched over `place`, positions upwards; dotted lines at release and first touch."""
     lines: Pixels = stacked(camera, motion)
     frame_of = np.arange(place.width) * len(lines) // place.width
@@ -243,7 +243,7 @@ def _lane(surface: pygame.Surface, place: pygame.Rect, camera: Camera, motion: M
         pygame.draw.aalines(surface, WHITE, False, np.column_stack((xs, path - 0.5)).tolist())
 
 
-def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camera: Camera, unit: float) -> None:
+def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camera: SlitCamera, unit: float) -> None:
     """A bar on the right, as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.drawing.scale

@@ -12,8 +12,8 @@ from time import perf_counter
 import pygame
 from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film.film_encoder import open_film
-from softcradle.sandbox.film.film_kinds import check
+from softcradle.sandbox.film.encoder import open_film
+from softcradle.sandbox.film.kinds import check
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions, strongest_row
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.user_error import UserError

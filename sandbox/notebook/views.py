@@ -94,7 +94,7 @@ def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]
 def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tuple[int, int]) -> None:
     """Write the samples of the trajectory, each for as long as it is the nearest one."""
     from softcradle.sandbox.draw import Picture, motion_of
-    from softcradle.sandbox.film.film_encoder import open_film
+    from softcradle.sandbox.film.encoder import open_film
 
     span = float(trajectory.time[-1] - trajectory.time[0])
     slow = slow or usual_slow(trajectory)

@@ -38,7 +38,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Axes:
+class ChartAxes:
     """Ranges and labels of both axes."""
 
     x: Range
@@ -64,7 +64,7 @@ def axis_range(values: Sequence[Array]) -> Range:
     return (low - room if low < 0.0 else low), high + room
 
 
-def line_chart(title: str, curves: Sequence[Curve], axes: Axes) -> str:
+def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
     """A figure with the curves, a grid, and a legend where there is more than one."""
     lines = [
         f'<path class="curve {curve.css_class}" d="{_path(curve, axes)}"><title>{escape(curve.name)}</title></path>'
@@ -74,7 +74,7 @@ def line_chart(title: str, curves: Sequence[Curve], axes: Axes) -> str:
     return _figure(title, _grid(axes) + "".join(lines), HEIGHT, legend)
 
 
-def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: Axes) -> str:
+def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: ChartAxes) -> str:
     """A figure with a bar of intervals (state, begin, end) for each name, above a time axis; `axes.y` has no meaning."""
     height = TOP + BAR_PITCH * len(rows) + BOTTOM
     parts = []
@@ -92,13 +92,13 @@ def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, f
     return _figure(title, "".join(parts), height, legend)
 
 
-def _path(curve: Curve, axes: Axes) -> str:
+def _path(curve: Curve, axes: ChartAxes) -> str:
     rows = _thinned(curve.x, curve.y, axes)
     points = zip(axes.across(curve.x[rows]).tolist(), axes.down(curve.y[rows]).tolist(), strict=True)
     return "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
-def _thinned(x: Array, y: Array, axes: Axes) -> NDArray[np.int_]:
+def _thinned(x: Array, y: Array, axes: ChartAxes) -> NDArray[np.int_]:
     """Rows inside the axes that draw the same curve: MOST_POINTS evenly in x, and both ends of every jump."""
     inside = np.flatnonzero((x >= axes.x[0]) & (x <= axes.x[1]))
     if not inside.size:
@@ -111,7 +111,7 @@ def _thinned(x: Array, y: Array, axes: Axes) -> NDArray[np.int_]:
     return rows
 
 
-def _grid(axes: Axes) -> str:
+def _grid(axes: ChartAxes) -> str:
     marks, power = _value_ticks(axes)
     parts = []
     for value, text in marks:
@@ -127,7 +127,7 @@ def _grid(axes: Axes) -> str:
     return "".join(parts) + _x_axis(axes, HEIGHT)
 
 
-def _value_ticks(axes: Axes) -> tuple[list[tuple[float, str]], int]:
+def _value_ticks(axes: ChartAxes) -> tuple[list[tuple[float, str]], int]:
     """Places and labels of the vertical axis, and the power of ten by which its labels are too small."""
     largest = max(abs(end) for end in axes.y)
     power = 0 if PLAIN_NUMBERS[0] < largest < PLAIN_NUMBERS[1] else math.floor(math.log10(largest))
@@ -135,7 +135,7 @@ def _value_ticks(axes: Axes) -> tuple[list[tuple[float, str]], int]:
     return [(value * 10.0**power, text) for value, text in marks], power
 
 
-def _x_axis(axes: Axes, height: float) -> str:
+def _x_axis(axes: ChartAxes, height: float) -> str:
     foot = height - BOTTOM
     parts = [f'<path class="zero" d="M{LEFT:.1f},{foot:.1f}H{WIDTH - RIGHT:.1f}"/>']
     for value, text in ticks(*axes.x, 5):

@@ -54,42 +54,17 @@ class Impact(NamedTuple):
     speed: float
 
 
-class ContactEventIndex:
-    """The contact events of a history; those of full blocks are found once."""
+def contact_events(history: History, after: int = -1) -> ContactEvents:
+    """The contact events of a history later than frame `after`."""
+    events = _joined([_of(block, before) for before, block in history.pairs() if block.first + block.used - 1 > after])
+    return events if after < history.first else events.select(events.frame > after)
 
-    def __init__(self, history: History) -> None:
-        self.history = history
-        self._by_block: dict[int, tuple[Block, int, ContactEvents]] = {}
-        self._joined: tuple[tuple[tuple[int, int], ...] | None, ContactEvents] = (None, _joined([]))
 
-    def all(self) -> ContactEvents:
-        """Every event in the history."""
-        *full, (before, newest) = self._pairs()
-        key = tuple((id(block), block.revision) for _, block in full)
-        if key != self._joined[0]:
-            present = {id(block) for _, block in full}
-            self._by_block = {place: item for place, item in self._by_block.items() if place in present}
-            self._joined = key, _joined([self._of(block, earlier) for earlier, block in full])
-        return _joined([self._joined[1], self._of(newest, before)])
-
-    def after(self, frame: int) -> ContactEvents:
-        """Events later than `frame`."""
-        found = [self._of(block, before) for before, block in self._pairs() if block.first + block.used - 1 > frame]
-        events = _joined(found)
-        return events.select(events.frame > frame)
-
-    def _pairs(self) -> list[tuple[Block | None, Block]]:
-        """Every block with the one before it."""
-        blocks = list(self.history.blocks)
-        return list(zip([None, *blocks[:-1]], blocks, strict=True))
-
-    def _of(self, block: Block, before: Block | None) -> ContactEvents:
-        known = self._by_block.get(id(block))
-        if known and known[0] is block and known[1] == block.revision and block is not self.history.blocks[-1]:
-            return known[2]
-        events = _joined([_lane_events(block, before, lane) for lane in range(len(block.lanes))])
-        self._by_block[id(block)] = (block, block.revision, events)
-        return events
+def _of(block: Block, before: Block | None) -> ContactEvents:
+    lanes = range(len(block.lanes))
+    return block.found(
+        ("events", before is None), lambda: _joined([_lane_events(block, before, lane) for lane in lanes])
+    )
 
 
 def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents:

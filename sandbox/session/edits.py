@@ -1,11 +1,10 @@
-"""Edits: what an Input changes in a lane. Immutable parts are replaced whole; a refused edit changes nothing."""
+"""Parts of edits: beads of a state are moved, immutable parts of a lane are replaced whole, numbers beyond use are refused."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import singledispatch
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +12,7 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State, from_anchor
-from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.languages import N_, gettext
-from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
 from softcradle.sandbox.session.lane_setup import LaneSetup
 
 Array = NDArray[np.float64]
@@ -85,152 +81,7 @@ class ContactChange(NamedTuple):
     origin: Contact | None = None
 
 
-@singledispatch
-def edited(item: object, setup: LaneSetup, state: State) -> Changed:
-    """Setup and state after `item`; `state` may be changed in place. ValueError with a sentence: refused."""
-    raise TypeError(f"not an edit of a lane: {item!r}")
-
-
-def edited_start(item: inputs.LaneInput, setup: LaneSetup) -> State:
-    """The start of the lane after `item`: masses and the number of beads change it, positions and velocities do not."""
-    if isinstance(item, inputs.SetMass | inputs.AddBead | inputs.RemoveBead):
-        return edited(item, setup, setup.start.copy())[1]
-    return setup.start
-
-
-@edited.register
-def _(item: inputs.Place, setup: LaneSetup, state: State) -> Changed:
-    _check_index(N_("bead"), item.bead, setup.chain.contacts + 1)
-    place_bead(setup.chain, state, item.bead, _finite(N_("position"), item.position))
-    return setup, state
-
-
-@edited.register
-def _(item: inputs.SetVelocity, setup: LaneSetup, state: State) -> Changed:
-    _check_index(N_("bead"), item.bead, setup.chain.contacts + 1)
-    set_velocity(setup.chain, state, item.bead, _finite(N_("velocity"), item.velocity))
-    return setup, state
-
-
-@edited.register
-def _(item: inputs.SetMass, setup: LaneSetup, state: State) -> Changed:
-    chain = setup.chain
-    _check_index(N_("bead"), item.bead, chain.contacts + 1)
-    if not math.isinf(item.mass):
-        _finite(N_("mass"), item.mass)
-    chosen = [i for i, mass in enumerate(chain.mass) if item.bead in (i, None) and (item.bead == i or mass < math.inf)]
-    masses = [item.mass if i in chosen else mass for i, mass in enumerate(chain.mass)]
-    return _with_chain(setup, state, replace(chain, mass=tuple(masses)))
-
-
-@edited.register
-def _(item: inputs.SetContact, setup: LaneSetup, state: State) -> Changed:
-    _check_law(item.law)
-    return _with_contacts(setup, state, item.contact, lambda index: ContactChange(item.law))
-
-
-@edited.register
-def _(item: inputs.SetKind, setup: LaneSetup, state: State) -> Changed:
-    def converted(index: int) -> ContactChange:
-        present = plain_contact(setup.chain, index)
-        origin = setup.origin_of(index) or present
-        chain = replace(setup.chain, contact=_put(setup.chain.contact, index, origin))
-        law = converted_contact(chain, index, item.kind, setup.speed, setup.length)
-        return ContactChange(present if kind_of(present) == item.kind else law, origin=origin)
-
-    return _with_contacts(setup, state, item.contact, converted)
-
-
-@edited.register
-def _(item: inputs.Lock, setup: LaneSetup, state: State) -> Changed:
-    def locked(index: int) -> ContactChange:
-        contact, soft, origin = plain_contact(setup.chain, index), setup.locked[index], setup.origin_of(index)
-        if item.locked:
-            hard = contact if soft else hard_contact(setup.chain, index, setup.speed)
-            return ContactChange(hard, locked=soft or contact, origin=origin)
-        return ContactChange(soft or contact, origin=origin)
-
-    return _with_contacts(setup, state, item.contact, locked)
-
-
-@edited.register
-def _(item: inputs.SetGap, setup: LaneSetup, state: State) -> Changed:
-    _check_index(N_("contact"), item.contact, setup.chain.contacts)
-    if not item.gap <= LARGEST:
-        raise ValueError(gettext("a gap must be a number up to {most:g}, not {given!r}", most=LARGEST, given=item.gap))
-    if not -item.gap < min(setup.length, LARGEST):
-        raise ValueError(
-            gettext(
-                "an overlap must be below the length of a bead, {length:g} m, not {given!r}",
-                length=setup.length,
-                given=-item.gap,
-            )
-        )
-    displacement = np.zeros(setup.chain.contacts + 1)
-    displacement[item.contact + 1 :] = item.gap + float(state.overlap[item.contact])
-    displace(setup.chain, state, displacement)
-    state.overlap[item.contact] = 0.0 - item.gap
-    return setup, state
-
-
-@edited.register
-def _(item: inputs.SetDrive, setup: LaneSetup, state: State) -> Changed:
-    chain = setup.chain
-    _check_index(N_("bead"), item.bead, chain.contacts + 1)
-    force = _finite(N_("force"), item.force)
-    drive = [force if item.bead in (i, None) else old for i, old in enumerate(chain.drive or (0.0,) * len(chain.mass))]
-    return _with_chain(setup, state, replace(chain, drive=tuple(drive)))
-
-
-@edited.register
-def _(item: inputs.SetFriction, setup: LaneSetup, state: State) -> Changed:
-    if not 0.0 <= item.friction <= LARGEST:
-        raise ValueError(
-            gettext("friction must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=item.friction)
-        )
-    return _with_chain(setup, state, replace(setup.chain, friction=float(item.friction)))
-
-
-@edited.register
-def _(item: inputs.SetMethod, setup: LaneSetup, state: State) -> Changed:
-    return setup.with_method(item.method), state
-
-
-@edited.register
-def _(item: inputs.SetStep, setup: LaneSetup, state: State) -> Changed:
-    if item.step is not None and not 0.0 < item.step <= LARGEST:
-        raise ValueError(gettext("a step must be a time > 0, not {given!r}", given=item.step))
-    return setup.with_step(item.step), state
-
-
-@edited.register
-def _(item: inputs.AddBead, setup: LaneSetup, state: State) -> Changed:
-    chain, n = setup.chain, setup.chain.contacts
-    _check_index(N_("bead"), item.bead, n + 2)
-    if n + 2 > MOST_BEADS:
-        raise ValueError(gettext("a lane holds at most {most} beads", most=MOST_BEADS))
-    if not math.isinf(item.mass):
-        _finite(N_("mass"), item.mass)
-    near = min(max(item.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
-    law = chain.contact[near] if item.law is None else item.law
-    _check_law(law)
-    masses = [*chain.mass[: item.bead], item.mass, *chain.mass[item.bead :]]
-    contacts, gaps = list(chain.contact), list(chain.gap)
-    at = min(item.bead, n)
-    contacts.insert(at, law)
-    gaps.insert(at, 0.0)
-    locked = (*setup.locked[:at], None, *setup.locked[at:])
-    origin = (*setup.origin[:at], None, *setup.origin[at:]) if setup.origin else ()
-    drive = None if chain.drive is None else (*chain.drive[: item.bead], 0.0, *chain.drive[item.bead :])
-    moved = [i + (i >= item.bead) for i in range(n + 1)]
-    forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
-    longer = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
-    return setup.with_chain(longer, locked, origin), _inserted(
-        chain, longer, state, item.bead, abs(_finite(N_("gap"), item.gap))
-    )
-
-
-def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
+def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
     """The state with one bead more, which has the mean velocity of its neighbours."""
     n = chain.contacts
     position, velocity = state.position(chain), state.velocity(chain)
@@ -250,40 +101,9 @@ def _inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) 
     return state_from_bead_0(longer, state.time, (overlap, rate, force), first)
 
 
-@edited.register
-def _(item: inputs.RemoveBead, setup: LaneSetup, state: State) -> Changed:
-    chain, n = setup.chain, setup.chain.contacts
-    _check_index(N_("bead"), item.bead, n + 1)
-    if n < 2:
-        raise ValueError(gettext("a lane needs at least 2 beads"))
-    removed = min(item.bead, n - 1)
-    rest = [i for i in range(n) if i != removed]
-    masses = [mass for i, mass in enumerate(chain.mass) if i != item.bead]
-    drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != item.bead]
-    moved = [None if i == item.bead else i - (i > item.bead) for i in range(n + 1)]
-    forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
-    contacts, gaps = [chain.contact[i] for i in rest], [chain.gap[i] for i in rest]
-    shorter = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
-    position, velocity = state.position(chain), state.velocity(chain)
-    overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
-    if 0 < item.bead < n:
-        overlap[item.bead - 1] += state.overlap[item.bead]
-        rate[item.bead - 1] += state.rate[item.bead]
-        force[item.bead - 1] = shorter.contact[item.bead - 1].force(float(overlap[item.bead - 1]))
-    start = 1 if item.bead == 0 else 0
-    first = float(position[start]), float(velocity[start])
-    locked, origin = tuple(setup.locked[i] for i in rest), tuple(setup.origin_of(i) for i in rest)
-    kept = origin if any(origin) else ()
-    return setup.with_chain(shorter, locked, kept), state_from_bead_0(
-        shorter, state.time, (overlap, rate, force), first
-    )
-
-
-def _with_contacts(
-    setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]
-) -> Changed:
+def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]) -> Changed:
     """The lane with contact `index` (None: each) replaced by what `change` makes of it."""
-    _check_index(N_("contact"), index, setup.chain.contacts)
+    check_index(N_("contact"), index, setup.chain.contacts)
     contacts, locked = list(setup.chain.contact), list(setup.locked)
     origin = [setup.origin_of(i) for i in range(len(contacts))]
     for i in range(len(contacts)) if index is None else (index,):
@@ -292,11 +112,12 @@ def _with_contacts(
     return setup.with_chain(replace(setup.chain, contact=tuple(contacts)), tuple(locked), kept), state
 
 
-def _put(contacts: tuple[Joint, ...], index: int, law: Contact) -> tuple[Joint, ...]:
+def put(contacts: tuple[Joint, ...], index: int, law: Contact) -> tuple[Joint, ...]:
+    """The contacts with another law at `index`."""
     return *contacts[:index], law, *contacts[index + 1 :]
 
 
-def _with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
+def with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
     """The lane with `chain`, which has as many beads; the state follows to another anchor bead."""
     anchor = chain.anchor
     if anchor != setup.chain.anchor:
@@ -305,7 +126,8 @@ def _with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
     return setup.with_chain(chain), state
 
 
-def _check_index(name: str, index: int | None, count: int) -> None:
+def check_index(name: str, index: int | None, count: int) -> None:
+    """Refuse a number that none of `count` beads or contacts has."""
     if index is not None and not 0 <= index < count:
         raise ValueError(
             gettext(
@@ -317,15 +139,16 @@ def _check_index(name: str, index: int | None, count: int) -> None:
         )
 
 
-def _check_law(law: Joint) -> None:
+def check_law(law: Joint) -> None:
     """Refuse a law whose numbers are beyond any use, a slip of the keyboard; a Contact has checked its exponent itself."""
     if not isinstance(law, Contact):
         return
     for name, number in ((N_("preload"), law.preload), (N_("stiffness"), law.stiffness)):
-        _finite(name, number)
+        finite(name, number)
 
 
-def _finite(name: str, number: float) -> float:
+def finite(name: str, number: float) -> float:
+    """The number; refused where it is beyond LARGEST."""
     if not (math.isfinite(number) and abs(number) <= LARGEST):
         raise ValueError(
             gettext(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
 from softcradle.sandbox.session.snapshots import HeldBead, Snapshot
 
 Array = NDArray[np.float64]
+Found = TypeVar("Found")
 
 BLOCK_ROWS = 512
 MEMORY = 32 * 2**20  # bytes of a history, unless given
@@ -69,6 +72,16 @@ class Block:
     revision: int = 0
     setups: list[tuple[int, Setup]] = field(default_factory=list)
     switches: dict[int, tuple[Switches, ...]] = field(default_factory=dict)
+    _found: dict[Hashable, tuple[tuple[int, int], Any]] = field(default_factory=dict, repr=False)
+
+    def found(self, what: Hashable, find: Callable[[], Found]) -> Found:
+        """What `find` gives of these rows, found once while they stay as they are."""
+        version = self.revision, self.used
+        known = self._found.get(what)
+        if known is None or known[0] != version:
+            known = self._found[what] = version, find()
+        found: Found = known[1]
+        return found
 
     @classmethod
     def empty(cls, first: int, widths: tuple[int, ...]) -> Block:
@@ -140,10 +153,11 @@ class History:
 
     Attributes:
         cuts: how often later frames were dropped or brought back, by a start, a new branch, an undo or a redo.
+        edits: how often the newest frame was replaced.
     """
 
     def __init__(self, memory: int = MEMORY) -> None:
-        self.bound, self.cuts = memory, 0
+        self.bound, self.cuts, self.edits = memory, 0, 0
         self.blocks: deque[Block] = deque()
 
     @property
@@ -157,9 +171,19 @@ class History:
         return self.blocks[-1].first + self.blocks[-1].used - 1
 
     @property
-    def branch(self) -> tuple[object, int]:
+    def branch(self) -> tuple[int, int]:
         """Another one where frames were dropped or replaced: what was made from them is stale."""
-        return self.blocks[-1], self.blocks[-1].revision
+        return self.cuts, self.edits
+
+    @property
+    def version(self) -> tuple[int, ...]:
+        """Another one after whatever has happened to the frames: views that were made of all of them are made anew."""
+        return *self.branch, self.first, self.last
+
+    def pairs(self) -> list[tuple[Block | None, Block]]:
+        """Every block with the one before it."""
+        blocks = list(self.blocks)
+        return list(zip([None, *blocks[:-1]], blocks, strict=True))
 
     @property
     def first_time(self) -> float:
@@ -193,6 +217,7 @@ class History:
 
     def replace_last(self, snapshot: Snapshot) -> None:
         """Put `snapshot` in place of the newest frame: an edit."""
+        self.edits += 1
         frame, block = self.last, self.blocks[-1]
         block.drop_last()
         if block.widths != _widths(snapshot):

@@ -7,164 +7,385 @@ A recording names them by their classes: a renamed class could no longer be repl
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
-from typing import Any, get_args
+import math
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, ClassVar
 
+import numpy as np
+from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
+from softcradle.physics.state import State
+from softcradle.physics.timed_force import on_other_beads
+from softcradle.sandbox.languages import N_, gettext
+from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
+from softcradle.sandbox.session.edits import (
+    LARGEST,
+    MOST_BEADS,
+    Changed,
+    ContactChange,
+    check_index,
+    check_law,
+    displace,
+    finite,
+    inserted,
+    place_bead,
+    put,
+    set_velocity,
+    state_from_bead_0,
+    with_chain,
+    with_contacts,
+)
+from softcradle.sandbox.session.lane_setup import LaneSetup
 
 
 @dataclass(frozen=True)
-class Drag:
+class Input:
+    """Anything that a person does to a session.
+
+    Attributes:
+        undo_name: what the undo step before it is called; an input without a name is no step.
+    """
+
+    undo_name: ClassVar[str] = ""
+
+
+class LaneInput(Input):
+    """An edit of one lane, or of all of them.
+
+    Attributes:
+        changes_start: whether it changes the start of the lane too, as masses and the number of beads do.
+    """
+
+    changes_start: ClassVar[bool] = False
+    lane: int | None
+
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """Setup and state after it; `state` may be changed in place. ValueError with a sentence: refused."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Drag(Input):
     """Pull a bead while the model runs: by a spring from it to the pointer at `position` [m]."""
 
+    undo_name: ClassVar[str] = N_("bead pulled")
     lane: int
     bead: int
     position: float
 
 
 @dataclass(frozen=True)
-class Drop:
+class Drop(Input):
     """Release the bead that is pulled; it keeps its velocity: a throw."""
 
 
 @dataclass(frozen=True)
-class Place:
+class Place(LaneInput):
     """Put a bead at `position` [m] at once; beads in its way are pushed along, walls stop it."""
 
+    undo_name: ClassVar[str] = N_("bead moved")
     lane: int
     bead: int
     position: float
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        check_index(N_("bead"), self.bead, setup.chain.contacts + 1)
+        place_bead(setup.chain, state, self.bead, finite(N_("position"), self.position))
+        return setup, state
+
 
 @dataclass(frozen=True)
-class SetVelocity:
+class SetVelocity(LaneInput):
     """Give a bead (None: all) a `velocity` [m/s]."""
 
+    undo_name: ClassVar[str] = N_("velocity")
     lane: int
     bead: int | None
     velocity: float
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        check_index(N_("bead"), self.bead, setup.chain.contacts + 1)
+        set_velocity(setup.chain, state, self.bead, finite(N_("velocity"), self.velocity))
+        return setup, state
+
 
 @dataclass(frozen=True)
-class SetMass:
+class SetMass(LaneInput):
     """Give a bead (None: all but walls) a `mass` [kg]; inf makes it a wall."""
 
+    undo_name: ClassVar[str] = N_("mass")
+    changes_start: ClassVar[bool] = True
     lane: int
     bead: int | None
     mass: float
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        chain = setup.chain
+        check_index(N_("bead"), self.bead, chain.contacts + 1)
+        if not math.isinf(self.mass):
+            finite(N_("mass"), self.mass)
+        chosen = [
+            i for i, mass in enumerate(chain.mass) if self.bead in (i, None) and (self.bead == i or mass < math.inf)
+        ]
+        masses = [self.mass if i in chosen else mass for i, mass in enumerate(chain.mass)]
+        return with_chain(setup, state, replace(chain, mass=tuple(masses)))
+
 
 @dataclass(frozen=True)
-class SetContact:
+class SetContact(LaneInput):
     """Give a contact (None: all) the law `law`; see `dataclasses.replace` to change one number of it."""
 
+    undo_name: ClassVar[str] = N_("contact")
     lane: int
     contact: int | None
     law: Contact
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        check_law(self.law)
+        return with_contacts(setup, state, self.contact, lambda index: ContactChange(self.law))
+
 
 @dataclass(frozen=True)
-class SetKind:
+class SetKind(LaneInput):
     """Convert a contact (None: all) into a 'power' law, a draft 'gear' or a 'hard' one, alike at this scene's speed."""
 
+    undo_name: ClassVar[str] = N_("kind of contact")
     lane: int
     contact: int | None
     kind: str
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+
+        def converted(index: int) -> ContactChange:
+            present = plain_contact(setup.chain, index)
+            origin = setup.origin_of(index) or present
+            chain = replace(setup.chain, contact=put(setup.chain.contact, index, origin))
+            law = converted_contact(chain, index, self.kind, setup.speed, setup.length)
+            return ContactChange(present if kind_of(present) == self.kind else law, origin=origin)
+
+        return with_contacts(setup, state, self.contact, converted)
+
 
 @dataclass(frozen=True)
-class Lock:
+class Lock(LaneInput):
     """Lock the piston of a contact (None: all): it becomes hard. Unlocking restores its law."""
 
+    undo_name: ClassVar[str] = N_("lock")
     lane: int
     contact: int | None
     locked: bool = True
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+
+        def locked(index: int) -> ContactChange:
+            contact, soft, origin = plain_contact(setup.chain, index), setup.locked[index], setup.origin_of(index)
+            if self.locked:
+                hard = contact if soft else hard_contact(setup.chain, index, setup.speed)
+                return ContactChange(hard, locked=soft or contact, origin=origin)
+            return ContactChange(soft or contact, origin=origin)
+
+        return with_contacts(setup, state, self.contact, locked)
+
 
 @dataclass(frozen=True)
-class SetGap:
+class SetGap(LaneInput):
     """Set the distance between two neighbours to `gap` [m], an overlap if negative; everything to the right moves along."""
 
+    undo_name: ClassVar[str] = N_("gap")
     lane: int
     contact: int
     gap: float
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        check_index(N_("contact"), self.contact, setup.chain.contacts)
+        if not self.gap <= LARGEST:
+            raise ValueError(
+                gettext("a gap must be a number up to {most:g}, not {given!r}", most=LARGEST, given=self.gap)
+            )
+        if not -self.gap < min(setup.length, LARGEST):
+            raise ValueError(
+                gettext(
+                    "an overlap must be below the length of a bead, {length:g} m, not {given!r}",
+                    length=setup.length,
+                    given=-self.gap,
+                )
+            )
+        displacement = np.zeros(setup.chain.contacts + 1)
+        displacement[self.contact + 1 :] = self.gap + float(state.overlap[self.contact])
+        displace(setup.chain, state, displacement)
+        state.overlap[self.contact] = 0.0 - self.gap
+        return setup, state
+
 
 @dataclass(frozen=True)
-class SetDrive:
+class SetDrive(LaneInput):
     """Drive a bead (None: all) by a steady `force` [N]."""
 
+    undo_name: ClassVar[str] = N_("drive")
     lane: int
     bead: int | None
     force: float
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        chain = setup.chain
+        check_index(N_("bead"), self.bead, chain.contacts + 1)
+        force = finite(N_("force"), self.force)
+        drive = [
+            force if self.bead in (i, None) else old for i, old in enumerate(chain.drive or (0.0,) * len(chain.mass))
+        ]
+        return with_chain(setup, state, replace(chain, drive=tuple(drive)))
+
 
 @dataclass(frozen=True)
-class SetFriction:
+class SetFriction(LaneInput):
     """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is a bed without friction."""
 
+    undo_name: ClassVar[str] = N_("friction")
     lane: int
     friction: float
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        if not 0.0 <= self.friction <= LARGEST:
+            raise ValueError(
+                gettext(
+                    "friction must be a number from 0 to {most:g}, not {given!r}", most=LARGEST, given=self.friction
+                )
+            )
+        return with_chain(setup, state, replace(setup.chain, friction=float(self.friction)))
+
 
 @dataclass(frozen=True)
-class AddBead:
+class AddBead(LaneInput):
     """Insert a bead so that it becomes number `bead` (0 ... n+1), at the velocity of its neighbours.
 
     `gap` [m] is its distance to the chain where it is added at an end; between two beads it halves their gap.
     """
 
+    undo_name: ClassVar[str] = N_("bead added")
+    changes_start: ClassVar[bool] = True
     lane: int
     bead: int
     mass: float = 1.0
     gap: float = 0.0
     law: Contact | None = None
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        chain, n = setup.chain, setup.chain.contacts
+        check_index(N_("bead"), self.bead, n + 2)
+        if n + 2 > MOST_BEADS:
+            raise ValueError(gettext("a lane holds at most {most} beads", most=MOST_BEADS))
+        if not math.isinf(self.mass):
+            finite(N_("mass"), self.mass)
+        near = min(max(self.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
+        law = chain.contact[near] if self.law is None else self.law
+        check_law(law)
+        masses = [*chain.mass[: self.bead], self.mass, *chain.mass[self.bead :]]
+        contacts, gaps = list(chain.contact), list(chain.gap)
+        at = min(self.bead, n)
+        contacts.insert(at, law)
+        gaps.insert(at, 0.0)
+        locked = (*setup.locked[:at], None, *setup.locked[at:])
+        origin = (*setup.origin[:at], None, *setup.origin[at:]) if setup.origin else ()
+        drive = None if chain.drive is None else (*chain.drive[: self.bead], 0.0, *chain.drive[self.bead :])
+        moved = [i + (i >= self.bead) for i in range(n + 1)]
+        forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
+        longer = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
+        return setup.with_chain(longer, locked, origin), inserted(
+            chain, longer, state, self.bead, abs(finite(N_("gap"), self.gap))
+        )
+
 
 @dataclass(frozen=True)
-class RemoveBead:
+class RemoveBead(LaneInput):
     """Remove a bead and its right contact (its left one at the right end)."""
 
+    undo_name: ClassVar[str] = N_("bead removed")
+    changes_start: ClassVar[bool] = True
     lane: int
     bead: int
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        chain, n = setup.chain, setup.chain.contacts
+        check_index(N_("bead"), self.bead, n + 1)
+        if n < 2:
+            raise ValueError(gettext("a lane needs at least 2 beads"))
+        removed = min(self.bead, n - 1)
+        rest = [i for i in range(n) if i != removed]
+        masses = [mass for i, mass in enumerate(chain.mass) if i != self.bead]
+        drive = None if chain.drive is None else [force for i, force in enumerate(chain.drive) if i != self.bead]
+        moved = [None if i == self.bead else i - (i > self.bead) for i in range(n + 1)]
+        forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
+        contacts, gaps = [chain.contact[i] for i in rest], [chain.gap[i] for i in rest]
+        shorter = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
+        position, velocity = state.position(chain), state.velocity(chain)
+        overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
+        if 0 < self.bead < n:
+            overlap[self.bead - 1] += state.overlap[self.bead]
+            rate[self.bead - 1] += state.rate[self.bead]
+            force[self.bead - 1] = shorter.contact[self.bead - 1].force(float(overlap[self.bead - 1]))
+        start = 1 if self.bead == 0 else 0
+        first = float(position[start]), float(velocity[start])
+        locked, origin = tuple(setup.locked[i] for i in rest), tuple(setup.origin_of(i) for i in rest)
+        kept = origin if any(origin) else ()
+        return setup.with_chain(shorter, locked, kept), state_from_bead_0(
+            shorter, state.time, (overlap, rate, force), first
+        )
+
 
 @dataclass(frozen=True)
-class SetMethod:
+class SetMethod(LaneInput):
     """Integrate a lane (None: all) by the method of that name; 'auto': method and step are chosen."""
 
+    undo_name: ClassVar[str] = N_("method")
     lane: int | None
     method: str
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        return setup.with_method(self.method), state
+
 
 @dataclass(frozen=True)
-class SetStep:
+class SetStep(LaneInput):
     """Use steps of at most `step` [s] in a lane (None: all); step None: it is chosen."""
 
+    undo_name: ClassVar[str] = N_("step")
     lane: int | None
     step: float | None
 
+    def edited(self, setup: LaneSetup, state: State) -> Changed:
+        """See LaneInput."""
+        if self.step is not None and not 0.0 < self.step <= LARGEST:
+            raise ValueError(gettext("a step must be a time > 0, not {given!r}", given=self.step))
+        return setup.with_step(self.step), state
+
 
 @dataclass(frozen=True)
-class SetSlow:
+class SetSlow(Input):
     """Slow motion: `slow` seconds of wall time show one second of the model."""
 
     slow: float
 
 
 @dataclass(frozen=True)
-class Resume:
+class Resume(Input):
     """Play on from a frame of the history: no bead is held, and the methods start with fresh scratch memory."""
 
 
-# A LaneInput concerns one lane or all of them; the others concern the session.
-LaneInput = (
-    Place | SetVelocity | SetMass | SetContact | SetKind | Lock | SetGap | SetDrive | SetFriction | AddBead
-    | RemoveBead | SetMethod | SetStep
-)  # fmt: skip
-Input = LaneInput | Drag | Drop | SetSlow | Resume
-
-_INPUTS: dict[str, type] = {input_class.__name__: input_class for input_class in get_args(Input)}
+INPUTS: dict[str, type[Input]] = {
+    one.__name__: one for one in (Drag, Drop, SetSlow, Resume, *LaneInput.__subclasses__())
+}
 
 
 def to_table(item: Input) -> dict[str, Any]:
@@ -174,7 +395,7 @@ def to_table(item: Input) -> dict[str, Any]:
 
 def from_table(table: dict[str, Any]) -> Input:
     """The input that :func:`to_table` wrote. ValueError where it is none."""
-    input_class = _INPUTS.get(str(table.get("input")))
+    input_class = INPUTS.get(str(table.get("input")))
     values = {key: value for key, value in table.items() if key != "input"}
     if input_class is None or set(values) - {field.name for field in fields(input_class)}:
         raise ValueError(f"not an input of a session: {table}")

@@ -13,7 +13,6 @@ from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Motion
-from softcradle.sandbox.session.edits import edited, edited_start
 from softcradle.sandbox.session.inputs import LaneInput, SetVelocity
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import (
@@ -113,11 +112,14 @@ class LiveLane:
 
     def changed(self, item: LaneInput, at_start: bool) -> LiveLane:
         """The lane after an edit; one `at_start` of the session changes the lane's start too. ValueError: refused."""
-        setup, state = edited(item, self.setup, self.state.copy())
+        setup, state = item.edited(self.setup, self.state.copy())
         ledger = self.ledger.copy()
         measure(setup.chain, state, ledger)
         book_edit(self.ledger, ledger)
-        start = state.copy() if at_start else edited_start(item, self.setup)
+        if at_start:
+            start = state.copy()
+        else:
+            start = item.edited(self.setup, self.setup.start.copy())[1] if item.changes_start else self.setup.start
         if at_start and isinstance(item, SetVelocity):
             setup = setup.with_speed(state.velocity(setup.chain))
         return LiveLane(setup.with_start(start), state, ledger)

@@ -14,7 +14,6 @@ from softcradle.sandbox.session.lane_setup import Setup, setup_of
 from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane, spring_frequency
 from softcradle.sandbox.session.recording import Recording
 from softcradle.sandbox.session.snapshots import NOTHING_HELD, HeldBead, Snapshot
-from softcradle.sandbox.session.undo import NAMES as UNDO_NAMES
 from softcradle.sandbox.session.undo import Checkpoint, FrozenSession, UndoStack
 from softcradle.scenes import Scene
 
@@ -51,6 +50,7 @@ def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
                 )
             )
         return replace(now, setup=replace(now.setup, slow=float(item.slow)))
+    assert isinstance(item, inputs.LaneInput)
     return _edited(item, now, at_start)
 
 
@@ -210,7 +210,7 @@ class Player:
         """
         self._renew_recording()
         present = accepted(item, Present(self.setup, self.lanes, self.held), at_start=self.frame == 0)
-        if type(item) in UNDO_NAMES and not self.undo_stack.continues(item, gesture):
+        if item.undo_name and not self.undo_stack.continues(item, gesture):
             self.undo_stack.add(item, gesture, self._checkpoint())
         self._branch()
         self.setup, self.lanes, self.held = present.setup, present.lanes, present.held

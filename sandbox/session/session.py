@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
 
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import BAD, LEVELS, Array
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.session.badge_numbers import WINDOW, Finding, Health, RunVerdicts, health_of
-from softcradle.sandbox.session.contact_events import ContactEventIndex, ContactEvents, Impact
-from softcradle.sandbox.session.frame_history import MEMORY
-from softcradle.sandbox.session.frame_pacing import BUDGET
+from softcradle.sandbox.session.contact_events import ContactEvents, Impact, contact_events
+from softcradle.sandbox.session.export import lane_label, scene_of, trajectory_of
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices, last_slice
 from softcradle.sandbox.session.player import Player
-from softcradle.sandbox.session.session_export import lane_label, scene_of, trajectory_of
+from softcradle.sandbox.session.run_verdict import WINDOW, Finding, Health, health_of, run_findings
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
@@ -26,17 +22,6 @@ AUDIBLE = 1e-3  # of the scene's closing speed: slower impacts make no click
 class Session(Player):
     """A scene that is being played with; see :class:`Player` for the arguments and what moves it."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        memory: int = MEMORY,
-        budget: float = BUDGET,
-        clock: Callable[[], float] = perf_counter,
-    ) -> None:
-        super().__init__(scene, memory, budget, clock)
-        self._events = ContactEventIndex(self.history)
-        self._verdicts = RunVerdicts(self.history, scene.view.length)
-
     # ---- what is shown
 
     def history_slices(self, lane: int, frames: int) -> list[HistorySlice]:
@@ -45,7 +30,7 @@ class Session(Player):
 
     def contact_events(self) -> ContactEvents:
         """Contact closings and openings in the whole history."""
-        return self._events.all()
+        return contact_events(self.history)
 
     @property
     def impacts(self) -> tuple[Impact, ...]:
@@ -53,7 +38,7 @@ class Session(Player):
         before, after = self.last_tick
         if after == before or self.history.last <= before:
             return ()
-        events = self._events.after(before)
+        events = contact_events(self.history, before)
         hits = events.select(events.closed & (events.frame <= after))
         found = map(Impact, hits.time.tolist(), hits.lane.tolist(), hits.contact.tolist(), hits.speed.tolist())
         return tuple(hit for hit in found if hit.speed > AUDIBLE * self.setup.lanes[hit.lane].speed)
@@ -66,7 +51,7 @@ class Session(Player):
 
     def findings(self, lane: int) -> list[Finding]:
         """What was wrong with a lane in the whole run, in order of time."""
-        return self._verdicts.of(lane)
+        return run_findings(self.history, lane, self.scene.view.length)
 
     def approach(self, lane: int) -> tuple[Array, Array]:
         """(n,) overlaps [m] and (n+1,) velocities [m/s] before the collision at the frame shown, or before the next."""

@@ -10,7 +10,6 @@ from collections import deque
 from dataclasses import dataclass, replace
 from itertools import count
 
-from softcradle.sandbox.languages import N_
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.frame_history import Block
 from softcradle.sandbox.session.recording import Recording
@@ -19,23 +18,6 @@ MOST_STEPS = 200
 MEMORY = 24 * 2**20  # bytes of blocks and recordings that only undo steps hold
 
 FrozenSession = tuple[int, tuple[Block, ...], Recording]  # the frame shown, the history, the recording
-
-NAMES = {
-    inputs.SetVelocity: N_("velocity"),
-    inputs.SetMass: N_("mass"),
-    inputs.SetContact: N_("contact"),
-    inputs.SetKind: N_("kind of contact"),
-    inputs.Lock: N_("lock"),
-    inputs.SetGap: N_("gap"),
-    inputs.SetDrive: N_("drive"),
-    inputs.SetFriction: N_("friction"),
-    inputs.AddBead: N_("bead added"),
-    inputs.RemoveBead: N_("bead removed"),
-    inputs.SetMethod: N_("method"),
-    inputs.SetStep: N_("step"),
-    inputs.Place: N_("bead moved"),
-    inputs.Drag: N_("bead pulled"),
-}  # what an undo step is called; other inputs are no steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +73,7 @@ class UndoStack:
         """Remember the `present` (frame, blocks, recording) before `item`."""
         is_edit = not isinstance(item, inputs.Drag)
         own = _own_memory(present, self.done[-1].blocks if self.done else ())
-        self.done.append(Checkpoint(next(self._numbers), NAMES[type(item)], is_edit, target_of(item), *present, own))
+        self.done.append(Checkpoint(next(self._numbers), item.undo_name, is_edit, target_of(item), *present, own))
         self._memory += own
         self.undone.clear()
         self._open = gesture

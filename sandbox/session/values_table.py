@@ -16,19 +16,21 @@ from softcradle.sandbox.motion import Array
 from softcradle.sandbox.quantities import (
     FORCE,
     KINETIC,
+    MASS,
     MOMENTUM,
     OVERLAP,
     POSITION,
     RATE,
     STORED,
+    TIME,
     VELOCITY,
     Quantity,
 )
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 
-OF_BEADS, OF_CONTACTS = (POSITION, VELOCITY, MOMENTUM, KINETIC), (OVERLAP, RATE, FORCE)
-BEAD_COLUMNS = (NP_("column", "bead"), NP_("column", "mass (kg)"), *(one.column for one in OF_BEADS))
+OF_BEADS, OF_CONTACTS = (MASS, POSITION, VELOCITY, MOMENTUM, KINETIC), (OVERLAP, RATE, FORCE)
+BEAD_COLUMNS = (NP_("column", "bead"), *(one.column for one in OF_BEADS))
 CONTACT_COLUMNS = (NP_("column", "contact"), *(one.column for one in OF_CONTACTS), STORED.column)
 
 
@@ -44,9 +46,9 @@ def bead_table(session: Session, lane: int) -> ValuesTable:
     """The beads of a lane."""
     live = session.lanes[lane]
     columns = _columns(live, OF_BEADS)
-    for inertia in columns[2:]:  # a wall has no momentum or energy of its own
+    for inertia in columns[3:]:  # a wall has no momentum or energy of its own
         inertia[np.isinf(live.chain.mass)] = np.nan
-    rows = zip(live.chain.mass, *(column.tolist() for column in columns), strict=True)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
     return ValuesTable(BEAD_COLUMNS, [(float(bead), *row) for bead, row in enumerate(rows)])
 
 
@@ -80,7 +82,7 @@ def values_csv(session: Session) -> str:
     """All lanes as CSV with every digit: the time, then beads, then contacts of each lane."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("time (s)", repr(session.time)))
+    writer.writerow((TIME.column, repr(session.time)))
     for lane in range(len(session.lanes)):
         for table in (bead_table(session, lane), contact_table(session, lane)):
             writer.writerow(("lane", *table.columns))

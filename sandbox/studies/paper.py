@@ -42,7 +42,7 @@ class NotSolvedError(Exception):
 
 
 @dataclass(frozen=True)
-class Solver:
+class MethodFineness:
     """A method with its fineness: a step for fixed steps, a tolerance for adaptive methods."""
 
     method: str
@@ -68,21 +68,23 @@ class Solver:
         return _model(self, chain, velocity, duration, samples)
 
 
-MEASURING = Solver("accurate")
-SECOND = Solver("conserving", 1e-4)  # its energy is exact; its error, of the order of what is shown, is the error bar
-FINER_SECOND = Solver("conserving", 1e-5)  # for differences of times and for small spreads
-FINEST_SECOND = Solver("conserving", 1e-6)  # for oscillations whose period is some 1e-4
-REFERENCE = Solver("scipy")
+MEASURING = MethodFineness("accurate")
+SECOND = MethodFineness(
+    "conserving", 1e-4
+)  # its energy is exact; its error, of the order of what is shown, is the error bar
+FINER_SECOND = MethodFineness("conserving", 1e-5)  # for differences of times and for small spreads
+FINEST_SECOND = MethodFineness("conserving", 1e-6)  # for oscillations whose period is some 1e-4
+REFERENCE = MethodFineness("scipy")
 
 
 def _run(
-    solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
+    solver: MethodFineness, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
 ) -> Trajectory:
     return (_end if samples == 2 else _sampled)(solver, chain, velocity, duration, samples)
 
 
 def _solved(
-    solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
+    solver: MethodFineness, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
 ) -> Trajectory:
     return solve(chain, velocity, duration, solver.method, solver.step, _argument(samples), solver.tolerance)
 
@@ -93,7 +95,7 @@ _sampled = lru_cache(maxsize=KEPT_MOTIONS)(_solved)
 
 @lru_cache(maxsize=KEPT_MOTIONS)
 def _model(
-    solver: Solver, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
+    solver: MethodFineness, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
 ) -> ModeCoupling:
     with (
         warnings.catch_warnings()
@@ -175,8 +177,8 @@ def model_motion(
     return found
 
 
-def _figure_solver(tolerance: float, step: float | None) -> Solver:
-    return Solver("accurate" if step is None else "conserving", step, tolerance)
+def _figure_solver(tolerance: float, step: float | None) -> MethodFineness:
+    return MethodFineness("accurate" if step is None else "conserving", step, tolerance)
 
 
 def _pass_on(found: Sequence[CodedWarning]) -> None:
@@ -240,24 +242,24 @@ def local_rate(case: Parameters, low: float, high: float) -> float:
     return math.log(high / low) * case["n"] / ((LATER - 1.0) * case["1/alpha"])
 
 
-def outcome(case: Parameters, solver: Solver) -> Array:
+def outcome(case: Parameters, solver: MethodFineness) -> Array:
     """(n+1,) velocities when every contact is open."""
     chain = chain_of(case)
     return solver.motion(chain, start(chain)).final_velocity
 
 
-def spread(case: Parameters, solver: Solver) -> float:
+def spread(case: Parameters, solver: MethodFineness) -> float:
     """Largest less smallest target velocity over their mean, when every contact is open."""
     return float(rigidity(outcome(case, solver)[1:]))
 
 
-def detachment(case: Parameters, solver: Solver) -> float:
+def detachment(case: Parameters, solver: MethodFineness) -> float:
     """Time at which the striker's contact opens for the first time."""
     chain = chain_of(case)
     return first_opening(solver.motion(chain, start(chain)))
 
 
-def while_struck(case: Parameters, solver: Solver, samples: int, part: float = 1.0) -> Trajectory:
+def while_struck(case: Parameters, solver: MethodFineness, samples: int, part: float = 1.0) -> Trajectory:
     """The motion from the touch of the striker to the first opening of either of the first two contacts, or a part of it."""
     chain = chain_of(case)
     whole = solver.motion(chain, start(chain))
@@ -265,7 +267,7 @@ def while_struck(case: Parameters, solver: Solver, samples: int, part: float = 1
     return solver.motion(chain, start(chain), end, samples)
 
 
-def at_fractions(case: Parameters, solver: Solver, fractions: tuple[float, ...]) -> Trajectory:
+def at_fractions(case: Parameters, solver: MethodFineness, fractions: tuple[float, ...]) -> Trajectory:
     """The motion at those parts of the striker's contact time."""
     chain, end = chain_of(case), detachment(case, solver)
     times = tuple(end * part for part in fractions)

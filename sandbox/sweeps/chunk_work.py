@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import lru_cache
 from time import perf_counter
@@ -88,25 +89,27 @@ class Work:
     source: ScenePoints | Callable[..., Any]
     measures: tuple[str | Measure, ...]
     versions: Mapping[str, str]
+    # seconds of TRIED points by the name of the way, the least so far: what else the machine does only adds to them
+    _least: dict[str, float] = field(default_factory=dict, repr=False, compare=False)
 
     def compute(self, begin: int, end: int, seconds: float = float("inf")) -> Chunk:
         """The points from `begin` on, up to `end` or until `seconds` have passed, at least one.
 
         Chains of one shape run side by side where that takes less time: each chunk tries both with its first points.
         """
-        began, outcomes, pays = perf_counter(), list[Outcome](), self._runs_at_once()
+        began, outcomes, beside = perf_counter(), list[Outcome](), self._runs_at_once()
         columns = {path: values.tolist() for path, values in self.points.columns(begin, end).items()}
         points = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
-        if pays and len(points) >= 4 * TRIED:
-            before = perf_counter()
-            outcomes += self._at_once(points[:TRIED])
-            between = perf_counter()
-            outcomes += map(self.outcome, points[TRIED : 2 * TRIED])
-            pays = between - before < perf_counter() - between
-        size = AT_ONCE if pays and outcomes else 1
+        if beside and len(points) >= 4 * TRIED:
+            for way in (self._at_once, self._alone):
+                before = perf_counter()
+                outcomes += way(points[len(outcomes) : len(outcomes) + TRIED])
+                self._least[way.__name__] = min(perf_counter() - before, self._least.get(way.__name__, math.inf))
+            beside = self._least["_at_once"] < self._least["_alone"]
+        size = AT_ONCE if beside and outcomes else 1
         while len(outcomes) < len(points) and (not outcomes or perf_counter() - began <= seconds):
             block = points[len(outcomes) : len(outcomes) + size]
-            outcomes += self._at_once(block) if size > 1 else [self.outcome(block[0])]
+            outcomes += self._at_once(block) if size > 1 else self._alone(block)
         return packed(begin, outcomes, perf_counter() - began)
 
     def _runs_at_once(self) -> bool:
@@ -119,6 +122,9 @@ class Work:
             kernels.compile_behind()
         return ends_alone and (kernels.in_memory or kernels.on_disk)
 
+    def _alone(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
+        return [self.outcome(values) for values in points]
+
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
         """Points whose chains run side by side, to the same digits; those that have another shape, and those that do not end
         as they should, run alone."""
@@ -129,10 +135,10 @@ class Work:
         starts = [start for lane in lanes for start in lane]
         try:
             if len(lanes) < len(points) or any(start.settings != starts[0].settings for start in starts):
-                return [self.outcome(values) for values in points]
+                return self._alone(points)
             ends = ends_of(starts)
         except ValueError:
-            return [self.outcome(values) for values in points]
+            return self._alone(points)
         found, row = list[Outcome](), iter(ends)
         for values, lane in zip(points, lanes, strict=True):
             runs = [Run(start, next(row)) for start in lane]

@@ -42,7 +42,7 @@ Where = Literal["auto", "here", "threads", "processes"]
 ALL_OF_WHERE = ("auto", "here", "threads", "processes")
 
 
-class Place:
+class Workplace:
     """An executor, and what it calls with (begin, end, seconds) for a chunk.
 
     Arguments:
@@ -83,17 +83,17 @@ class _Caller(Executor):
         return found
 
 
-def here(work: Work) -> Place:
+def here(work: Work) -> Workplace:
     """This process and thread, one chunk at a time."""
-    return Place(work.compute, _Caller, 0)
+    return Workplace(work.compute, _Caller, 0)
 
 
-def threads(work: Work, workers: int) -> Place:
+def threads(work: Work, workers: int) -> Workplace:
     """Threads of this process."""
-    return Place(work.compute, partial(DaemonThreads, workers), workers)
+    return Workplace(work.compute, partial(DaemonThreads, workers), workers)
 
 
-class Callers(Place):
+class Callers(Workplace):
     """An executor of the caller's, which stays open."""
 
     def renew(self) -> None:
@@ -104,7 +104,7 @@ class Callers(Place):
         """Leave it open."""
 
 
-class Processes(Place):
+class Processes(Workplace):
     """Processes of this machine. Raises StudyError where the work cannot be sent to them."""
 
     def __init__(self, work: Work, workers: int) -> None:
@@ -164,7 +164,7 @@ def unsendable(work: Work) -> str:
     return ""
 
 
-class Dask(Place):
+class Dask(Workplace):
     """Workers of a Dask scheduler, on this machine or many, through the executor that its Client is.
 
     Arguments:
@@ -221,7 +221,7 @@ def _connected(address: str) -> Any:
 
 def place_of(
     work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None
-) -> Place | None:
+) -> Workplace | None:
     """The place that is asked for, before any work, so that a wrong address is told at once; None for "auto"."""
     if scheduler is not None and executor != "auto":
         raise StudyError("a sweep takes an executor or a scheduler, not both")
@@ -241,7 +241,7 @@ def place_of(
     return here(work) if executor == "here" or count == 1 else None
 
 
-def processes_or_threads(work: Work, workers: int | None) -> Place:
+def processes_or_threads(work: Work, workers: int | None) -> Workplace:
     """Processes of this machine; threads, said in a sentence, where these cannot compute the work."""
     why = unsendable(work)
     if not why:
@@ -257,7 +257,7 @@ GROWTH = 4.0  # of chunks at most, from one to the next: the first ones tell lit
 LAST_SHARES = 4  # chunks at least in what is left, so that all workers end at about the same time
 MOST_DEATHS = 3  # of the process of a point that was alone in it, until the point is given up
 
-Range = tuple[int, int]
+PointRange = tuple[int, int]
 
 
 class ChunkSchedule:
@@ -269,10 +269,10 @@ class ChunkSchedule:
         seconds: what a chunk should take [s].
     """
 
-    def __init__(self, missing: Iterable[Range], keep: Callable[[Chunk], None], seconds: float) -> None:
-        self._todo, self._suspects, self._broken = deque(missing), deque[Range](), list[Range]()
+    def __init__(self, missing: Iterable[PointRange], keep: Callable[[Chunk], None], seconds: float) -> None:
+        self._todo, self._suspects, self._broken = deque(missing), deque[PointRange](), list[PointRange]()
         self._take, self._seconds = keep, seconds
-        self._handed: dict[Future[Chunk], Range] = {}
+        self._handed: dict[Future[Chunk], PointRange] = {}
         self._deaths = Counter[int]()  # of processes, by the point that was alone in them
         self._size = 1.0  # points that are thought to take `seconds`
         self.left = sum(end - begin for begin, end in self._todo)
@@ -282,7 +282,7 @@ class ChunkSchedule:
         """What all that is left would take one process [s]."""
         return self.left * self._seconds / self._size
 
-    def run(self, place: Place, budget: float = float("inf")) -> None:
+    def run(self, place: Workplace, budget: float = float("inf")) -> None:
         """Let a place compute all that is left, or what it can in about `budget` [s]."""
         until, heard = perf_counter() + budget, perf_counter()
         while self._handed or ((self._todo or self._suspects) and perf_counter() < until):
@@ -298,7 +298,7 @@ class ChunkSchedule:
             if self._broken and not self._handed:
                 self._begin_anew(place)
 
-    def _hand_out(self, place: Place, left: float) -> None:
+    def _hand_out(self, place: Workplace, left: float) -> None:
         """As many chunks as there is room for; suspects each alone, none while a broken place gives chunks back."""
         room = place.room()
         if self._suspects and not self._handed:
@@ -308,7 +308,7 @@ class ChunkSchedule:
                 if self._todo:
                     self._submit(place, *self._next(room), left)
 
-    def _submit(self, place: Place, begin: int, end: int, left: float) -> None:
+    def _submit(self, place: Workplace, begin: int, end: int, left: float) -> None:
         try:
             future = place.executor.submit(place.call, begin, end, min(MOST_SECONDS * self._seconds, left))
         except BrokenExecutor:  # a process died; of nothing that was handed out, or of what has not come back yet
@@ -318,7 +318,7 @@ class ChunkSchedule:
         else:
             self._handed[future] = begin, end
 
-    def _next(self, places: int) -> Range:
+    def _next(self, places: int) -> PointRange:
         """The next points to hand out, so that there are some for all places to the last."""
         begin, end = self._todo.popleft()
         share = self.left // (LAST_SHARES * places) if places > 1 else self.left
@@ -327,7 +327,7 @@ class ChunkSchedule:
             self._todo.appendleft((last, end))
         return begin, min(end, last)
 
-    def _came_back(self, place: Place, future: Future[Chunk]) -> None:
+    def _came_back(self, place: Workplace, future: Future[Chunk]) -> None:
         begin, end = self._handed.pop(future)
         try:
             self._keep(future.result(), end)
@@ -338,7 +338,7 @@ class ChunkSchedule:
         except place.gone:
             self._todo.appendleft((begin, end))
 
-    def _begin_anew(self, place: Place) -> None:
+    def _begin_anew(self, place: Workplace) -> None:
         """Each chunk that a broken place had is computed again, alone; one that was alone is to blame."""
         place.renew()
         count = sum(end - begin for begin, end in self._broken)

@@ -16,7 +16,7 @@ from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.chunk_work import REASON, STATUS, WARNED, Chunk, Outcome, PointStatus, Work, merged
 from softcradle.sandbox.sweeps.dataset import checked_output, dataset_of, lost_points, opened_dataset, write_dataset
-from softcradle.sandbox.sweeps.executors import ChunkSchedule, Place, Where, here, place_of, processes_or_threads
+from softcradle.sandbox.sweeps.executors import ChunkSchedule, Where, Workplace, here, place_of, processes_or_threads
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
 from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, partial_folder, study_in
@@ -227,7 +227,7 @@ def _untold(what: str, done: int, count: int) -> None:
 def _compute_missing(
     work: Work,
     store: Store,
-    place: Place | None,
+    place: Workplace | None,
     workers: int | None,
     progress: Progress | None,
     chunk_seconds: float,

@@ -23,7 +23,7 @@ Whole = Annotated[int, Strict()]
 Value = Annotated[Whole | Number | str, Field(union_mode="left_to_right")]  # a fraction such as "1/14" is a number
 
 
-class Span(Table):
+class ParameterSpan(Table):
     """The values of one parameter.
 
     Attributes:
@@ -75,7 +75,7 @@ def _span(value: Any) -> Any:
     return {"values": value} if isinstance(value, list) else value
 
 
-Spans = Mapping[str, Annotated[Span, BeforeValidator(_span)]]
+Spans = Mapping[str, Annotated[ParameterSpan, BeforeValidator(_span)]]
 
 
 class SampleTable(Table):

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from softcradle.sandbox.studies.precision.measurement import Point, Series, TimeLimits
-from softcradle.sandbox.studies.precision.solvers import Solution, Solver, our_solvers
+from softcradle.sandbox.studies.precision.measurement import (
+    ChartPoint,
+    Series,
+    Solution,
+    Solver,
+    TimeLimits,
+    our_solvers,
+)
 
 SHORT_LIMITS = TimeLimits(run=0.05, series=0.05, case=2.0)
 
@@ -19,5 +25,5 @@ def our_solver(case, name, *finenesses):
 def made_series(name, ours, *errors_and_times):
     """A series with these (error, seconds), of finenesses 1, 0.1 and so on, that nobody measured."""
     solver = Solver(name, "", [1.0] * len(errors_and_times), lambda *_: Solution(None, 0.0), ours)
-    points = [Point(solver, 10.0**-k, *both, evaluations=k) for k, both in enumerate(errors_and_times)]
+    points = [ChartPoint(solver, 10.0**-k, *both, evaluations=k) for k, both in enumerate(errors_and_times)]
     return Series(solver, points)

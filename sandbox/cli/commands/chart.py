@@ -17,7 +17,7 @@ from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.precision.cases import CaseDefinition
-    from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
+    from softcradle.sandbox.studies.precision.table import MeasuredCase
 
 SUFFIXES = (".png", ".pdf", ".svg")
 QUANTITIES = ("velocities", "forces", "overlaps")
@@ -100,9 +100,8 @@ def _measure(definitions: Sequence[CaseDefinition], quantity: str, peers: bool) 
 def _measured(
     definition: CaseDefinition, quantity: str, with_peers: bool, report: Callable[[str], None]
 ) -> MeasuredCase:
-    from softcradle.sandbox.studies.precision.measurement import measure_case
-    from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
-    from softcradle.sandbox.studies.precision.solvers import our_solvers
+    from softcradle.sandbox.studies.precision.measurement import measure_case, our_solvers
+    from softcradle.sandbox.studies.precision.table import MeasuredCase
 
     report(f"{definition.label}: the truth")
     try:
@@ -130,8 +129,8 @@ def _peers() -> ModuleType | None:
 def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
     from softcradle.sandbox.studies.machine_stamp import machine_stamp
     from softcradle.sandbox.studies.plot_style import save_figure, styled
-    from softcradle.sandbox.studies.precision.precision_chart import draw_chart
-    from softcradle.sandbox.studies.precision.precision_table import write_csv
+    from softcradle.sandbox.studies.precision.chart import draw_chart
+    from softcradle.sandbox.studies.precision.table import write_csv
 
     peers = _peers()
     with styled():
@@ -143,7 +142,7 @@ def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None
 
 def _print(found: MeasuredCase) -> None:
     from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS
-    from softcradle.sandbox.studies.precision.precision_table import (
+    from softcradle.sandbox.studies.precision.table import (
         auto_sentence,
         curve_rows,
         ratio_sentence,

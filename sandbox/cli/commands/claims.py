@@ -12,7 +12,7 @@ from softcradle.sandbox.user_error import named
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from softcradle.sandbox.studies.claims.claim import Study
+    from softcradle.sandbox.studies.claims.claim import JudgedClaim
 
 KEPT = "claims"  # name of the file in the folder of the output that keeps cases until all are measured
 
@@ -70,7 +70,7 @@ def _measure_and_show(args: argparse.Namespace) -> None:
                 written.report(paths, show=args.open)
 
 
-def _print(found: list[Study], args: argparse.Namespace) -> None:
+def _print(found: list[JudgedClaim], args: argparse.Namespace) -> None:
     from softcradle.sandbox.console import console
     from softcradle.sandbox.studies.claims.study_figure import print_studies, print_study
 
@@ -83,7 +83,7 @@ def _print(found: list[Study], args: argparse.Namespace) -> None:
         print_studies(console(), found)
 
 
-def _measured(names: list[str], kept: Path | None) -> list[Study]:
+def _measured(names: list[str], kept: Path | None) -> list[JudgedClaim]:
     from softcradle.sandbox.console import ProgressShown
     from softcradle.sandbox.studies.claims.claim_list import measure_claims
 
@@ -91,7 +91,7 @@ def _measured(names: list[str], kept: Path | None) -> list[Study]:
         return measure_claims(names, progress.tell, kept=kept)
 
 
-def _print_json(found: list[Study]) -> None:
+def _print_json(found: list[JudgedClaim]) -> None:
     import json
 
     from softcradle.physics.trajectory_file import versions

@@ -6,8 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.bed_experiment import Fit
-    from softcradle.sandbox.studies.piston_experiment import FittedDeficits, Measured
+    from softcradle.sandbox.studies.experiment import Fit, FittedDeficits, Measured
 
 OPEN_QUESTIONS = (
     "Friction of the bed alone, one coefficient for both experiments, gives both momentum deficits, but an energy deficit no "
@@ -28,8 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
     from softcradle.sandbox.console import ProgressShown
-    from softcradle.sandbox.studies.bed_experiment import STRIKERS
-    from softcradle.sandbox.studies.piston_experiment import compute_experiment, critical_speed_with_error
+    from softcradle.sandbox.studies.experiment import STRIKERS, compute_experiment, critical_speed_with_error
 
     with ProgressShown("launch speeds") as progress:
         fits, pistons = compute_experiment(progress=progress.tell)
@@ -69,8 +67,7 @@ def _as_json(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str,
 
 def _print_tables(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> None:
     from softcradle.sandbox.console import console, print_table, table
-    from softcradle.sandbox.studies.bed_experiment import ENERGY_DEFICIT, MOMENTUM_DEFICIT
-    from softcradle.sandbox.studies.piston_experiment import PISTON, Measured
+    from softcradle.sandbox.studies.experiment import ENERGY_DEFICIT, MOMENTUM_DEFICIT, PISTON, Measured
 
     output = console()
     grid = table("experiment", "speed", "friction", "momentum deficit", "energy deficit", "contact", numbers=True)

@@ -11,7 +11,7 @@ from softcradle.sandbox.user_error import UserError, named
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.data_table import Table
-    from softcradle.sandbox.studies.maps.rigidity_scan import RigidityMap
+    from softcradle.sandbox.studies.rigidity_maps import RigidityMap
 
 NAMES = ("power-law", "draft-gear")
 COLUMNS = 200  # abscissae of a map, where none are given
@@ -39,8 +39,8 @@ def main(args: argparse.Namespace) -> int:
     names = named("map", args.names, dict(zip(NAMES, NAMES, strict=True)))
     columns, rows = _points(args.points)
     from softcradle.sandbox.output_files import filled_folder
-    from softcradle.sandbox.studies.maps.rigidity_scan import rigidity_maps
     from softcradle.sandbox.studies.plot_style import require_matplotlib
+    from softcradle.sandbox.studies.rigidity_maps import rigidity_maps
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
 
     require_matplotlib()
@@ -65,15 +65,15 @@ def _points(text: str) -> tuple[int, int]:
 def _computed(wanted: RigidityMap, kept: Path) -> Table:
     """The table of a map; its points are kept in a file on the way, from which a command that was stopped goes on."""
     from softcradle.sandbox.console import ProgressShown
-    from softcradle.sandbox.studies.maps.rigidity_scan import compute_map
+    from softcradle.sandbox.studies.rigidity_maps import compute_map
 
     with ProgressShown(f"{wanted.title}: points") as progress:
         return compute_map(wanted, kept, progress.tell)
 
 
 def _write(wanted: RigidityMap, table: Table, folder: Path) -> list[Path]:
-    from softcradle.sandbox.studies.maps.map_figure import draw_map
     from softcradle.sandbox.studies.plot_style import styled, write_picture
+    from softcradle.sandbox.studies.rigidity_maps import draw_map
 
     with styled():
         return write_picture(draw_map(wanted, table), table, folder / f"map-{wanted.name}")

@@ -11,7 +11,7 @@ from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike
-from softcradle.sandbox.studies.paper import MEASURING, REFERENCE, SECOND, NotSolvedError, Parameters, Solver
+from softcradle.sandbox.studies.paper import MEASURING, REFERENCE, SECOND, MethodFineness, NotSolvedError, Parameters
 
 
 class Verdict(StrEnum):
@@ -23,7 +23,7 @@ class Verdict(StrEnum):
     UNDETERMINED = "not determined"  # in the paper's own case the error bar crosses what the claim allows
 
 
-class Side(StrEnum):
+class CaseOutcome(StrEnum):
     """On which side of what the claim allows a case lies, error bar and all."""
 
     HOLDS = "holds"
@@ -52,17 +52,17 @@ class Case:
     reason: str = ""
 
     @property
-    def side(self) -> Side:
+    def side(self) -> CaseOutcome:
         """Where the value lies; a value whose error bar crosses `allowed` is on neither side."""
         if not math.isfinite(self.value) or not math.isfinite(self.error):
-            return Side.UNDETERMINED
+            return CaseOutcome.UNDETERMINED
         if self.value + self.error <= self.allowed:
-            return Side.HOLDS
-        return Side.FAILS if self.value - self.error > self.allowed else Side.UNDETERMINED
+            return CaseOutcome.HOLDS
+        return CaseOutcome.FAILS if self.value - self.error > self.allowed else CaseOutcome.UNDETERMINED
 
 
 @dataclass(frozen=True)
-class Study:
+class JudgedClaim:
     """A claim, the cases it was tried at, and what follows.
 
     Attributes:
@@ -96,7 +96,7 @@ class Study:
     def __post_init__(self) -> None:
         object.__setattr__(self, "cases", tuple(sorted(self.cases, key=lambda case: case.variable)))
 
-    def on(self, side: Side) -> list[Case]:
+    def on(self, side: CaseOutcome) -> list[Case]:
         """The cases on that side."""
         return [case for case in self.cases if case.side is side]
 
@@ -114,13 +114,13 @@ class Study:
         """Largest value of the variable up to which no case fails and one holds; None where the first ones do not."""
         last = None
         for variable, sides in self._sides:
-            if Side.FAILS in sides:
+            if CaseOutcome.FAILS in sides:
                 break
-            last = variable if Side.HOLDS in sides else last
+            last = variable if CaseOutcome.HOLDS in sides else last
         return last
 
     @cached_property
-    def _sides(self) -> list[tuple[float, set[Side]]]:
+    def _sides(self) -> list[tuple[float, set[CaseOutcome]]]:
         """The values of the variable, and the sides of the cases at each."""
         groups = groupby(self.cases, key=lambda case: case.variable)
         return [(variable, {case.side for case in group}) for variable, group in groups]
@@ -132,12 +132,14 @@ class Study:
         Empty, (nan, nan), where a case fails at the paper's own.
         """
         own = self.own_case.variable
-        failing = [variable for variable, sides in self._sides if Side.FAILS in sides]
+        failing = [variable for variable, sides in self._sides if CaseOutcome.FAILS in sides]
         below, above = (
             max((x for x in failing if x <= own), default=-math.inf),
             min((x for x in failing if x >= own), default=math.inf),
         )
-        inside = [variable for variable, sides in self._sides if below < variable < above and Side.HOLDS in sides]
+        inside = [
+            variable for variable, sides in self._sides if below < variable < above and CaseOutcome.HOLDS in sides
+        ]
         if not inside or own in failing:
             return math.nan, math.nan
         return (inside[0] if below > -math.inf else below), (inside[-1] if above < math.inf else above)
@@ -146,16 +148,16 @@ class Study:
     def verdict(self) -> Verdict:
         """What the cases say; see Verdict."""
         own = self.own_case.side
-        if own is Side.UNDETERMINED:
+        if own is CaseOutcome.UNDETERMINED:
             return Verdict.UNDETERMINED
-        if own is Side.FAILS:
+        if own is CaseOutcome.FAILS:
             return Verdict.BEYOND
-        return Verdict.WITHIN if self.on(Side.FAILS) else Verdict.HOLDS
+        return Verdict.WITHIN if self.on(CaseOutcome.FAILS) else Verdict.HOLDS
 
     @property
     def verdict_text(self) -> str:
         """The verdict with its limit, and how many cases are not determined."""
-        unknown = len(self.on(Side.UNDETERMINED))
+        unknown = len(self.on(CaseOutcome.UNDETERMINED))
         rest = (
             f"; {unknown} of {len(self.cases)} not determined"
             if unknown and self.verdict is not Verdict.UNDETERMINED
@@ -171,7 +173,7 @@ class Study:
         return (
             f"fails beyond {self.variable} = {self.limit:.3g}"
             if self.limit is not None
-            else self._fails_throughout(len(self.on(Side.HOLDS)))
+            else self._fails_throughout(len(self.on(CaseOutcome.HOLDS)))
         )
 
     def _within(self) -> str:
@@ -179,7 +181,7 @@ class Study:
         low, high = self.range_of_own
         bounds = [f">= {low:.3g}"] * math.isfinite(low) + [f"<= {high:.3g}"] * math.isfinite(high)
         if low == high or not bounds:
-            return f"{len(self.on(Side.HOLDS))} of {len(self.cases)} cases"
+            return f"{len(self.on(CaseOutcome.HOLDS))} of {len(self.cases)} cases"
         return f"{self.variable} {' and '.join(bounds)}"
 
     def _fails_throughout(self, holding: int) -> str:
@@ -192,15 +194,15 @@ class Study:
     @cached_property
     def counter_example(self) -> Case | None:
         """The failing case nearest to the paper's own; None where none fails."""
-        return min(self.on(Side.FAILS), key=self.distance, default=None)
+        return min(self.on(CaseOutcome.FAILS), key=self.distance, default=None)
 
     @property
     def bar_text(self) -> str:
         """How the verdict moves with what is allowed, where that is our choice: from which bar on it is which."""
         own = self.own_case
-        if not self.chosen or own.side is Side.UNDETERMINED:
+        if not self.chosen or own.side is CaseOutcome.UNDETERMINED:
             return ""
-        most = max(case.value - case.error for case in self.cases if case.side is not Side.UNDETERMINED)
+        most = max(case.value - case.error for case in self.cases if case.side is not CaseOutcome.UNDETERMINED)
         low, high = own.value - own.error, own.value + own.error
         within = f", holds within from {high:.3g}" if high < most else ""
         return f"by the bar: fails beyond below {low:.3g}{within}, holds from {most:.3g}"
@@ -217,7 +219,7 @@ class Study:
         """What was found, in sentences: the paper's own case, how many cases hold, the nearest counter-example."""
         own = self.own_case
         parts = [f"{self.quantity}: {case_text(own)}; at most {own.allowed:.3g} allowed"]
-        counts = [f"{len(self.on(side))} {side}" for side in Side if self.on(side)]
+        counts = [f"{len(self.on(side))} {side}" for side in CaseOutcome if self.on(side)]
         parts.append(f"{len(self.cases)} cases: {', '.join(counts)}")
         if self.counter_example is not None and self.counter_example is not own:
             parts.append(f"nearest counter-example: {case_text(self.counter_example)}")
@@ -243,7 +245,7 @@ def _span(values: Sequence[float]) -> str:
     return f"{values[0]:.4g}" if len(values) == 1 else f"{values[0]:.4g} ... {values[-1]:.4g}"
 
 
-Measure = Callable[[Parameters, Solver], float]
+CaseMeasure = Callable[[Parameters, MethodFineness], float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -251,12 +253,12 @@ class Claim:
     """What the paper says, and how to find out.
 
     Attributes:
-        name, statement, place, quantity, variable, how, remark, own: as in Study.
-        measure: the quantity at the parameters of a case, by a Solver.
+        name, statement, place, quantity, variable, how, remark, own: as in JudgedClaim.
+        measure: the quantity at the parameters of a case, by a MethodFineness.
         cases: parameters of all cases.
         order: the variable of a case, from its parameters.
         allowed: the claim holds where the quantity is at most this.
-        chosen: as in Study.
+        chosen: as in JudgedClaim.
         first: the method that measures.
         second: the method that error bars come from.
         refer: whether the independent reference measures the paper's own case, too.
@@ -266,7 +268,7 @@ class Claim:
     statement: str
     place: str
     quantity: str
-    measure: Measure
+    measure: CaseMeasure
     cases: Sequence[Parameters]
     own: Parameters
     variable: str
@@ -274,18 +276,18 @@ class Claim:
     allowed: float
     how: str
     remark: str = ""
-    second: Solver = field(default=SECOND)
-    first: Solver = field(default=MEASURING)
+    second: MethodFineness = field(default=SECOND)
+    first: MethodFineness = field(default=MEASURING)
     refer: bool = True
     chosen: bool = True
 
-    def study(self) -> Study:
+    def study(self) -> JudgedClaim:
         """Measure all cases, and the paper's own by the reference."""
         return self.study_of([self.case(parameters) for parameters in self.cases], self.reference())
 
-    def study_of(self, cases: Sequence[Case], reference: float = math.nan, seconds: float = 0.0) -> Study:
+    def study_of(self, cases: Sequence[Case], reference: float = math.nan, seconds: float = 0.0) -> JudgedClaim:
         """The study of cases that are measured; the reference's value widens the error bar of the paper's own."""
-        study = Study(
+        study = JudgedClaim(
             self.name, self.statement, self.place, self.quantity, self.variable, self.how, self.remark, self.own, cases,
             self.chosen, reference, seconds,
         )  # fmt: skip
@@ -305,7 +307,7 @@ class Claim:
         reason = reason or ("" if math.isfinite(other) else "the second method found nothing")
         return Case(dict(parameters), self.order(parameters), value, abs(value - other), self.allowed, reason)
 
-    def value(self, parameters: Parameters, solver: Solver) -> tuple[float, str]:
+    def value(self, parameters: Parameters, solver: MethodFineness) -> tuple[float, str]:
         """The quantity by that method, and why there is none (nan) or empty."""
         try:
             value = float(self.measure(parameters, solver))
@@ -314,7 +316,7 @@ class Claim:
         return value, "" if math.isfinite(value) else "the quantity does not exist"
 
 
-def _with_reference(study: Study) -> Study:
+def _with_reference(study: JudgedClaim) -> JudgedClaim:
     """`study` with the reference's value in the error bar of the paper's own case."""
     own = study.own_case
     error = max(own.error, abs(own.value - study.reference)) if math.isfinite(study.reference) else own.error

@@ -17,7 +17,7 @@ from softcradle.sandbox.studies.claims import (
     model_claims,
     variant_claims,
 )
-from softcradle.sandbox.studies.claims.claim import Case, Claim, Study
+from softcradle.sandbox.studies.claims.claim import Case, Claim, JudgedClaim
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.chunk_work import Outcome
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
@@ -48,7 +48,7 @@ def measure_claims(
     progress: Progress | None = None,
     workers: int | None = None,
     kept: Path | None = None,
-) -> list[Study]:
+) -> list[JudgedClaim]:
     """The studies of the claims of those names, all for none, in the order of the list; a point of the sweep is a case.
 
     With `kept`, cases that a run before has measured are not measured again, see `map_points`.
@@ -73,7 +73,7 @@ def measured_case(claim: str, case: int) -> Outcome:
     return Outcome({"value": found.value, "error": found.error, "seconds": process_time() - began}, reason=found.reason)
 
 
-def _study(claim: Claim, found: Sequence[Mapping[str, Any]]) -> Study:
+def _study(claim: Claim, found: Sequence[Mapping[str, Any]]) -> JudgedClaim:
     """The study of a claim from the points of all its cases."""
     reference, rows = (float(found[0]["value"]), found[1:]) if claim.refer else (math.nan, found)
     cases = [

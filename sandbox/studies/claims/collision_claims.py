@@ -12,8 +12,8 @@ from softcradle.sandbox.studies.paper import (
     FINEST_SECOND,
     OWN,
     SWING,
+    MethodFineness,
     Parameters,
-    Solver,
     chain_of,
     first_opening,
     outcome,
@@ -26,13 +26,13 @@ WINDOW_STEP = 0.5  # between those of a window
 WINDOW = 4.0  # of 1/alpha, over which the largest spread is taken: several times the distance of two peaks
 
 
-def rise_of_spread(case: Parameters, solver: Solver) -> float:
+def rise_of_spread(case: Parameters, solver: MethodFineness) -> float:
     """Logarithm of the ratio of the spreads at 1/alpha and a step before: above 0 where it rises as alpha falls."""
     before = {**case, "1/alpha": case["1/alpha"] - STEP_OF_INVERSE}
     return math.log(spread(case, solver) / spread(before, solver))
 
 
-def envelope_ratio(case: Parameters, solver: Solver) -> float:
+def envelope_ratio(case: Parameters, solver: MethodFineness) -> float:
     """Largest spread of the window of 1/alpha that begins here over that of the window before."""
     inverse = np.arange(0.0, WINDOW, WINDOW_STEP)
     largest = [
@@ -42,13 +42,13 @@ def envelope_ratio(case: Parameters, solver: Solver) -> float:
     return largest[1] / largest[0]
 
 
-def others_over_first(case: Parameters, solver: Solver) -> float:
+def others_over_first(case: Parameters, solver: MethodFineness) -> float:
     """Spread of the targets behind the first one over the distance of the first one from their mean."""
     velocity = outcome(case, solver)[1:]
     return float(np.ptp(velocity[1:]) / abs(velocity[1:].mean() - velocity[0]))
 
 
-def turns_after_detachment(case: Parameters, solver: Solver) -> float:
+def turns_after_detachment(case: Parameters, solver: MethodFineness) -> float:
     """Most turning points of the velocity of any target between the detachment of the striker and the end."""
     chain = chain_of(case)
     whole = solver.motion(chain, start(chain))

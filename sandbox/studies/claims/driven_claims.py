@@ -10,9 +10,9 @@ from softcradle.physics.analysis.ringing import returns
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     OWN,
+    MethodFineness,
     NotSolvedError,
     Parameters,
-    Solver,
     driven_chain,
     driven_period,
     later,
@@ -31,7 +31,7 @@ def driven(case: Parameters) -> Chain:
     return driven_chain(round(case["n"]), 1.0 / case["1/alpha"])
 
 
-def driven_returns(case: Parameters, solver: Solver) -> tuple[list[float], list[float], float]:
+def driven_returns(case: Parameters, solver: MethodFineness) -> tuple[list[float], list[float], float]:
     """Times of the returns of psi, at which it is least, psi there, and its maximum.
 
     Each is located among samples that lie closer and closer about it: where the contact opens psi has a corner in its second
@@ -52,13 +52,13 @@ def driven_returns(case: Parameters, solver: Solver) -> tuple[list[float], list[
     return times.tolist(), psi.min(axis=1).tolist(), float(found.overlap[:, 0].max())
 
 
-def psi_at_return(case: Parameters, solver: Solver) -> float:
+def psi_at_return(case: Parameters, solver: MethodFineness) -> float:
     """psi at that return, over its largest value."""
     _, least, largest = driven_returns(case, solver)
     return abs(least[round(case["return"]) - 1]) / largest
 
 
-def rate_of_inner_period(case: Parameters, solver: Solver) -> float:
+def rate_of_inner_period(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the rate of sqrt(alpha) times the driven mode's period from -1/2."""
     low, high = (driven_returns(k, solver)[0][-1] / RETURNS / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)
@@ -78,7 +78,7 @@ CLAIMS = (
         allowed=0.1,
         how="period of the driven cluster, from the times of five returns of psi",
         remark="as for the amplitude: exact for many beads only",
-        second=Solver("conserving", 2e-5),
+        second=MethodFineness("conserving", 2e-5),
         refer=False,
     ),
     Claim(

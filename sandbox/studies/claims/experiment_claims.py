@@ -10,21 +10,21 @@ from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.contact_distance import GRADED, squared_difference
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.matching import match
-from softcradle.sandbox.studies.bed_experiment import (
+from softcradle.sandbox.studies.claims.claim import Claim, grid
+from softcradle.sandbox.studies.experiment import (
     MASS,
     PRECOMPRESSION,
     STIFFNESS,
     deficits,
     friction_for,
 )
-from softcradle.sandbox.studies.claims.claim import Claim, grid
-from softcradle.sandbox.studies.paper import Parameters, Solver, first_opening, start
+from softcradle.sandbox.studies.paper import MethodFineness, Parameters, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)
 SPEEDS = (0.3, 0.6, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.3, 1.7, 2.5, 4.0)  # over the critical speed
 
 
-def distance_from_rigid(case: Parameters, solver: Solver) -> float:
+def distance_from_rigid(case: Parameters, solver: MethodFineness) -> float:
     """Largest difference of a final velocity from that of two rigid bodies, over the striker's."""
     strikers, chain = round(case["strikers"]), Chain(MASS, GEAR)
     speed = case["V/v_c"] * critical_speed(GEAR, MASS, strikers)
@@ -32,7 +32,7 @@ def distance_from_rigid(case: Parameters, solver: Solver) -> float:
     return float(np.abs(found - rigid_collision(MASS, strikers)).max())
 
 
-def distance_of_power_law(case: Parameters, solver: Solver) -> float:
+def distance_of_power_law(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the force curves of the gear and of the power law nearest to it, by that solver."""
     chain = one_on(3, draft_gear(1.0, 1.0))
     velocity = start(chain, speed=case["V/v_c"] * critical_speed(chain.power_laws[0], chain.mass, 1))
@@ -41,7 +41,7 @@ def distance_of_power_law(case: Parameters, solver: Solver) -> float:
     return float(np.sqrt(squared_difference(time, force, *curves[1]) / np.trapezoid(force**2, time)))
 
 
-def fitted_exponent(case: Parameters, solver: Solver) -> float:
+def fitted_exponent(case: Parameters, solver: MethodFineness) -> float:
     """Exponent of the power law whose force curve in the collision is nearest to that of the gear, by that solver."""
     from scipy.optimize import minimize
 
@@ -62,14 +62,14 @@ def _nearest(chain: Chain, velocity: tuple[float, ...]) -> Contact:
     return match(chain, velocity, "force").contact
 
 
-def _force_curve(chain: Chain, velocity: tuple[float, ...], solver: Solver) -> tuple[np.ndarray, np.ndarray]:
+def _force_curve(chain: Chain, velocity: tuple[float, ...], solver: MethodFineness) -> tuple[np.ndarray, np.ndarray]:
     """Times and forces of the struck contact until it opens."""
     end = first_opening(solver.motion(chain, velocity))
     times = end * GRADED
     return times, solver.motion(chain, velocity, end, tuple(times.tolist())).force[:, 0]
 
 
-def energy_for_momentum(case: Parameters, solver: Solver) -> float:
+def energy_for_momentum(case: Parameters, solver: MethodFineness) -> float:
     """Energy deficit below 10 % of a bed that costs the stated momentum: 0.1 less the deficit."""
     strikers, speed = round(case["strikers"]), case["V"]
     friction = friction_for(case["momentum"], strikers, speed)
@@ -119,7 +119,7 @@ CLAIMS = (
         allowed=0.1,
         how="one on three; nearest by the curves of the striker's force; << 1 is read as at most 0.1",
         remark="it grows with the stroke over the precompression, and is 1, that of the bare spring, for the fastest strikers",
-        second=Solver("conserving", 1e-3),
+        second=MethodFineness("conserving", 1e-3),
         refer=False,
     ),
     Claim(

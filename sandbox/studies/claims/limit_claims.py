@@ -11,8 +11,8 @@ from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,
     OWN,
+    MethodFineness,
     Parameters,
-    Solver,
     chain_of,
     detachment,
     later,
@@ -26,32 +26,32 @@ RIGID_LIKE = 0.5  # largest spread, over the mean, that counts as rigid-like
 BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)  # of the contact time
 
 
-def largest_psi(case: Parameters, solver: Solver) -> float:
+def largest_psi(case: Parameters, solver: MethodFineness) -> float:
     """Largest psi of the full equations while the striker pushes."""
     chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.3 * n / (n + 1.0), 1001)
     return float(found.overlap[:, 1].max())
 
 
-def rate_of_psi(case: Parameters, solver: Solver) -> float:
+def rate_of_psi(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the rate of max psi from the stated -1."""
     return abs(local_rate(case, largest_psi(case, solver), largest_psi(later(case), solver)) + 1.0)
 
 
-def psi_off_law(case: Parameters, solver: Solver) -> float:
+def psi_off_law(case: Parameters, solver: MethodFineness) -> float:
     """Relative distance of max psi from n/(2(n+1)) ((n-1)/n)**(1/alpha)."""
     n = case["n"]
     law = n / (2.0 * (n + 1.0)) * ((n - 1.0) / n) ** case["1/alpha"]
     return abs(largest_psi(case, solver) / law - 1.0)
 
 
-def rate_of_duration(case: Parameters, solver: Solver) -> float:
+def rate_of_duration(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the rate of sqrt(alpha) times the contact time from the stated -1/2."""
     low, high = (detachment(k, solver) / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)
 
 
-def bend_over_bound(case: Parameters, solver: Solver) -> float:
+def bend_over_bound(case: Parameters, solver: MethodFineness) -> float:
     """Left side of Eq. (9) at i = 2 over its stated bound, at a part of the time until Phi returns."""
     chain, n, alpha = chain_of(case), round(case["n"]), 1.0 / case["1/alpha"]
     end = solver.model(chain, start(chain)).returns(0)
@@ -60,7 +60,7 @@ def bend_over_bound(case: Parameters, solver: Solver) -> float:
     return float(depth_law(n, alpha)[1] * abs(bend) / (alpha * math.exp(-1.0 / (n * alpha))))
 
 
-def loss_of_rigidity(case: Parameters, solver: Solver) -> float:
+def loss_of_rigidity(case: Parameters, solver: MethodFineness) -> float:
     """RIGID_LIKE over the spread: above 1 where the cluster is still rigid-like."""
     return RIGID_LIKE / spread(case, solver)
 
@@ -70,26 +70,26 @@ def withn_alpha(n: tuple[int, ...], products: tuple[float, ...]) -> list[Paramet
     return [{"n": float(k), "1/alpha": k / product} for k in n for product in products]
 
 
-def separation(case: Parameters, solver: Solver) -> float:
+def separation(case: Parameters, solver: MethodFineness) -> float:
     """Largest (tau_i / tau_dur)**2 of Eq. (10), over all contacts behind the first inner one."""
     chain = chain_of(case)
     found = solver.motion(chain, start(chain), detachment(case, solver) * (1.0 + 1e-6), 801)
     return float(time_scale_separation(found)[2:].max())
 
 
-def energy_inside(case: Parameters, solver: Solver) -> float:
+def energy_inside(case: Parameters, solver: MethodFineness) -> float:
     """Largest energy that the inner contacts store, of the striker's."""
     chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
     return float(chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
 
 
-def rise_of_energy(case: Parameters, solver: Solver) -> float:
+def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
     """Logarithm of the ratio of the energies inside at 1/alpha and LATER times that: below 0 where it falls."""
     return math.log(energy_inside(later(case), solver) / energy_inside(case, solver))
 
 
-def inner_force(case: Parameters, solver: Solver) -> float:
+def inner_force(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the largest f12 from (n-1)/n, its limit, as a part of it."""
     chain, n = chain_of(case), case["n"]
     found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
@@ -125,7 +125,7 @@ CLAIMS = (
         allowed=0.06,
         how="full equations, n alpha from 0.056 to 0.1",
         remark="the rate is n log((n-1)/n), -1 for many beads only: max psi ~ n/(2(n+1)) ((n-1)/n)**(1/alpha) (amplitude-law)",
-        first=Solver("accurate", tolerance=1e-6),
+        first=MethodFineness("accurate", tolerance=1e-6),
         refer=False,
     ),
     Claim(
@@ -188,7 +188,7 @@ CLAIMS = (
         how="velocities when every contact is open, n alpha from 0.15 to 0.4; rigid-like: a spread of at most 50 %",
         remark="at fixed n alpha the spread grows with n: the threshold of n alpha falls like 1/(2 ln(0.9 (n+1))) "
         "(figure collapse)",
-        first=Solver("accurate", tolerance=1e-6),
+        first=MethodFineness("accurate", tolerance=1e-6),
     ),
     Claim(
         name="above-1/n",

@@ -12,9 +12,9 @@ from softcradle.sandbox.studies.paper import (
     FINEST_SECOND,
     OWN,
     SWING,
+    MethodFineness,
     NotSolvedError,
     Parameters,
-    Solver,
     chain_of,
     first_opening,
     start,
@@ -27,12 +27,12 @@ SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105
 RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times that Fig. 2d shows
-AT_THE_TOUCH = Solver("accurate", tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
+AT_THE_TOUCH = MethodFineness("accurate", tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
 RISE_END = 1.0  # unit of time: the end of Fig. 2d, and of the run of which the slopes are
 SLOPES = 8  # in a decade of time: a step of a force by a part of a percent is one of ten percent of its slope
 
 
-def discrepancy(case: Parameters, solver: Solver) -> float:
+def discrepancy(case: Parameters, solver: MethodFineness) -> float:
     """Largest relative discrepancy of a force, full less model over full, in a part of the time for which it acts."""
     chain, contact = chain_of(case), round(case["contact"])
     end = first_opening(solver.motion(chain, start(chain)), contact)
@@ -43,14 +43,14 @@ def discrepancy(case: Parameters, solver: Solver) -> float:
     return float(np.abs(1.0 - model / full).max())
 
 
-def delay_of_phi(case: Parameters, solver: Solver) -> float:
+def delay_of_phi(case: Parameters, solver: MethodFineness) -> float:
     """Time at which Phi returns to zero less that at which psi does: below 0 where Phi is first."""
     chain = chain_of(case)
     found = solver.model(chain, start(chain))
     return found.returns(0) - found.returns(1)
 
 
-def turns_of_inner_force(case: Parameters, solver: Solver) -> float:
+def turns_of_inner_force(case: Parameters, solver: MethodFineness) -> float:
     """Turning points of f12 while both of the first two contacts are closed."""
     force = while_struck(case, solver, 20001).force[:, 1]
     return float(turning_points(force, SWING).size)
@@ -64,7 +64,7 @@ def rising_power(contact: int, alpha: float) -> float:
     return alpha if contact == 0 else alpha * (2.0 + rising_power(contact - 1, alpha))
 
 
-def slope_error(case: Parameters, solver: Solver) -> float:
+def slope_error(case: Parameters, solver: MethodFineness) -> float:
     """Largest distance of the logarithmic slope of a force, between t and 10 t, from the stated power of t, as a part of that.
 
     By the full equations from the touch on, as Fig. 2d shows them. A fixed step is small in units of t, in which the same
@@ -81,7 +81,7 @@ def slope_error(case: Parameters, solver: Solver) -> float:
     return float(np.abs(slopes / rising_power(contact, alpha) - 1.0).max())
 
 
-def consistency(case: Parameters, solver: Solver) -> float:
+def consistency(case: Parameters, solver: MethodFineness) -> float:
     """Largest left side of Eq. (9) at i = 2 in a part of the time until psi is back at zero."""
     chain = chain_of(case)
     end = solver.model(chain, start(chain)).returns(1)
@@ -102,7 +102,7 @@ def random_chain(case: Parameters) -> Chain:
     return Chain(mass, [Contact(0.0, f0, a) for f0, a in zip(strength, exponent, strict=True)])
 
 
-def force_error(chain: Chain, solver: Solver, strikers: int = 1) -> float:
+def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> float:
     """Largest |full - model| over the peak of the full force, all contacts, in the middle 80 % of the struck contact's time."""
     struck, velocity = strikers - 1, start(chain, strikers)
     end = first_opening(solver.motion(chain, velocity), struck)
@@ -251,7 +251,7 @@ CLAIMS = (
         f"middle 80 % "
         "of the striker's contact",
         remark="where an inner contact has to pass on more than its f0 no exponent is small enough",
-        second=Solver("conserving", 5e-5),
+        second=MethodFineness("conserving", 5e-5),
         refer=False,
     ),
     Claim(

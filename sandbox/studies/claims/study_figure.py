@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 from softcradle.sandbox.console import print_table, table
-from softcradle.sandbox.studies.claims.claim import Case, Side, Study, Verdict, case_text
+from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, JudgedClaim, Verdict, case_text
 from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREY, RED, new_figure
 
@@ -21,31 +21,31 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOG_SPAN = 30.0  # ratio of the largest to the smallest positive number from which on an axis is logarithmic
-SIDE_STYLES: dict[Side, dict[str, Any]] = {
-    Side.HOLDS: {"color": BLUE, "marker": "o"},
-    Side.FAILS: {"color": RED, "marker": "s"},
-    Side.UNDETERMINED: {"color": GREY, "marker": "x"},
+SIDE_STYLES: dict[CaseOutcome, dict[str, Any]] = {
+    CaseOutcome.HOLDS: {"color": BLUE, "marker": "o"},
+    CaseOutcome.FAILS: {"color": RED, "marker": "s"},
+    CaseOutcome.UNDETERMINED: {"color": GREY, "marker": "x"},
 }
 FEW_DECADES = 100.0  # the greatest value over the least
 MOST_TITLE = 60  # characters of a line above the picture, which has the width of a column
 
 
-def study_table(study: Study) -> Table:
+def study_table(study: JudgedClaim) -> Table:
     """A row a case: parameters, variable, value, error, what is allowed, and 1 where it holds, -1 where it fails, else 0."""
     table: Table = {
         name: np.array([case.parameters[name] for case in study.cases]) for name in study.cases[0].parameters
     }
     columns = ("variable", "value", "error", "allowed")
     table |= {name: np.array([getattr(case, name) for case in study.cases]) for name in columns}
-    sign = {Side.HOLDS: 1.0, Side.FAILS: -1.0, Side.UNDETERMINED: 0.0}
+    sign = {CaseOutcome.HOLDS: 1.0, CaseOutcome.FAILS: -1.0, CaseOutcome.UNDETERMINED: 0.0}
     return table | {"holds": np.array([sign[case.side] for case in study.cases])}
 
 
-def draw_study(study: Study) -> Figure:
+def draw_study(study: JudgedClaim) -> Figure:
     """All cases; a column of the journal wide."""
     figure, axes = new_figure(height=2.9)
     _set_scales(axes, study)
-    for side in Side:
+    for side in CaseOutcome:
         _draw_cases(axes, study.on(side), side)
     axes.axhline(study.cases[0].allowed, color=BLACK, linewidth=0.7, linestyle="--", label="allowed")
     _ring(axes, study.own_case, "the paper's own", GREY)
@@ -63,7 +63,7 @@ def draw_study(study: Study) -> Figure:
     return figure
 
 
-def _draw_cases(axes: Axes, cases: list[Case], side: Side) -> None:
+def _draw_cases(axes: Axes, cases: list[Case], side: CaseOutcome) -> None:
     drawn = [case for case in cases if math.isfinite(case.value) and math.isfinite(case.error)]
     if not drawn:
         return
@@ -83,7 +83,7 @@ def _ring(axes: Axes, case: Case, label: str, colour: str) -> None:
         )  # fmt: skip
 
 
-def _set_scales(axes: Axes, study: Study) -> None:
+def _set_scales(axes: Axes, study: JudgedClaim) -> None:
     variable = np.array([case.variable for case in study.cases])
     value = np.array([case.value for case in study.cases if math.isfinite(case.value)])
     if _spans_decades(variable):
@@ -117,7 +117,7 @@ def _lines(text: str, width: int) -> list[str]:
 COLOURS = {Verdict.HOLDS: "green", Verdict.WITHIN: "yellow", Verdict.BEYOND: "red", Verdict.UNDETERMINED: "magenta"}
 
 
-def print_studies(output: Console, studies: Sequence[Study]) -> None:
+def print_studies(output: Console, studies: Sequence[JudgedClaim]) -> None:
     """A row a claim, and how often each verdict was reached."""
     grid = table("claim", "statement and place", "what we measure", "range", "verdict")
     grid.show_lines, grid.expand = True, True
@@ -132,7 +132,7 @@ def print_studies(output: Console, studies: Sequence[Study]) -> None:
     output.print(f"processor time: {sum(study.seconds for study in studies):.0f} s for {len(studies)} claims")
 
 
-def print_study(output: Console, study: Study) -> None:
+def print_study(output: Console, study: JudgedClaim) -> None:
     """One claim: statement, verdict, how it was measured, and all cases."""
     output.print(f"{study.name}: {study.statement} ({study.place})", style="bold")
     output.print(study.verdict_text, style=COLOURS[study.verdict])
@@ -149,7 +149,7 @@ def print_study(output: Console, study: Study) -> None:
     print_table(output, grid)
 
 
-def markdown(studies: Sequence[Study]) -> Iterator[str]:
+def markdown(studies: Sequence[JudgedClaim]) -> Iterator[str]:
     """Lines of a table in Markdown: a row a claim, in the order of the paper."""
     yield "| claim | what the paper states | verdict | what was found |"
     yield "|---|---|---|---|"
@@ -167,7 +167,7 @@ def _cell(text: str) -> str:
     return text
 
 
-def as_json(study: Study) -> dict[str, Any]:
+def as_json(study: JudgedClaim) -> dict[str, Any]:
     """A study as JSON: numbers that do not exist are null."""
     counter = study.counter_example
     return {
@@ -192,7 +192,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def write_studies(studies: Sequence[Study], folder: Path) -> list[Path]:
+def write_studies(studies: Sequence[JudgedClaim], folder: Path) -> list[Path]:
     """The picture of each study as .png, .pdf and .csv; the paths."""
     from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
     from softcradle.sandbox.studies.plot_style import styled, write_picture

@@ -13,9 +13,9 @@ from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     SWING,
     Array,
+    MethodFineness,
     NotSolvedError,
     Parameters,
-    Solver,
     crest,
     first_opening,
     start,
@@ -44,7 +44,7 @@ def random_chain(case: Parameters) -> Chain:
     return Chain(mass, [Contact(0.0, f0, 1.0 / k) for f0, k in zip(strength, inverse, strict=True)])
 
 
-def weighted_spread(case: Parameters, solver: Solver) -> float:
+def weighted_spread(case: Parameters, solver: MethodFineness) -> float:
     """Root mean square of the targets' velocities about their mean, by mass, as a part of that mean."""
     chain = random_chain(case)
     mass, velocity = np.array(chain.mass)[1:], solver.motion(chain, start(chain)).final_velocity[1:]
@@ -58,7 +58,7 @@ def random_cases() -> list[Parameters]:
     return [{**case, "load": float(loads(random_chain(case))[1:].max())} for case in cases]
 
 
-def momentum_of_last(case: Parameters, solver: Solver) -> float:
+def momentum_of_last(case: Parameters, solver: MethodFineness) -> float:
     """Part of the momentum that the last bead of the usual cradle takes, in the mean over random chains of that width."""
     taken = []
     for seed in range(CRADLES):
@@ -75,7 +75,7 @@ def random_beads(seed: int, width: float) -> tuple[Array, Array]:
     return mass, strength
 
 
-def misplaced(width: float, exponent: float, solver: Solver) -> float:
+def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
     """Part of the momentum that ends elsewhere than without disorder, in the mean over random chains of that width.
 
     Soft beads are to share it as one rigid body, those of the usual cradle (exponent above 1) to leave it all to the last.
@@ -90,7 +90,7 @@ def misplaced(width: float, exponent: float, solver: Solver) -> float:
     return float(np.mean(parts))
 
 
-def contrast(case: Parameters, solver: Solver) -> float:
+def contrast(case: Parameters, solver: MethodFineness) -> float:
     """What disorder misplaces of the momentum in soft chains, over what it misplaces in the usual cradle of the same beads."""
     soft, usual = (
         misplaced(case["width"], exponent, solver) - misplaced(1.0, exponent, solver)
@@ -105,7 +105,7 @@ def interface_load(case: Parameters) -> float:
     return (n - 1.0) / n * case["V"] * math.sqrt(case["k"] * n / (n + 1.0))
 
 
-def interface_spread(case: Parameters, solver: Solver) -> float:
+def interface_spread(case: Parameters, solver: MethodFineness) -> float:
     """Spread of the targets behind a truncated Hooke spring, over their mean."""
     n = round(case["n"])
     chain = one_on(n, (hooke(case["k"]), *(power_law(1.0, 1.0 / case["1/alpha"]),) * (n - 1)))
@@ -118,7 +118,7 @@ def interface_cases() -> list[Parameters]:
     return grid(n=4, k=(0.25, 0.5, 1, 1.5, 3, 10), V=(0.5, 1, 2), **{"1/alpha": (10, 14)})
 
 
-def last_bead(case: Parameters, solver: Solver) -> float:
+def last_bead(case: Parameters, solver: MethodFineness) -> float:
     """How much of the striker's velocity the last bead of the usual cradle does not take."""
     n = round(case["n"])
     chain = one_on(n, hertz(1.0))
@@ -132,7 +132,7 @@ def pressed_chain(beads: int, alpha: float, prestress: float) -> Chain:
     return Chain([1.0] * beads, law, [-float(law.overlap(prestress))] * (beads - 1), drive)
 
 
-def wave_speed(case: Parameters, solver: Solver) -> float:
+def wave_speed(case: Parameters, solver: MethodFineness) -> float:
     """Beads a unit of time at which a small pulse runs along a row under prestress, between its 15th and 45th contact.
 
     In another prestress lengths and times have other units, and all else is the same. Samples at even times, up to a power
@@ -154,7 +154,7 @@ def _linear_speed(alpha: float, prestress: float) -> float:
     return math.sqrt(alpha) * prestress ** ((alpha - 1.0) / (2.0 * alpha))
 
 
-def fall_with_prestress(case: Parameters, solver: Solver) -> float:
+def fall_with_prestress(case: Parameters, solver: MethodFineness) -> float:
     """Logarithm of the ratio of the wave speeds at this prestress and at a tenth less: below 0 where less is faster."""
     less = {**case, "prestress": 0.9 * case["prestress"]}
     return math.log(wave_speed(case, solver) / wave_speed(less, solver))
@@ -168,7 +168,7 @@ def sprung_cluster(case: Parameters) -> Chain:
     return Chain([1.0] * (n + 1), (power_law(1.0, 1.0 / 30.0), *(spring,) * (n - 1)), gap, drive)
 
 
-def vibration(case: Parameters, solver: Solver) -> float:
+def vibration(case: Parameters, solver: MethodFineness) -> float:
     """Root mean square of the targets' velocities about their mean after the striker has left, as a part of that mean."""
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
@@ -176,7 +176,7 @@ def vibration(case: Parameters, solver: Solver) -> float:
     return float(np.sqrt(velocity.var(axis=1).mean()) / velocity.mean())
 
 
-def few_passages(case: Parameters, solver: Solver) -> float:
+def few_passages(case: Parameters, solver: MethodFineness) -> float:
     """3 over the turning points of the force in the last spring while the striker pushes."""
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
@@ -184,7 +184,7 @@ def few_passages(case: Parameters, solver: Solver) -> float:
     return 3.0 / max(turning_points(force, SWING).size, 1)
 
 
-def echo(case: Parameters, solver: Solver) -> float:
+def echo(case: Parameters, solver: MethodFineness) -> float:
     """Change of the first bead's velocity, over its start, when the pulse may be back from the free end of a row of springs.
 
     The springs push with a unit of stiffness, so that the pulse runs a bead a unit of time, and pull with `pull` of it.
@@ -197,7 +197,7 @@ def echo(case: Parameters, solver: Solver) -> float:
     return float(np.abs(late - late[0]).max())
 
 
-def few_turns(case: Parameters, solver: Solver) -> float:
+def few_turns(case: Parameters, solver: MethodFineness) -> float:
     """3 over the turning points of the force in the middle of a cluster under prestress that is struck."""
     n, alpha, prestress = 4, 1.0 / case["1/alpha"], case["prestress"]
     law = power_law(1.0, alpha)
@@ -228,7 +228,7 @@ CLAIMS = (
         f"of 1/2 to 2, "
         "exponents of 1/50 to 1/30; rigid-like: a spread of at most 5 %",
         remark="the load is the force that a contact has to pass on over its f0; near 1 the exponent needed is ever smaller",
-        first=Solver("accurate", tolerance=1e-6),
+        first=MethodFineness("accurate", tolerance=1e-6),
         refer=False,
     ),
     Claim(
@@ -289,7 +289,7 @@ CLAIMS = (
         allowed=0.1,
         how="one on four, stiffness 0.25 to 10, speed 0.5 to 2, inner 1/alpha of 10 and 14; works: a spread of at most 10 %",
         remark="the stiffness and the speed count by the force that the inner contact has to pass on",
-        second=Solver("conserving", 5e-5),
+        second=MethodFineness("conserving", 5e-5),
     ),
     Claim(
         name="waves-diverge",
@@ -305,7 +305,7 @@ CLAIMS = (
         how="a small pulse along 60 beads under prestress, crests of the force, between samples, at two contacts 30 beads apart; "
         "0.01 a tenth is taken for no change",
         remark="the speed is sqrt(alpha) prestress**((alpha-1)/(2 alpha)) beads a unit of time",
-        second=Solver("conserving", 1e-4),
+        second=MethodFineness("conserving", 1e-4),
         refer=False,
         chosen=False,
     ),
@@ -323,7 +323,7 @@ CLAIMS = (
         how="one on n, springs that pull, too, by a prestress of 20; root mean square after the striker has left, whose contact "
         "has alpha = 1/30; rigid-like: 5 %, as for `robust`",
         remark="it falls as n/sqrt(k), the time of a passage, up and down with the phase at which the striker leaves",
-        second=Solver("conserving", 5e-5),
+        second=MethodFineness("conserving", 5e-5),
         refer=False,
     ),
     Claim(
@@ -339,7 +339,7 @@ CLAIMS = (
         allowed=1.0,
         how="as stiff-springs; a force that oscillates turns at least 3 times, one that an evanescent mode carries turns once",
         remark="their number grows as sqrt(k): the time of a passage is that of the lowest mode",
-        second=Solver("conserving", 5e-5),
+        second=MethodFineness("conserving", 5e-5),
         refer=False,
     ),
     Claim(
@@ -355,8 +355,8 @@ CLAIMS = (
         allowed=0.05,
         how="a row of beads and springs that push, and pull with a part of that stiffness; no reflection: at most 5 %",
         remark="without a pull the last beads fly off, and the first one feels nothing",
-        first=Solver("conserving", 1e-3),
-        second=Solver("conserving", 2e-3),
+        first=MethodFineness("conserving", 1e-3),
+        second=MethodFineness("conserving", 2e-3),
         refer=False,
     ),
     Claim(

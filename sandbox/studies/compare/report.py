@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.film.film_kinds import check
+from softcradle.sandbox.film.kinds import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.page_document import footer, note, table
 from softcradle.sandbox.page.page_tables import result_notes
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.page.shared_page import recorded_page
-from softcradle.sandbox.page.svg_charts import Axes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
-from softcradle.sandbox.quantities import FORCE, OVERLAP
+from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
+from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
     MeasureRow,
     SideResult,
@@ -50,11 +50,11 @@ class TimeAxis:
     def __init__(self, played: PlayedMotion) -> None:
         self.begin, self.end = played.scales.time
         self.unit, name = played.time_unit
-        self.label = f"time ({name})"
+        self.label = f"{TIME.name} ({name})"
 
-    def axes(self, values: Range, label: str) -> Axes:
-        """Axes of `values` over time."""
-        return Axes((self.begin / self.unit, self.end / self.unit), values, self.label, label)
+    def axes(self, values: Range, label: str) -> ChartAxes:
+        """The axes of `values` over time."""
+        return ChartAxes((self.begin / self.unit, self.end / self.unit), values, self.label, label)
 
     def times(self, result: SideResult) -> Array:
         """(T+2,) sample times, then the end of the motion and of the axis, in the unit; see :func:`_extended`."""
@@ -113,7 +113,7 @@ def _law_chart(results: Sequence[SideResult]) -> str:
         curves.append(Curve(result.side.name, overlap, force, f"s{k}"))
         if law.loss:
             curves.append(Curve(f"{result.side.name}, unloading", overlap, (1.0 - law.loss) * force, f"s{k}"))
-    axes = Axes((0.0, deepest), axis_range([curve.y for curve in curves]), OVERLAP.title, FORCE.title)
+    axes = ChartAxes((0.0, deepest), axis_range([curve.y for curve in curves]), OVERLAP.title, FORCE.title)
     return line_chart("Law of the struck contact", curves, axes)
 
 

@@ -32,6 +32,7 @@ from softcradle.sandbox.studies.plot_style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 POSITIONS_FROM = -1.0  # units of time, of Fig. 1b; the striker arrives at 0
@@ -81,9 +82,6 @@ def draw_velocities(table: Table, alpha: float) -> Figure:
     return figure
 
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 SIZE = 2  # targets
 SHOWN = 1.0 / 17.0  # exponent of the curve over time
 INVERSE = tuple(np.arange(16.0, 26.1, 0.5).tolist())  # 1/alpha of the periods
@@ -127,10 +125,6 @@ def draw_history(table: Table) -> Figure:
     panel_title(right, f"(b)  $n={SIZE}$")
     return figure
 
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 UNTIL = 2.5  # units of time, the end of Figs. 2a and 2b: psi is back at zero at 2.1
 FIRST_TIME = 1e-16  # units of time, the left end of Fig. 2d

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics import Chain, Coupler, draft_gear, ensemble, hooke, one_on, simulate
 from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.sandbox.quantities import TIME, VELOCITY
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import soft_chain
 from softcradle.sandbox.studies.plot_style import (
@@ -106,13 +107,10 @@ def draw_starting(table: Table) -> Figure:
     shades: Array = colormaps["viridis"](np.linspace(0.0, 0.9, len(names)))
     for name, shade in zip(names, shades, strict=True):
         axes.plot(table["t"], table[name], color=shade, linewidth=0.9, label=name)
-    axes.set(xlabel="time [s]", ylabel="velocity [m/s]", xlim=(0.0, 3.0), ylim=(0.0, 0.85))
+    axes.set(xlabel=TIME.label, ylabel=VELOCITY.label, xlim=(0.0, 3.0), ylim=(0.0, 0.85))
     axes.legend(loc="upper left", ncols=2)
     return figure
 
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SIZES = (2, 3, 4, 6, 8)
 ALPHAS = tuple(np.geomspace(1.0 / 20.0, 1.0, 40).tolist())

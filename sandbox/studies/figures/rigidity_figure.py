@@ -134,10 +134,6 @@ def _draw_exponents(axes: Axes, table: Table) -> None:
     panel_title(axes, "(a)  $n=4$")
 
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 ALPHAS = (1.0 / 7.0, 1.0 / 10.0, 1.0 / 14.0)  # a column of panels each
 SIZES = (5, 4, 3)  # a row of panels each
 CURVE_COLOURS = {2: BLUE, 3: ORANGE, 4: GREEN}  # by depth i

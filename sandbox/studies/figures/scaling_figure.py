@@ -106,9 +106,6 @@ def _draw_times(axes: Axes, table: Table) -> None:
     axes.legend(loc="lower right")
 
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 COLLAPSE_SIZES = (3, 4, 6, 10, 18, 32)
 PRODUCTS = tuple(np.geomspace(0.15, 1.0, 93).tolist())  # of n and alpha: steps of 2 %, since small spreads jag
 THRESHOLD = 0.5  # spread at which a cluster is no longer rigid-like

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.physics import ensemble, simulate
+from softcradle.sandbox.quantities import TIME
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.plot_style import BLUE, GREY, PAGE_WIDTH, new_figure
 
@@ -99,7 +100,7 @@ def _draw_couplings(axes: Axes, time: Array, forces: list[Array]) -> None:
         axes.annotate(
             f"{force.max():.0f} kN", (1.01, i), xycoords=("axes fraction", "data"), va="bottom", fontsize=6.5
         )  # beside the axes, where no curve passes
-    axes.set_xlabel("time [s]")
+    axes.set_xlabel(TIME.label)
     axes.set_xlim(time[0], time[-1])
     axes.set_ylim(0.6, len(forces) + 2.0)
     axes.set_yticks(range(1, len(forces) + 1), [f"{i}-{i + 1}" for i in range(1, len(forces) + 1)])

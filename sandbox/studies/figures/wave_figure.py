@@ -155,9 +155,6 @@ def draw_pulse(table: Table) -> Figure:
     return figure
 
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 SHOWN_BEADS = 4  # cluster size of the figure over time
 SIZES = (2, 3, 4)  # cluster sizes of the scan
 ALPHAS = tuple(1.0 / k for k in (5, 7, 10, 14, 20))  # exponents of the scan

@@ -46,7 +46,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Case:
+class ChartCase:
     """One collision with its true outcome.
 
     Attributes:
@@ -124,12 +124,12 @@ class CaseDefinition:
     """A case before its truth is computed.
 
     Attributes:
-        name, label: as in Case.
+        name, label: as in ChartCase.
         make_chain: gives the chain.
-        duration: as in Case.
+        duration: as in ChartCase.
         truth: gives (n+1,) final velocities where these are known better than computed here; `source` says from where.
         velocity: None: bead 0 strikes at unit speed.
-        aims: as in Case.
+        aims: as in ChartCase.
         reference_tolerance: of the reference, which is to find the truth.
         reference_work: its steps times beads, before it gives up.
     """
@@ -145,14 +145,14 @@ class CaseDefinition:
     reference_tolerance: float = REFERENCE_TOLERANCE
     reference_work: int = STEPS_AND_BEADS
 
-    def solve(self, by_reference: bool = True) -> Case:
+    def solve(self, by_reference: bool = True) -> ChartCase:
         """The case, with its truth computed or looked up; not `by_reference`, two of our methods have to do."""
         chain = self.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
         finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
         truth, uncertainty, source = self._truth(chain, velocity, finest.final_velocity, by_reference)
         end = float(finest.time[-1])
-        return Case(
+        return ChartCase(
             self.name, self.label, chain, velocity, self.duration, end, truth, uncertainty, source, self.aims
         )  # fmt: skip
 

@@ -7,14 +7,117 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.sandbox.studies.precision.cases import Case, Start
-from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES, Solution, Solver
+from softcradle.physics import METHODS
+from softcradle.physics.methods import AUTO, Method
+from softcradle.physics.simulation import solve
+from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 
 Array = NDArray[np.float64]
+
+NO_SAMPLES = np.zeros(0)  # sample times of a run whose final velocities alone are compared
+FEWEST_STEPS = 30  # of the coarsest run of a fixed-step method
+MOST_STEPS = 8e6  # of the finest
+START_PHASES = 4  # lead times, evenly over one step, over which the error of a fixed step is averaged
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a run gives.
+
+    Attributes:
+        velocity: (n+1,) final velocities [m/s], or None where the run gave up.
+        seconds: wall time of the solver alone.
+        evaluations: of all contact forces; nan where they are not counted.
+        overlap, force: (T, n) at the sample times [m], [N]; None where there are none.
+    """
+
+    velocity: Array | None
+    seconds: float
+    evaluations: float = np.nan
+    overlap: Array | None = None
+    force: Array | None = None
+
+
+RunFunction = Callable[[float, Start, Array], Solution]  # fineness, start, sample times (T,) [s]
+
+
+@dataclass(frozen=True)
+class Solver:
+    """One way to solve a case, over one series of finenesses.
+
+    Attributes:
+        name: of its curve, which has all settings of that name.
+        setting: what distinguishes this series from others of the same name.
+        finenesses: tolerances or numbers of steps, coarse to fine.
+        run: solves the case.
+        ours: True for the methods of `simulate`.
+        steps: True where a fineness is a number of steps.
+    """
+
+    name: str
+    setting: str
+    finenesses: Sequence[float]
+    run: RunFunction
+    ours: bool = False
+    steps: bool = False
+
+    def starts(self, case: ChartCase, fineness: float) -> list[Start]:
+        """The starts over which the error is averaged.
+
+        The error of a fixed step depends on where in a step the first touch lies; an adaptive run locates the touch.
+        """
+        if not self.steps:
+            return [Start(case.chain, case.velocity)]
+        step = case.run_duration / fineness
+        return case.starts([(k + 0.5) / START_PHASES * step for k in range(START_PHASES)])
+
+
+def tolerances(finest: float = 1e-12) -> list[float]:
+    """Half decades from 1e-2 down to `finest`."""
+    return [float(10.0 ** (-0.5 * k)) for k in range(4, round(-2.0 * np.log10(finest)) + 1)]
+
+
+def step_counts() -> list[float]:
+    """Numbers of steps by factors of 2."""
+    return [FEWEST_STEPS * 2.0**k for k in range(1 + int(np.log2(MOST_STEPS / FEWEST_STEPS)))]
+
+
+def our_solvers(case: ChartCase) -> list[Solver]:
+    """Every method that can take the case, adaptive ones over tolerances, others over numbers of steps; and `auto`."""
+    auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_run_adaptive, case, AUTO), ours=True)
+    return [*(_solver(case, method) for method in METHODS if method.dissipative or not case.chain.dissipative), auto]
+
+
+def _solver(case: ChartCase, method: Method) -> Solver:
+    if method.adaptive:
+        return Solver(method.name, "", tolerances(), partial(_run_adaptive, case, method.name), ours=True)
+    return Solver(method.name, "", step_counts(), partial(_run_fixed, case, method.name), ours=True, steps=True)
+
+
+def _run_adaptive(case: ChartCase, method: str, tolerance: float, start: Start, sample_times: Array) -> Solution:
+    duration = case.run_duration if sample_times.size else case.duration
+    return _solution(start, duration, method, sample_times, tolerance=tolerance)
+
+
+def _run_fixed(case: ChartCase, method: str, steps: float, start: Start, sample_times: Array) -> Solution:
+    # to the known end, as the peers: a run that chatters may never end by itself
+    duration = case.run_duration + start.early
+    return _solution(start, duration, method, sample_times, step=case.run_duration / steps)
+
+
+def _solution(start: Start, duration: float | None, method: str, sample_times: Array, **fineness: Any) -> Solution:
+    samples = sample_times + start.early if sample_times.size else 2
+    found = solve(start.chain, start.velocity, duration, method, samples=samples, **fineness)
+    overlap, force = (found.overlap, found.force) if sample_times.size else (None, None)
+    velocity = None if found.status.gave_up else found.final_velocity
+    return Solution(velocity, found.seconds, found.evaluations, overlap, force)
+
 
 SMALLEST_ERROR = 3e-11  # a series ends after two settings with smaller errors
 REPEATS = 7  # runs of a setting, whose median time counts
@@ -43,7 +146,7 @@ class TimeLimits:
 
 
 @dataclass
-class Point:
+class ChartPoint:
     """One setting of one solver.
 
     Attributes:
@@ -65,11 +168,11 @@ class Series:
     """The points of one solver, coarse to fine, and whether a time limit ended them."""
 
     solver: Solver
-    points: list[Point]
+    points: list[ChartPoint]
     out_of_time: bool = False
 
 
-def error_of(case: Case, quantity: str, solution: Solution) -> float:
+def error_of(case: ChartCase, quantity: str, solution: Solution) -> float:
     """Error of a solution: of final velocities the largest; of forces and overlaps the root mean square over the samples.
 
     Forces are relative to the largest force, overlaps to the overlap itself (App. B), at most 1, where it is not 0.
@@ -92,7 +195,7 @@ def error_of(case: Case, quantity: str, solution: Solution) -> float:
 
 
 def measure_case(
-    case: Case,
+    case: ChartCase,
     solvers: Sequence[Solver],
     quantity: str = "velocities",
     limits: TimeLimits = TimeLimits(),
@@ -116,10 +219,10 @@ def measure_case(
 
 
 def measure_series(
-    case: Case, solver: Solver, quantity: str = "velocities", limits: TimeLimits = TimeLimits()
+    case: ChartCase, solver: Solver, quantity: str = "velocities", limits: TimeLimits = TimeLimits()
 ) -> Series:
     """Points of a series from coarse to fine; its first run should not be the solver's first, which may compile."""
-    points: list[Point] = []
+    points: list[ChartPoint] = []
     began = perf_counter()
     for fineness in solver.finenesses:
         points.append(_point(case, solver, fineness, quantity))
@@ -131,13 +234,13 @@ def measure_series(
     return Series(solver, points)
 
 
-def _growth(points: Sequence[Point]) -> float:
+def _growth(points: Sequence[ChartPoint]) -> float:
     """Expected time of the next finer setting over that of the last one."""
     last = points[-1].seconds / points[-2].seconds if len(points) > 1 else LEAST_GROWTH
     return min(max(last, LEAST_GROWTH), MOST_GROWTH)
 
 
-def _point(case: Case, solver: Solver, fineness: float, quantity: str) -> Point:
+def _point(case: ChartCase, solver: Solver, fineness: float, quantity: str) -> ChartPoint:
     starts, times = solver.starts(case, fineness), _sample_times(case, quantity)
     solutions = [_run(solver, fineness, start, times) for start in starts]
     errors = [error_of(case, quantity, solution) for solution in solutions]
@@ -147,14 +250,14 @@ def _point(case: Case, solver: Solver, fineness: float, quantity: str) -> Point:
     evaluations = float(np.mean([solution.evaluations for solution in solutions]))
     with np.errstate(over="ignore"):
         error = float(np.sqrt(np.mean(np.square(errors))))
-    return Point(solver, fineness, error, float(np.median(seconds)), evaluations)
+    return ChartPoint(solver, fineness, error, float(np.median(seconds)), evaluations)
 
 
-def _first_point(case: Case, solver: Solver, quantity: str) -> Point:
+def _first_point(case: ChartCase, solver: Solver, quantity: str) -> ChartPoint:
     """One run at the coarsest setting."""
     fineness = solver.finenesses[0]
     solution = _run(solver, fineness, solver.starts(case, fineness)[0], _sample_times(case, quantity))
-    return Point(solver, fineness, error_of(case, quantity, solution), solution.seconds, solution.evaluations)
+    return ChartPoint(solver, fineness, error_of(case, quantity, solution), solution.seconds, solution.evaluations)
 
 
 def _run(solver: Solver, fineness: float, start: Start, sample_times: Array) -> Solution:
@@ -168,7 +271,7 @@ def _run(solver: Solver, fineness: float, start: Start, sample_times: Array) -> 
         return Solution(None, perf_counter() - began)
 
 
-def _sample_times(case: Case, quantity: str) -> Array:
+def _sample_times(case: ChartCase, quantity: str) -> Array:
     return NO_SAMPLES if quantity == "velocities" else case.sample_times
 
 

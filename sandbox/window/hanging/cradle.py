@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import pymunk
 from softcradle.physics import Contact, SoftChain, draft_gear, hertz, power_law
 from softcradle.sandbox.languages import N_, NP_, _
-from softcradle.sandbox.session.badge_numbers import BAD, FAIR, GOOD
+from softcradle.sandbox.session.run_verdict import BAD, FAIR, GOOD
 
 RADIUS = 0.1  # m, of a ball
 STRING = 1.0  # m
@@ -53,7 +53,7 @@ def start_places(lifted: int) -> list[Vector]:
     ]
 
 
-class Verdict(NamedTuple):
+class EnergyVerdict(NamedTuple):
     """Level and sentence, and the change of the energy that they follow from (a share)."""
 
     level: str
@@ -98,7 +98,7 @@ class Cradle:
         self.tangled = next(passed, None) if self.tangled is None else self.tangled
         self.first, self.greatest = (energy, energy) if fresh else (self.first, max(self.greatest, energy))
 
-    def verdict(self) -> Verdict:
+    def verdict(self) -> EnergyVerdict:
         """How far it can be trusted."""
         whole = self.first if self.first > LEAST_ENERGY else math.inf
         change, risen = (self.energy() - self.first) / whole, (self.greatest - self.first) / whole
@@ -106,11 +106,11 @@ class Cradle:
         if self.tangled is not None:
             left, right = self.tangled, self.tangled + 1
             text = _("balls {left} and {right} have passed each other: begin anew (R)", left=left, right=right)
-            return Verdict(BAD, text, change)
+            return EnergyVerdict(BAD, text, change)
         if worst <= FAIR_CHANGE:
-            return Verdict(GOOD, _("the energy is kept to {percent:.2g} %", percent=100.0 * worst), change)
+            return EnergyVerdict(GOOD, _("the energy is kept to {percent:.2g} %", percent=100.0 * worst), change)
         text = _(GAINED if risen > abs(change) or change > 0.0 else LOST, percent=100.0 * worst)
-        return Verdict(FAIR if worst <= BAD_CHANGE else BAD, text, change)
+        return EnergyVerdict(FAIR if worst <= BAD_CHANGE else BAD, text, change)
 
 
 def make_cradle(law: Contact | None, places: Sequence[Vector]) -> Cradle:

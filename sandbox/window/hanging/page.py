@@ -15,7 +15,7 @@ from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import N_, _, pgettext
-from softcradle.sandbox.session.badge_numbers import GOOD
+from softcradle.sandbox.session.run_verdict import GOOD
 from softcradle.sandbox.window.hanging.cradle import (
     BALLS,
     FRAME,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.curve_panels import Axis, ticks_apart
+from softcradle.sandbox.draw.curve_panels import VerticalAxis, ticks_apart
 from softcradle.sandbox.draw.number_format import ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
@@ -180,7 +180,7 @@ class PlotContent:
     """
 
     title: str
-    axis: Axis
+    axis: VerticalAxis
     names: Sequence[str]
     colours: Sequence[Colour]
     values: Callable[[Motion], Array]

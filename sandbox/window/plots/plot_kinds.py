@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.curve_panels import Axis, decade_axis, linear_axis
+from softcradle.sandbox.draw.curve_panels import VerticalAxis, decade_axis, linear_axis
 from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales
@@ -234,10 +234,10 @@ def _energy_layers(motion: Motion) -> Array:
     return np.column_stack((motion.kinetic, motion.stored))
 
 
-def _row_axis(names: Sequence[str]) -> Axis:
+def _row_axis(names: Sequence[str]) -> VerticalAxis:
     """A row for each contact, the first on top; some of them are labelled."""
     step = max(1, (len(names) + MOST_ROW_LABELS - 1) // MOST_ROW_LABELS)
-    return Axis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
+    return VerticalAxis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
 
 
 # kinds that are asked for by name

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.curve_panels import Axis, linear_axis, ticks_apart
+from softcradle.sandbox.draw.curve_panels import VerticalAxis, linear_axis, ticks_apart
 from softcradle.sandbox.draw.number_format import TIMES, power_of_ten, prefixed
 from softcradle.sandbox.draw.palette import Colour, bead_colours, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
@@ -174,13 +174,12 @@ class PhasePlot(Plot):
     def points(self) -> Array:
         """(T, 3) time, y and x of the history."""
         history = self.history
-        seen = (history.branch, history.first, history.last)
-        if seen != self._seen:
+        if history.version != self._seen:
             parts = history_slices(history, self.lane, history.first, history.last, MOST_POINTS)
             self._points = np.concatenate(
                 [np.column_stack((part.time, self.content.values(part))) for part in parts] or [np.zeros((0, 3))]
             )
-            self._seen = seen
+            self._seen = history.version
         return self._points
 
     def backdrop(self, surface: pygame.Surface) -> None:
@@ -191,7 +190,7 @@ class PhasePlot(Plot):
         unit, area, points = self.unit, self.area, self.points()
         surface.fill(tones.background, self.rect)
         low, high = (_ends(points[:, column], values[column - 1]) for column in (1, 2))
-        self.axis = Axis("", *low, tuple(scaled_ticks(low)))
+        self.axis = VerticalAxis("", *low, tuple(scaled_ticks(low)))
         names = [f"{name}{_factor(ends)}" for name, ends in zip(self.content.names, (low, high), strict=True)]
         self.write_title(surface, _("{vertical} against {horizontal}", vertical=names[0], horizontal=names[1]))
 

@@ -13,10 +13,10 @@ from softcradle.sandbox.draw.number_format import MINUS, fixed
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.session.badge_numbers import GOOD, LEVELS, Health
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
+from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.window.plots.plot_kinds import FORCES

@@ -13,9 +13,9 @@ from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _, label_words
-from softcradle.sandbox.session import badge_numbers
-from softcradle.sandbox.session.badge_numbers import Finding, Health
+from softcradle.sandbox.session import run_verdict
 from softcradle.sandbox.session.inputs import SetMethod
+from softcradle.sandbox.session.run_verdict import Finding, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
 from softcradle.sandbox.window.scene.scene_editor import AUTO
@@ -151,7 +151,7 @@ class LaneCards:
 
     def _card(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, number: int) -> None:
         unit = self.host.unit
-        if state.level == badge_numbers.BAD:
+        if state.level == run_verdict.BAD:
             pygame.draw.rect(surface, mix(tones.background, tones.bad, 0.12), rect.inflate(14, 0), border_radius=6)
         if self.compact:
             self._title(surface, rect, number)
@@ -197,7 +197,7 @@ class LaneCards:
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
         """A mark, and what there is room for of the sentence above the button."""
         unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left
-        mark = "✓" if state.level == badge_numbers.GOOD else "!"
+        mark = "✓" if state.level == run_verdict.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         place = pygame.Rect(round(x + 16 * unit), round(y + 2 * unit), rect.width - round(16 * unit), 0)
         place.height = max(round(19 * unit), round(rect.bottom - 30 * unit - y))
@@ -206,7 +206,7 @@ class LaneCards:
 
 def _worst(found: list[Finding]) -> Finding | None:
     """The first of the gravest findings."""
-    gravest = sorted(found, key=lambda one: (-badge_numbers.LEVELS.index(one.level), one.first))
+    gravest = sorted(found, key=lambda one: (-run_verdict.LEVELS.index(one.level), one.first))
     return gravest[0] if gravest else None
 
 

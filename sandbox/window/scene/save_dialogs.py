@@ -94,7 +94,7 @@ class WindowFilm:
 
     def begin(self, path: Path) -> None:
         """Record from now on, in the window's present size."""
-        from softcradle.sandbox.film.film_encoder import open_film
+        from softcradle.sandbox.film.encoder import open_film
 
         width, height = self.host.size
         self._size = width - width % 2, height - height % 2

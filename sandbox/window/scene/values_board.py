@@ -11,6 +11,7 @@ from softcradle.sandbox.draw.number_format import MINUS, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import _, pgettext
+from softcradle.sandbox.quantities import KINETIC, MASS, MOMENTUM, RATE, STORED
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import (
     BEAD_COLUMNS,
@@ -32,7 +33,7 @@ BEADS_SHARE = 0.55  # of the width, for the table of beads
 HEAD, BODY = 13.0, 13.0  # sizes of text, design pixels
 MOST_DIGITS, LEAST_DIGITS = 3, 2  # after the first, of a number
 # Columns that are left out where there is no room, the first of these first; their values are copied with the others.
-LESS_NEEDED = ("kinetic energy (J)", "stored energy (J)", "momentum (N s)", "rate (m/s)", "mass (kg)")
+LESS_NEEDED = tuple(quantity.column for quantity in (KINETIC, STORED, MOMENTUM, RATE, MASS))
 
 
 @dataclass(frozen=True)

@@ -42,8 +42,3 @@ def test_there_is_no_film_of_a_part(output, tmp_path, capsys):
     err = capsys.readouterr().err
     assert "a film needs the whole motion: verlet gave up" in err
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_whole_run_ends_with_code_0(capsys):
-    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2"]) == 0
-    assert "final velocity" in " ".join(capsys.readouterr().out.split())

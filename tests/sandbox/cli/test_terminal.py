@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import os
@@ -203,12 +204,16 @@ def test_quiet_leaves_out_the_bar_of_a_film(tmp_path, monkeypatch):
     assert seen == [True, False]
 
 
-def test_a_second_file_is_written_too(tmp_path, capsys):
+def test_a_second_file_is_written_too_and_each_lane_has_its_own(tmp_path, capsys):
     paths = [tmp_path / "a.npz", tmp_path / "b.csv"]
-    arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1"]
+    arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1.5", "--samples", "4"]
     assert main([*arguments, *(word for path in paths for word in ("-o", str(path)))]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.npz", "a-2.npz", "b-1.csv", "b-2.csv"]
     assert capsys.readouterr().out.count("written: ") == 4
+    with (tmp_path / "b-2.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["time [s]"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
+    assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
 
 
 @pytest.mark.parametrize(

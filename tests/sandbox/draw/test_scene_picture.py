@@ -9,7 +9,7 @@ from softcradle.sandbox.draw import Picture, draw, scales_of
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
-from softcradle.sandbox.film.film_kinds import pixels_of
+from softcradle.sandbox.film.kinds import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes.catalogue import parse
 

@@ -9,9 +9,10 @@ import pytest
 from PIL import Image
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film import film_kinds, scene_film, scene_motion
-from softcradle.sandbox.film.film_encoder import open_film
-from softcradle.sandbox.film.film_kinds import pixels_of
+from softcradle.sandbox.film import kinds as film_kinds
+from softcradle.sandbox.film import scene_film, scene_motion
+from softcradle.sandbox.film.encoder import open_film
+from softcradle.sandbox.film.kinds import pixels_of
 from softcradle.sandbox.film.scene_film import LAST_FRAME_TIME, MOST_BEFORE_HIT, film_shots, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions, scene_motions_quietly, strongest_row
 from softcradle.sandbox.user_error import UserError

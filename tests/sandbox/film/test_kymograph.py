@@ -10,7 +10,7 @@ from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.film.kymograph import (
     CAMERA_RATE,
-    Camera,
+    SlitCamera,
     camera_rate,
     filmed_scene,
     in_si,
@@ -31,7 +31,7 @@ def filmed(name, rate, number=0, width=WIDTH):
     scene = load(name)
     scene = filmed_scene(scene, motion_end(scene))
     motions = scene_motions(scene, rate)
-    camera = Camera(scene, number, scales_of(scene, motions), width)
+    camera = SlitCamera(scene, number, scales_of(scene, motions), width)
     motion = motions[number]
     return camera, motion, stacked(camera, motion), traced(camera, motion)
 
@@ -106,7 +106,7 @@ contact = {law = "hertz", stiffness = 5.0}
 gap = 1.0
 """)
     motions = scene_motions(scene, 20.0)
-    camera = Camera(scene, 0, scales_of(scene, motions), WIDTH)
+    camera = SlitCamera(scene, 0, scales_of(scene, motions), WIDTH)
     assert camera.markers(motions[0]).shape == (len(motions[0].time), 1)
     assert len(middles(camera.line(motions[0], 0))) == 1
 

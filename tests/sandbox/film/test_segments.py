@@ -8,9 +8,10 @@ import av
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.film import film_encoder, film_kinds
-from softcradle.sandbox.film.film_encoder import open_film, segment_lengths
-from softcradle.sandbox.film.film_kinds import pixels_of
+from softcradle.sandbox.film import encoder as film_encoder
+from softcradle.sandbox.film import kinds as film_kinds
+from softcradle.sandbox.film.encoder import open_film, segment_lengths
+from softcradle.sandbox.film.kinds import pixels_of
 from softcradle.sandbox.user_error import UserError
 
 from tests.sandbox.film.test_films import fail_at

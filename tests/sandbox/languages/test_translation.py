@@ -22,7 +22,7 @@ from softcradle.sandbox.languages import (
     use_language,
 )
 from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, seconds_in_words
-from softcradle.sandbox.session.session_export import EDITED
+from softcradle.sandbox.session.export import EDITED
 from softcradle.scenes import load, parse
 
 

@@ -301,6 +301,38 @@ def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(pages
     assert (grown > 0).mean() > 0.02
 
 
+def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, browser):
+    """The browser would lay the page out anew; captions, axes and the ground stay as they are."""
+    browser.visit(pages("one-on-four").output, "#t=1.5")
+    browser.run(SPY)
+    browser.run("page.play(), page.pause(), page.playing = true, window.still = new MutationObserver(() => 0), 0")
+    browser.run("still.observe(document, {subtree: true, childList: true, characterData: true, attributes: true})")
+    slider, whole = browser.run("document.getElementById('time').value"), browser.run("page.dress(), texts.length")
+    assert (
+        browser.run("texts.length = 0, still.takeRecords(), page.source.next(), page.show(false), texts.length") < whole
+    )
+    assert browser.run("still.takeRecords().length") == 0
+    assert browser.run("document.getElementById('time').value") == slider
+
+
+def test_what_is_out_of_sight_is_drawn_when_the_motion_stands(pages, browser):
+    browser.device(390, 844)
+    browser.visit(pages("one-on-four").output, "#t=1.5")
+    browser.until("page.unseen.has(page.charts[1].canvas)")
+    chart = CHART.replace("[0]", "[1]")
+    before = browser.run(chart)
+    assert browser.run(f"page.playing = true, page.source.go(1.9), page.show(false), {chart}") == before
+    assert browser.run(f"page.playing = false, page.show(false), {chart}") != before
+
+
+@pytest.mark.parametrize(("then", "density"), [(15.0, 1), (33.0, 3)])
+def test_pictures_that_come_late_have_fewer_pixels_if_that_helps(pages, browser, then, density):
+    browser.device(390, 844, 3)
+    browser.visit(pages("one-on-four").output, "#t=1.5")
+    late = "for (let k = 0; k < 60; k++) page.spare({}); page.theme.density"
+    assert [browser.run(late.format(wait)) for wait in (16.7, 33.0, then, 33.0)] == [3, 1, density, density]
+
+
 def test_only_the_last_minute_is_remembered(pages, browser):
     browser.visit(pages("one-on-four").output, "")
     browser.run("page.pause(), page.source.touched = true, page.source.apartFor = -1e9")
@@ -484,18 +516,19 @@ def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
     assert browser.complaints == []
 
 
-# Boxes of the texts, and of the thin lines, that are drawn on the canvas of the beads from now on.
+# Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
 SPY = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
+  const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
   window.texts = []; window.rules = [];
   pen.fillText = function (words, x, y) {
     const wide = this.measureText(words).width, left = {center: wide / 2, right: wide}[this.textAlign] || 0;
     const high = parseFloat(this.font.match(/([\\d.]+)px/)[1]);
-    if (this.canvas.className === 'stage') texts.push([words, x - left, y - 0.72 * high, x - left + wide, y]);
+    if (staged(this)) texts.push([words, x - left, y - 0.72 * high, x - left + wide, y]);
     text.call(this, words, x, y);
   };
   pen.fillRect = function (x, y, wide, high) {
-    if (this.canvas.className === 'stage' && high === 1.5) rules.push(['', x, y, x + wide, y + high]);
+    if (staged(this) && high === 1.5) rules.push(['', x, y, x + wide, y + high]);
     box.call(this, x, y, wide, high);
   };
 })()"""
@@ -516,7 +549,7 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
     room = browser.run("document.querySelector('.stage').clientWidth")
     for share in np.linspace(0.0, 1.0, 9):
         browser.run(f"page.go(page.source.begun + {share} * (page.source.last - page.source.begun))")
-        browser.run("texts.length = rules.length = 0, page.show(false)")
+        browser.run("texts.length = rules.length = 0, page.dress()")
         texts, rules = browser.run("[texts, rules]")
         words = [text for text in texts if not text[0].isdigit()]
         assert [

@@ -9,6 +9,7 @@ from softcradle.physics import Contact, draft_gear, hertz, power_law
 from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT
 from softcradle.sandbox.session import (
     AddBead,
+    Drag,
     Lock,
     Place,
     RemoveBead,
@@ -20,14 +21,16 @@ from softcradle.sandbox.session import (
     SetKind,
     SetMass,
     SetMethod,
+    SetSlow,
     SetStep,
     SetVelocity,
 )
-from softcradle.sandbox.session.badge_numbers import PASSED
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.ledger import KINETIC
+from softcradle.sandbox.session.run_verdict import PASSED
 
 from softcradle import scenes
+from tests.helpers.session_checks import frame_table
 
 
 def mid_collision(name="one-on-four"):
@@ -263,12 +266,21 @@ def test_a_tiny_step_is_bounded_by_the_cost_of_a_frame():
         (SetFriction(0, -0.1), "friction"),
         (AddBead(0, 9), "numbered 0 to 5"),
         (Place(0, 1, math.nan), "position"),
+        (Drag(0, 9, 0.0), "no bead 9"),
+        (SetMass(3, 0, 1.0), "no lane 3"),
+        (SetSlow(-1.0), "slow motion must be from"),
     ],
 )
-def test_a_refusal_names_what_is_wrong(edit, sentence):
+def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
     session = Session(scenes.load("one-on-four"))
+    session.step_frames(20)
+    session.scrub_frame(5)
+    before = frame_table(session)
     with pytest.raises(ValueError, match=sentence):
         session.apply(edit)
+    assert frame_table(session) == before
+    assert (session.frame, session.history.last, session.recording.inputs) == (5, 20, [])
+    assert not session.undo()
 
 
 @pytest.mark.parametrize("exponent", [LEAST_EXPONENT, MOST_EXPONENT])

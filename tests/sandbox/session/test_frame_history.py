@@ -66,3 +66,16 @@ def test_paused_edits_stay_on_their_frame():
         session.apply(RemoveBead(0, 1))
     assert (session.frame, session.history.last) == (10, 10)
     assert sum(len(part.time) for part in session.history_slices(0, 100)) == 11
+
+
+def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_where_they_are_added():
+    session = Session(scenes.load("one-on-four"))
+    branch, version = session.history.branch, session.history.version
+    session.step_frames(BLOCK_ROWS + 10)
+    assert session.history.branch == branch
+    assert session.history.version != version
+    found = [branch]
+    for act in (lambda: session.apply(SetMass(0, 1, 2.0)), session.undo, session.redo, session.restart):
+        act()
+        found.append(session.history.branch)
+    assert len(set(found)) == 5

@@ -15,7 +15,6 @@ from softcradle.sandbox.session import (
     SetKind,
     SetMass,
     SetMethod,
-    SetSlow,
     SetStep,
     SetVelocity,
 )
@@ -121,17 +120,6 @@ def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
     assert not session.undo_stack.unsaved  # the scene is as it was
     assert session.undo() == "bead pulled"
     assert picture(session) == before
-
-
-def test_a_refused_input_drops_no_frame():
-    session = opened()
-    session.step_frames(200)
-    session.scrub_frame(50)
-    for refused in (SetMass(0, 1, -1.0), SetVelocity(0, 99, 1.0), SetSlow(-1.0), SetStep(0, 0.0)):
-        with pytest.raises(ValueError, match=r"must be|there is no"):
-            session.apply(refused)
-    assert (session.frame, session.history.last) == (50, 200)
-    assert not session.undo()
 
 
 def test_a_recording_after_an_undo_replays(tmp_path):

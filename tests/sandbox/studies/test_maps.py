@@ -11,11 +11,9 @@ from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.maps import rigidity_scan
-from softcradle.sandbox.studies.maps.map_figure import draw_map
-from softcradle.sandbox.studies.maps.rigidity_scan import compute_map, rigidity_maps
+from softcradle.sandbox.studies import rigidity_maps as rigidity_scan
 from softcradle.sandbox.studies.plot_style import styled
-from softcradle.sandbox.sweeps.store import partial_folder
+from softcradle.sandbox.studies.rigidity_maps import compute_map, draw_map, rigidity_maps
 
 from tests.helpers.figure_layout import small_texts, texts_beyond, texts_of, texts_on_curves, texts_on_texts
 
@@ -175,56 +173,15 @@ def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatc
     assert all("hatched: 3 could not go on" in axes.get_xlabel() for axes in figure.axes[:2])
 
 
-def counting(monkeypatch, asked, most=1000):
-    """Let `asked` have every point that is computed, and Ctrl-C come after so many."""
-
-    def counted(chain, *arguments, **options):
-        if len(asked) >= 2 * most:
-            raise KeyboardInterrupt
-        asked.append(chain)
-        return solve(chain, *arguments, **options)
-
-    monkeypatch.setattr(rigidity_scan, "solve", counted)
-
-
-def test_a_map_that_was_stopped_goes_on(tmp_path, monkeypatch):
-    scanned, _ = rigidity_maps(6, 3)
-    asked: list[object] = []
-    counting(monkeypatch, asked, 10)
-    kept = tmp_path / "kept"
-    with pytest.raises(KeyboardInterrupt):
-        compute_map(scanned, kept, workers=1)
-    (partial_folder(kept) / ".17-18.1.part.npz").write_bytes(b"PK")  # a chunk that was cut off
-    again: list[object] = []
-    counting(monkeypatch, again)
-    done: list[int] = []
-    table = compute_map(scanned, kept, lambda _, count, __: done.append(count), workers=1)
-    assert 0 < len(again) < 2 * 18
-    assert done[0] == 18 - len(again) // 2
-    assert done[-1] == 18
-    fresh = compute_map(scanned, workers=1)
-    for name, column in fresh.items():
-        np.testing.assert_array_equal(table[name], column)
-
-
 def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
     power, _ = rigidity_maps(3, 2)
     kept = tmp_path / "kept"
     compute_map(power, kept, workers=1)
     monkeypatch.setattr(rigidity_scan, "TOLERANCE", 1e-3)
     asked: list[object] = []
-    counting(monkeypatch, asked)
+    monkeypatch.setattr(rigidity_scan, "solve", lambda chain, *a, **k: asked.append(chain) or solve(chain, *a, **k))
     compute_map(power, kept, workers=1)
     assert len(asked) == 2 * 6
-
-
-def test_an_error_at_a_point_is_told_with_the_point(monkeypatch):
-    def broken(chain, *arguments, **options):
-        raise ValueError("no such chain")
-
-    monkeypatch.setattr(rigidity_scan, "solve", broken)
-    with pytest.raises(ValueError, match=r"n 2, abscissa 0\.01: no such chain"):
-        compute_map(rigidity_maps(2, 2)[0], workers=1)
 
 
 @pytest.mark.parametrize(

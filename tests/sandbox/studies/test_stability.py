@@ -23,7 +23,6 @@ from softcradle.sandbox.studies.stability.failure_scans import (
     Failure,
     Scan,
     ScanRun,
-    finenesses,
     scan_run,
     scan_runs,
     scanned_methods,
@@ -257,11 +256,6 @@ def test_command_writes_picture_and_numbers(small_scan, tmp_path, capsys, monkey
 def test_refusals_are_sentences(arguments, sentence, capsys):
     assert main(arguments) == 2
     assert sentence in capsys.readouterr().err
-
-
-def test_finenesses_are_steps_or_tolerances():
-    assert finenesses(find_method("verlet")) is failure_scans.STEPS
-    assert finenesses(find_method("radau")) is failure_scans.TOLERANCES
 
 
 def test_runs_of_a_sweep_are_those_of_the_scan(monkeypatch):

@@ -15,7 +15,7 @@ from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, sobol, store, sweep
 from softcradle.sandbox.sweeps.chunk_work import STATUS, PointStatus, Work, merged, packed
-from softcradle.sandbox.sweeps.executors import ChunkSchedule, Place, here
+from softcradle.sandbox.sweeps.executors import ChunkSchedule, Workplace, here
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
 from softcradle.sandbox.sweeps.store import Store, partial_folder
 from softcradle.sandbox.sweeps.study_text import sweep_work
@@ -150,7 +150,7 @@ class Dying(Executor):
         return future
 
 
-class DyingPlace(Place):
+class DyingPlace(Workplace):
     """Where that happens."""
 
     def renew(self) -> None:

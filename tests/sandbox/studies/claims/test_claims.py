@@ -15,7 +15,7 @@ from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.claims import claim_list
-from softcradle.sandbox.studies.claims.claim import Case, Claim, Side, Study, Verdict
+from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.claims.collision_claims import rise_of_spread
 from softcradle.sandbox.studies.claims.driven_claims import driven_returns
@@ -25,8 +25,8 @@ from softcradle.sandbox.studies.paper import (
     MEASURING,
     REFERENCE,
     SECOND,
+    MethodFineness,
     NotSolvedError,
-    Solver,
     chain_of,
     full_motion,
     spread,
@@ -35,30 +35,30 @@ from softcradle.sandbox.studies.paper import (
 )
 
 NAMES = [claim.name for claim in CLAIMS]
-FINE = Solver("conserving", 3e-5)
+FINE = MethodFineness("conserving", 3e-5)
 
 # Verdicts at the parameters of the paper's own case: of (claim, parameters), from either side.
 SAMPLE = {
-    ("rigid-like", (4, 10)): Side.HOLDS,
-    ("rigid-like", (3, 10.25)): Side.FAILS,
-    ("first-target", (4, 10)): Side.HOLDS,
-    ("first-target", (8, 10)): Side.FAILS,
-    ("phi-first", (4, 10)): Side.HOLDS,
-    ("phi-first", (3, 10)): Side.FAILS,
-    ("no-oscillation", (4, 10)): Side.HOLDS,
-    ("no-oscillation", (2, 14)): Side.FAILS,
-    ("below-1/n", (4, 10)): Side.FAILS,
-    ("below-1/n", (4, 16)): Side.HOLDS,
-    ("contact-duration", (4, 10)): Side.FAILS,
-    ("amplitude", (4, 57)): Side.FAILS,
-    ("time-scales", (4, 10)): Side.HOLDS,
-    ("changes-sign", (4, 10)): Side.HOLDS,
-    ("changes-sign", (3, 10)): Side.FAILS,
+    ("rigid-like", (4, 10)): CaseOutcome.HOLDS,
+    ("rigid-like", (3, 10.25)): CaseOutcome.FAILS,
+    ("first-target", (4, 10)): CaseOutcome.HOLDS,
+    ("first-target", (8, 10)): CaseOutcome.FAILS,
+    ("phi-first", (4, 10)): CaseOutcome.HOLDS,
+    ("phi-first", (3, 10)): CaseOutcome.FAILS,
+    ("no-oscillation", (4, 10)): CaseOutcome.HOLDS,
+    ("no-oscillation", (2, 14)): CaseOutcome.FAILS,
+    ("below-1/n", (4, 10)): CaseOutcome.FAILS,
+    ("below-1/n", (4, 16)): CaseOutcome.HOLDS,
+    ("contact-duration", (4, 10)): CaseOutcome.FAILS,
+    ("amplitude", (4, 57)): CaseOutcome.FAILS,
+    ("time-scales", (4, 10)): CaseOutcome.HOLDS,
+    ("changes-sign", (4, 10)): CaseOutcome.HOLDS,
+    ("changes-sign", (3, 10)): CaseOutcome.FAILS,
 }
 MINUTES = {"no-oscillation", "amplitude"}  # claims whose samples take the reference a minute each
 
 
-def at(claim: Claim, n: float, inverse: float, solver: Solver) -> float:
+def at(claim: Claim, n: float, inverse: float, solver: MethodFineness) -> float:
     return claim.measure({"n": float(n), "1/alpha": float(inverse)}, solver)
 
 
@@ -67,14 +67,14 @@ def test_sides_are_those_of_conserving_at_fine_steps(name, place):
     claim = claim_named(name)
     for solver in (claim.first, FINE):
         value = at(claim, *place, solver)
-        assert (value <= claim.allowed) is (SAMPLE[name, place] is Side.HOLDS), (solver.method, value)
+        assert (value <= claim.allowed) is (SAMPLE[name, place] is CaseOutcome.HOLDS), (solver.method, value)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "place"), [key for key in SAMPLE if key[0] not in MINUTES])
 def test_sides_are_those_of_the_independent_reference(name, place):
     claim = claim_named(name)
-    assert (at(claim, *place, REFERENCE) <= claim.allowed) is (SAMPLE[name, place] is Side.HOLDS)
+    assert (at(claim, *place, REFERENCE) <= claim.allowed) is (SAMPLE[name, place] is CaseOutcome.HOLDS)
 
 
 @pytest.mark.slow
@@ -82,15 +82,15 @@ def test_sides_are_those_of_the_independent_reference(name, place):
 def test_the_papers_own_case_and_the_counter_example_at_half_the_step(name):
     claim = claim_named(name)
     found = claim.study()
-    half = Solver("conserving", claim.second.step and 0.5 * claim.second.step)
+    half = MethodFineness("conserving", claim.second.step and 0.5 * claim.second.step)
     for case in {found.own_case.variable: found.own_case, **_counter(found)}.values():
-        if case.side is not Side.UNDETERMINED:
+        if case.side is not CaseOutcome.UNDETERMINED:
             value, reason = claim.value(case.parameters, half)
             assert not reason
-            assert (value <= case.allowed) is (case.side is Side.HOLDS)
+            assert (value <= case.allowed) is (case.side is CaseOutcome.HOLDS)
 
 
-def _counter(found: Study) -> dict[float, object]:
+def _counter(found: JudgedClaim) -> dict[float, object]:
     counter = found.counter_example
     return {} if counter is None else {counter.variable: counter}
 
@@ -108,7 +108,7 @@ def test_the_counter_example_of_random_chains_is_that_of_the_nearest_load():
     for name in ("robust", "inhomogeneous-model"):
         claim = claim_named(name)
         cases = [Case(case, claim.order(case), float(case["load"] > 0.9), 0.0, 0.5) for case in claim.cases]
-        found = Study(name, "", "", "", claim.variable, "", "", claim.own, tuple(cases))
+        found = JudgedClaim(name, "", "", "", claim.variable, "", "", claim.own, tuple(cases))
         assert found.own_case.parameters["seed"] == 0.0
         assert found.counter_example.variable == min(case.variable for case in cases if case.variable > 0.9)
 
@@ -141,7 +141,7 @@ def test_slopes_are_those_of_the_full_motion_of_all_contacts():
     assert {case["contact"] for claim in claims for case in claim.cases} == {0.0, 1.0, 2.0, 3.0}
     for contact, claim in zip((0, 1, 2, 3), (*claims[:1] * 2, *claims[1:] * 2), strict=True):
         case = {"n": 4.0, "1/alpha": 10.0, "contact": float(contact), "t": 1e-13}
-        assert claim.case(case).side is Side.HOLDS
+        assert claim.case(case).side is CaseOutcome.HOLDS
         assert claim.measure(case, MEASURING) < 0.05
 
 
@@ -149,7 +149,7 @@ def test_wave_speeds_are_measured_and_their_divergence_can_fail():
     """They diverge for alpha < 1 alone: those of springs do not move, those of Hertz beads vanish."""
     claim = claim_named("waves-diverge")
     soft, spring, hertz = (claim.case({"prestress": 1.0, "1/alpha": k}) for k in (3.0, 1.0, 2.0 / 3.0))
-    assert [case.side for case in (soft, spring, hertz)] == [Side.HOLDS, Side.FAILS, Side.FAILS]
+    assert [case.side for case in (soft, spring, hertz)] == [CaseOutcome.HOLDS, CaseOutcome.FAILS, CaseOutcome.FAILS]
     for case, slope in ((soft, -1.0), (spring, 0.0), (hertz, 1.0 / 6.0)):
         assert case.value == pytest.approx(slope * math.log(1.0 / 0.9), abs=1e-4)
         assert 0.0 < case.error < 1e-4  # another method, at other crests: no identity
@@ -157,7 +157,7 @@ def test_wave_speeds_are_measured_and_their_divergence_can_fail():
 
 def test_springs_need_to_pull_for_an_echo_and_time_to_share():
     echo = claim_named("free-end").measure
-    found = [echo({"beads": 20.0, "pull": pull}, Solver("conserving", 2e-3)) for pull in (0.0, 0.1, 1.0)]
+    found = [echo({"beads": 20.0, "pull": pull}, MethodFineness("conserving", 2e-3)) for pull in (0.0, 0.1, 1.0)]
     assert found[0] == 0.0
     assert found[1] < 0.05
     assert found[2] > 0.5
@@ -261,7 +261,7 @@ def test_the_velocity_only_sets_the_unit_of_time():
 
 
 @pytest.fixture(scope="module")
-def some() -> list[Study]:
+def some() -> list[JudgedClaim]:
     return measure_claims(["contact-duration", "kicked-out"], workers=1)
 
 

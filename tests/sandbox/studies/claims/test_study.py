@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from softcradle.sandbox.studies.claims.claim import Case, Claim, Side, Study, Verdict, grid
+from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict, grid
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, study_table
 from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
@@ -20,19 +20,19 @@ def case(x, value, error=0.0, allowed=1.0):
 
 
 def study(*cases, own=2.0):
-    return Study("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": own}, cases)
+    return JudgedClaim("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": own}, cases)
 
 
 @pytest.mark.parametrize(
     ("value", "error", "side"),
     [
-        (0.5, 0.4, Side.HOLDS),
-        (0.5, 0.6, Side.UNDETERMINED),
-        (1.5, 0.6, Side.UNDETERMINED),
-        (1.5, 0.4, Side.FAILS),
-        (1.0, 0.0, Side.HOLDS),
-        (math.nan, 0.0, Side.UNDETERMINED),
-        (0.5, math.nan, Side.UNDETERMINED),
+        (0.5, 0.4, CaseOutcome.HOLDS),
+        (0.5, 0.6, CaseOutcome.UNDETERMINED),
+        (1.5, 0.6, CaseOutcome.UNDETERMINED),
+        (1.5, 0.4, CaseOutcome.FAILS),
+        (1.0, 0.0, CaseOutcome.HOLDS),
+        (math.nan, 0.0, CaseOutcome.UNDETERMINED),
+        (0.5, math.nan, CaseOutcome.UNDETERMINED),
     ],
 )
 def test_a_case_is_decided_only_where_its_error_bar_does_not_cross(value, error, side):
@@ -79,7 +79,7 @@ def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens
     found = claim(lambda case, solver: case["x"] + errors[solver.method]).study()
     assert [one.error for one in found.cases] == pytest.approx([0.1, 0.3, 0.1])
     assert found.reference == pytest.approx(2.3)
-    assert [one.side for one in found.cases] == [Side.HOLDS, Side.HOLDS, Side.FAILS]
+    assert [one.side for one in found.cases] == [CaseOutcome.HOLDS, CaseOutcome.HOLDS, CaseOutcome.FAILS]
 
 
 def test_a_run_that_gave_up_is_not_determined():
@@ -120,7 +120,9 @@ def test_the_labels_of_every_logarithmic_axis_are_apart(span):
 def test_the_words_of_every_claim_have_room_in_its_picture(claim):
     """With cases that are made up; as wide as a column."""
     cases = [case(1.0, 0.5, 0.1), case(2.0, 0.5, 0.1), case(30.0, 200.0, 10.0), case(40.0, 0.9, 0.5)]
-    found = Study(claim.name, claim.statement, "", claim.quantity, claim.variable, "", "", {"x": 2.0}, tuple(cases))
+    found = JudgedClaim(
+        claim.name, claim.statement, "", claim.quantity, claim.variable, "", "", {"x": 2.0}, tuple(cases)
+    )
     with styled():
         picture = draw_study(found)
         assert small_texts(picture) == []

@@ -103,11 +103,6 @@ def test_a_figure_says_what_a_reader_would_ask(tables, name, words):
         assert any(words in text.get_text() for text, _ in texts_of(figure.draw(tables[name])))
 
 
-def test_the_command_draws_them(tmp_path):
-    assert main(["figures", "exchange", "-o", str(tmp_path)]) == 0
-    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".pdf", ".png"]
-
-
 def test_csv_reads_back_equal(tmp_path):
     table = collision_figure.modes()
     write_table(table, tmp_path / "modes.csv")

@@ -8,8 +8,16 @@ import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, power_law
 from softcradle.sandbox.studies.precision import measurement
-from softcradle.sandbox.studies.precision.measurement import TimeLimits, error_of, measure_case, measure_series
-from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES, START_PHASES, Solver, our_solvers
+from softcradle.sandbox.studies.precision.measurement import (
+    NO_SAMPLES,
+    START_PHASES,
+    Solver,
+    TimeLimits,
+    error_of,
+    measure_case,
+    measure_series,
+    our_solvers,
+)
 
 from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
 
@@ -23,7 +31,7 @@ def test_every_method_has_a_solver(case):
 
 
 def test_a_chain_with_friction_has_the_methods_that_can_take_it():
-    sliding = type("Case", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
+    sliding = type("ChartCase", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
     methods = {method.name for method in METHODS if method.dissipative}
     assert {solver.name for solver in our_solvers(sliding)} == {"auto", *methods}
 

@@ -8,8 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from softcradle.physics import Chain, hertz, one_on, power_law
-from softcradle.sandbox.studies.precision.measurement import error_of
-from softcradle.sandbox.studies.precision.solvers import NO_SAMPLES
+from softcradle.sandbox.studies.precision.measurement import NO_SAMPLES, error_of
 
 from benchmarks import peers
 from benchmarks.peers import PEERS, missing_peers, peer_solvers
@@ -21,7 +20,7 @@ needs_numba = pytest.mark.skipif(
 
 
 def test_a_chain_with_friction_has_no_peers():
-    sliding = type("Case", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
+    sliding = type("ChartCase", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
     assert peer_solvers(sliding) == []
 
 
@@ -34,7 +33,7 @@ def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
     )
     overlap, rate, counter = np.array([0.1, -0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.zeros(1)
     out = np.empty(6)
-    parameters = parameter_array(type("Case", (), {"chain": chain})(), counter)
+    parameters = parameter_array(type("ChartCase", (), {"chain": chain})(), counter)
     for _ in range(3):
         derivatives(np.concatenate((overlap, rate)), out, parameters)
     force = [contact.force(d) for contact, d in zip(chain.contact, overlap, strict=True)]
@@ -85,4 +84,4 @@ def test_a_peer_called_from_python_gives_up_at_its_time_limit(definitions, monke
 def test_missing_peers_are_left_out(monkeypatch):
     monkeypatch.setattr(peers, "find_spec", lambda package: None)
     assert missing_peers() == list(PEERS)
-    assert peer_solvers(type("Case", (), {"chain": one_on(2, hertz(1.0))})()) == []
+    assert peer_solvers(type("ChartCase", (), {"chain": one_on(2, hertz(1.0))})()) == []

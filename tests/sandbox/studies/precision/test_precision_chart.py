@@ -12,8 +12,8 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.machine_stamp import machine_stamp
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.precision import measurement
-from softcradle.sandbox.studies.precision.precision_chart import draw_chart
-from softcradle.sandbox.studies.precision.precision_table import MeasuredCase
+from softcradle.sandbox.studies.precision.chart import draw_chart
+from softcradle.sandbox.studies.precision.table import MeasuredCase
 
 from tests.helpers.series import SHORT_LIMITS, made_series
 

@@ -9,7 +9,7 @@ import pytest
 from softcradle.physics import one_on, power_law
 from softcradle.sandbox.studies.precision.cases import CaseDefinition
 from softcradle.sandbox.studies.precision.measurement import TimeLimits, measure_series
-from softcradle.sandbox.studies.precision.precision_table import (
+from softcradle.sandbox.studies.precision.table import (
     MeasuredCase,
     auto_sentence,
     curve_rows,

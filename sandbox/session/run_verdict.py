@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import takewhile
 from typing import NamedTuple
 
@@ -235,39 +236,23 @@ class Finding:
     end: float
 
 
-class RunVerdicts:
-    """The findings of all lanes of a history; those of full blocks are found once.
+def run_findings(history: History, lane: int, length: float) -> list[Finding]:
+    """The findings of a lane, in order of time; those of one cause that follow each other closely are one.
 
-    Arguments:
-        history: the frames.
-        length: of a bead [m]; an overlap beyond it means that a bead has passed its neighbour.
+    An overlap beyond the `length` [m] of a bead means that a bead has passed its neighbour.
     """
+    found: list[Finding] = []
+    for before, block in history.pairs():
+        what = "findings", lane, language(), before is None
+        found += block.found(what, partial(_found_in, history, block, lane, length))
+    return _merged(found)
 
-    def __init__(self, history: History, length: float) -> None:
-        self.history, self.length = history, length
-        self._known: dict[tuple[int, int, str], tuple[Block, int, list[Finding]]] = {}
 
-    def of(self, lane: int) -> list[Finding]:
-        """The findings of a lane, in order of time; those of one cause that follow each other closely are one."""
-        found: list[Finding] = []
-        for block in self.history.blocks:
-            found += self._of_block(block, lane)
-        return _merged(found)
-
-    def _of_block(self, block: Block, lane: int) -> list[Finding]:
-        key = (id(block), lane, language())
-        known = self._known.get(key)
-        if known and known[0] is block and known[1] == block.revision and block is not self.history.blocks[-1]:
-            return known[2]
-        last = block.first + block.used - 1
-        slices = list(history_slices(self.history, lane, block.first - WINDOW, last))
-        parts = [(k, part) for k, part in enumerate(slices) if part.first + len(part.time) > block.first]
-        each = [item for k, part in parts for item in findings_of(part, slices[:k], self.length)]
-        found = [item for item in each if item.last >= block.first]
-        if len(self._known) > 4 * len(self.history.blocks) + 16:
-            self._known.clear()
-        self._known[key] = (block, block.revision, found)
-        return found
+def _found_in(history: History, block: Block, lane: int, length: float) -> list[Finding]:
+    slices = list(history_slices(history, lane, block.first - WINDOW, block.first + block.used - 1))
+    parts = [(k, part) for k, part in enumerate(slices) if part.first + len(part.time) > block.first]
+    each = [item for k, part in parts for item in findings_of(part, slices[:k], length)]
+    return [item for item in each if item.last >= block.first]
 
 
 def findings_of(part: HistorySlice, before: Sequence[HistorySlice], length: float) -> list[Finding]:

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from softcradle.physics.methods import AUTO
 from softcradle.sandbox.studies.data_table import write_rows
-from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS, Case
-from softcradle.sandbox.studies.precision.measurement import Point, Series
+from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS, ChartCase
+from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series
 
 LARGEST_ERROR = 1.0  # an error of the closing speed itself is not shown
 LARGEST_ORDER_ERROR = 0.1  # points with larger errors do not count for the order
@@ -26,17 +26,17 @@ def series_by_name(series: Sequence[Series]) -> dict[str, list[Series]]:
     return found
 
 
-def frontier(series: Sequence[Series], cost: str = "seconds") -> list[Point]:
+def frontier(series: Sequence[Series], cost: str = "seconds") -> list[ChartPoint]:
     """The points such that no other is both cheaper (by `cost`) and more exact; the most expensive and exact last."""
     points = [point for one in series for point in one.points if math.isfinite(getattr(point, cost))]
-    best: list[Point] = []
+    best: list[ChartPoint] = []
     for point in sorted(points, key=lambda point: (getattr(point, cost), point.error)):
         if point.error < (best[-1].error if best else LARGEST_ERROR):
             best.append(point)
     return best
 
 
-def fastest(series: Sequence[Series], error: float) -> Point | None:
+def fastest(series: Sequence[Series], error: float) -> ChartPoint | None:
     """The fastest point that reaches `error` as its next finer one does: errors that are small by chance do not count."""
     reaching = [
         point
@@ -65,7 +65,7 @@ def fitted_order(series: Series, uncertainty: float) -> float | None:
 class MeasuredCase:
     """A case with all its series; the quantity whose error they have."""
 
-    case: Case
+    case: ChartCase
     series: list[Series]
     quantity: str = "velocities"
 
@@ -82,7 +82,7 @@ class CurveRow:
 
     name: str
     ours: bool
-    fastest: list[Point | None]
+    fastest: list[ChartPoint | None]
     out_of_time: bool
 
     def seconds(self, level: int) -> float:
@@ -148,7 +148,7 @@ def auto_sentence(rows: Sequence[CurveRow]) -> str:
     return f"auto over the fastest of our methods, at {'; '.join(parts)}"
 
 
-def setting_text(point: Point | None) -> str:
+def setting_text(point: ChartPoint | None) -> str:
     """The setting of a point."""
     if point is None:
         return "-"

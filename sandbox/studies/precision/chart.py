@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
-from softcradle.sandbox.studies.precision.measurement import Point, Series
-from softcradle.sandbox.studies.precision.precision_table import (
+from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series
+from softcradle.sandbox.studies.precision.table import (
     LARGEST_ERROR,
     MeasuredCase,
     curve_rows,
@@ -98,7 +98,7 @@ def _draw_panel(axes: Axes, measured: MeasuredCase, cost: str, styles: dict[str,
     axes.set(xscale="log", yscale="log", ylim=(SMALLEST_ERROR, LARGEST_ERROR))
     axes.grid(alpha=0.25, linewidth=0.4)
     uncertainty = measured.case.uncertainty
-    ends: dict[str, Point] = {}  # the most exact point shown of each curve
+    ends: dict[str, ChartPoint] = {}  # the most exact point shown of each curve
     orders: dict[str, float | None] = {}
     for name, series in series_by_name(measured.series).items():
         best = frontier(series, cost)
@@ -119,7 +119,7 @@ def _draw_uncertainty(axes: Axes, uncertainty: float) -> None:
     axes.text(0.01, uncertainty, "uncertainty of the truth", fontsize=6.5, va="bottom", transform=place)
 
 
-def _coordinates(points: Sequence[Point], cost: str) -> tuple[list[float], list[float]]:
+def _coordinates(points: Sequence[ChartPoint], cost: str) -> tuple[list[float], list[float]]:
     """Costs and errors; exact points stand at the lower edge of the panel."""
     return [getattr(point, cost) for point in points], [max(point.error, EXACT) for point in points]
 
@@ -131,7 +131,7 @@ def _draw_all_points(axes: Axes, series: Sequence[Series], cost: str, colour: st
 
 
 def _draw_labels(
-    axes: Axes, ends: dict[str, Point], orders: dict[str, float | None], cost: str, styles: dict[str, Style]
+    axes: Axes, ends: dict[str, ChartPoint], orders: dict[str, float | None], cost: str, styles: dict[str, Style]
 ) -> None:
     """Labels in a column beside the panel, each joined to the most exact point of its curve by a line."""
     decades = math.log10(LARGEST_ERROR / SMALLEST_ERROR)
@@ -156,7 +156,7 @@ def _draw_labels(
         )  # fmt: skip
 
 
-def _order_text(point: Point, order: float | None) -> str:
+def _order_text(point: ChartPoint, order: float | None) -> str:
     if order is None:
         return ""
     return f"  $h^{{{order:.2f}}}$" if point.solver.steps else f"  $tol^{{\\,{order:.2f}}}$"

@@ -8,29 +8,27 @@ import numpy as np
 import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies import bed_experiment
-from softcradle.sandbox.studies.bed_experiment import (
+from softcradle.sandbox.studies import experiment
+from softcradle.sandbox.studies.experiment import (
     ENERGY_DEFICIT,
     MASS,
     MOMENTUM_DEFICIT,
-    PRECOMPRESSION,
-    STIFFNESS,
-    STRIKERS,
-    fit_friction,
-)
-from softcradle.sandbox.studies.figures import train_figure
-from softcradle.sandbox.studies.piston_experiment import (
     PISTON,
+    PRECOMPRESSION,
     PRECOMPRESSION_ERROR,
+    STIFFNESS,
     STIFFNESS_ERROR,
+    STRIKERS,
     Apparatus,
     compute_experiment,
     critical_speed_with_error,
-    deficits,
     deficits_at,
+    fit_friction,
     fitted_deficits,
     friction_with_error,
+    piston_deficits,
 )
+from softcradle.sandbox.studies.figures import train_figure
 from softcradle.sandbox.studies.plot_style import styled
 
 from softcradle import scenes
@@ -52,7 +50,7 @@ def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_co
         chain = lane.chain()
         assert chain.mass == MASS
         assert chain.friction == pytest.approx(fit.friction, rel=2e-2)
-        lost = bed_experiment.deficits(strikers, 0.5, float(chain.friction), chain.loss[0])
+        lost = experiment.deficits(strikers, 0.5, float(chain.friction), chain.loss[0])
         assert MOMENTUM_DEFICIT[0] <= lost.momentum <= MOMENTUM_DEFICIT[1]
         assert ENERGY_DEFICIT[0] <= lost.energy <= ENERGY_DEFICIT[1]
         found = simulate(chain, lane.velocity, 1.5)
@@ -98,11 +96,13 @@ def test_figure_of_the_train():
 
 def test_caught_pistons_take_energy_and_no_momentum():
     """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
-    momentum, energy = deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
+    momentum, energy = piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
     assert abs(momentum) < 1e-12
     share = PISTON / (MASS[0] + PISTON)
     assert energy == pytest.approx(2.0 * share, rel=0.06)
-    assert deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx(
+        (0.0, 0.0), abs=1e-8
+    )
 
 
 @pytest.mark.parametrize("speed", [0.25, 0.5, 1.0])
@@ -118,7 +118,7 @@ def test_bed_and_pistons_give_both_deficits(name, strikers, speed):
 
 def test_lines_at_the_cameras_frames_find_the_velocities_where_nothing_slows():
     setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
-    moments, lines = (deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
+    moments, lines = (piston_deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
     assert lines == pytest.approx(moments, abs=1e-7)
 
 

@@ -21,7 +21,7 @@ import av
 import pygame
 from softcradle.physics.ensemble_runs import cores
 from softcradle.sandbox.draw.png_file import write_png
-from softcradle.sandbox.film.film_kinds import Codec, FrameMaker, Palette, check
+from softcradle.sandbox.film.kinds import Codec, FrameMaker, Palette, check
 from softcradle.sandbox.output_files import output_file, output_folder
 
 Packet = Any  # of PyAV, whose versions differ in the arguments of this type
