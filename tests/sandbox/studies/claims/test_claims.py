@@ -145,6 +145,7 @@ def test_slopes_are_those_of_the_full_motion_of_all_contacts():
         assert claim.measure(case, MEASURING) < 0.05
 
 
+@pytest.mark.slow
 def test_wave_speeds_are_measured_and_their_divergence_can_fail():
     """They diverge for alpha < 1 alone: those of springs do not move, those of Hertz beads vanish."""
     claim = claim_named("waves-diverge")
