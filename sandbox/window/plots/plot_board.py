@@ -131,6 +131,12 @@ class PlotBoard:
         chosen = set(self.shown) ^ {name}
         self.shown = [other for other in PLOT_KINDS if other in chosen]
 
+    def show(self, name: str) -> None:
+        """Show a kind."""
+        self.hidden = False
+        if name not in self.present:
+            self.toggle(name)
+
     def build(
         self, rows: Sequence[Sequence[Key]], rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales
     ) -> None:

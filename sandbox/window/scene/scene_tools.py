@@ -152,7 +152,7 @@ class SceneTools:
         self.values = ValuesBoard(host, session, editor, self.values_area)
         self.stopwatch = Stopwatch(host, session)
         self.ruler = Ruler(host, session, view)
-        self.data = DataTool(host, session, board)
+        self.data = DataTool(host, session, view)
         sharing = Sharing(host, session)
         self.actions: dict[str, Callable[[], None]] = {
             "values": self.toggle_values,
