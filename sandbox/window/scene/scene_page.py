@@ -51,7 +51,7 @@ class ScenePage(Page):
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
         self._setup, self._scene = session.setup, session.scene
         self.editor = SceneEditor(host, session)
-        self.board = PlotBoard(session, host.clock)
+        self.board = PlotBoard(session, host.clock, host.settings.plots)
         self.cards = LaneCards(host, session)
         self.inspector = Inspector(host, session, self.editor)
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
