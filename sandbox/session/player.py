@@ -86,7 +86,7 @@ class Player:
         clock: what measures them.
 
     Attributes:
-        scene: the Scene it was opened with; edits are in `setup`.
+        scene: the Scene it was opened with, and its words as they are now; edits are in `setup`.
         setup: the immutable part: chains, methods, slow motion.
         lanes: list of LiveLane; while scrubbed they show a frame of the history.
         held: the bead that the pointer holds.
@@ -232,6 +232,11 @@ class Player:
         """Let the next input be an undo step of its own: a button or key was let go."""
         self.undo_stack.end_gesture()
 
+    def set_words(self, scene: Scene) -> None:
+        """Take the words of `scene`, which is this one as it begins now: an edit that leaves the motion as it is."""
+        self.undo_stack.add(scene, False, self._checkpoint())
+        self.scene = scene
+
     def undo(self) -> str:
         """Pause and go back to before the last edit, to its frame and with the motion as it was; its name, '' without one."""
         return self._go_to(self.undo_stack.undo(self._checkpoint()))
@@ -241,11 +246,14 @@ class Player:
         return self._go_to(self.undo_stack.redo(self._checkpoint()))
 
     def _checkpoint(self) -> FrozenSession:
-        return self.frame, self.history.copy_blocks(), self.recording.copy()
+        return self.frame, self.history.copy_blocks(), self.recording.copy(), self.scene
 
     def _go_to(self, step: Checkpoint | None) -> str:
         if step is None:
             return ""
+        if step.scene is not self.scene:
+            self.scene = step.scene
+            return step.name
         self.pause()
         self.undo_stack.end_gesture()
         self.history.restore(step.blocks)

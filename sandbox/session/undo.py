@@ -10,14 +10,17 @@ from collections import deque
 from dataclasses import dataclass, replace
 from itertools import count
 
+from softcradle.sandbox.languages import N_
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.frame_history import Block
 from softcradle.sandbox.session.recording import Recording
+from softcradle.scenes import Scene
 
 MOST_STEPS = 200
 MEMORY = 24 * 2**20  # bytes of blocks and recordings that only undo steps hold
 
-FrozenSession = tuple[int, tuple[Block, ...], Recording]  # the frame shown, the history, the recording
+# The frame shown, the history, the recording, the words.
+FrozenSession = tuple[int, tuple[Block, ...], Recording, Scene]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +35,7 @@ class Checkpoint:
         frame: the frame shown.
         blocks: of the history.
         recording: as it was.
+        scene: with its words as they were.
         memory: bytes that the step before it does not hold too.
     """
 
@@ -42,10 +46,11 @@ class Checkpoint:
     frame: int
     blocks: tuple[Block, ...]
     recording: Recording
+    scene: Scene
     memory: int
 
 
-def target_of(item: inputs.Input) -> tuple[object, ...]:
+def target_of(item: inputs.Input | Scene) -> tuple[object, ...]:
     """What `item` changes; a bead may be pulled and placed in one gesture."""
     name = "bead" if isinstance(item, inputs.Drag | inputs.Place) else type(item).__name__
     return name, *(getattr(item, key, None) for key in ("lane", "bead", "contact"))
@@ -65,15 +70,16 @@ class UndoStack:
         self._saved = self._memory = 0
         self._open = False  # whether the gesture of the last input still goes on
 
-    def continues(self, item: inputs.Input, gesture: bool) -> bool:
+    def continues(self, item: inputs.Input | Scene, gesture: bool) -> bool:
         """Whether `item` belongs to the last step: to the same gesture."""
         return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(item)
 
-    def add(self, item: inputs.Input, gesture: bool, present: FrozenSession) -> None:
-        """Remember the `present` (frame, blocks, recording) before `item`."""
+    def add(self, item: inputs.Input | Scene, gesture: bool, present: FrozenSession) -> None:
+        """Remember the `present` before `item`, or before the words of a scene."""
         is_edit = not isinstance(item, inputs.Drag)
         own = _own_memory(present, self.done[-1].blocks if self.done else ())
-        self.done.append(Checkpoint(next(self._numbers), item.undo_name, is_edit, target_of(item), *present, own))
+        name = N_("words") if isinstance(item, Scene) else item.undo_name
+        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(item), *present, own))
         self._memory += own
         self.undone.clear()
         self._open = gesture
@@ -115,7 +121,7 @@ class UndoStack:
 
 def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
     """Bytes of `present` that are not in the blocks `before`."""
-    _, blocks, recording = present
+    _, blocks, recording, _ = present
     shared = set(map(id, before))
     return recording.memory + sum(block.memory for block in blocks if id(block) not in shared)
 
@@ -128,6 +134,6 @@ def _move(
     if not source:
         return None
     step = source.pop()
-    frame, blocks, recording = present
-    target.append(replace(step, frame=frame, blocks=blocks, recording=recording))
+    frame, blocks, recording, scene = present
+    target.append(replace(step, frame=frame, blocks=blocks, recording=recording, scene=scene))
     return step

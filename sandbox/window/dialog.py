@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import locale
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -340,6 +343,21 @@ class EntryDialog(Dialog):
         """The line to type has the focus."""
 
 
+@contextmanager
+def _plain_locale() -> Iterator[None]:
+    """The locale C for a while: pygame_gui takes that of the environment, which need not be installed, and leaves it set."""
+    used, wished = locale.setlocale(locale.LC_ALL), os.environ.get("LC_ALL")
+    os.environ["LC_ALL"] = "C"
+    try:
+        yield
+    finally:
+        locale.setlocale(locale.LC_ALL, used)
+        if wished is None:
+            del os.environ["LC_ALL"]
+        else:
+            os.environ["LC_ALL"] = wished
+
+
 class FileChooser(Overlay):
     """The chooser of files of pygame_gui; `take` is called with the path."""
 
@@ -354,9 +372,11 @@ class FileChooser(Overlay):
             0, 0, min(wide - 20, round(640 * self.host.unit)), min(high - 20, round(480 * self.host.unit))
         )
         self.box.center = wide // 2, high // 2
-        self.window = UIFileDialog(
-            self.box, self.manager, self.title, self.endings, str(Path.cwd()), allow_picking_directories=False
-        )
+        folder = str(Path.cwd())
+        with _plain_locale():
+            self.window = UIFileDialog(
+                self.box, self.manager, self.title, self.endings, folder, allow_picking_directories=False
+            )
 
     def key(self, event: pygame.Event) -> None:
         """Type a name; Esc closes."""

@@ -38,6 +38,7 @@ class Settings:
         language: a code of LANGUAGES; empty until one is chosen: that of the locale.
         explore: whether the window is at its first level, with few controls.
         scale: of everything in the window, relative to the usual size.
+        plots: names of the kinds of plots that are shown; None until they are chosen.
         recent: paths of files, the one opened or saved last first.
     """
 
@@ -45,6 +46,7 @@ class Settings:
     language: str = ""
     scale: float = 1.0
     explore: bool = True
+    plots: list[str] | None = None
     recent: list[str] = field(default_factory=list)
 
     @classmethod
@@ -57,6 +59,7 @@ class Settings:
             loaded.recent = [str(path) for path in loaded.recent][:MOST_RECENT]
             loaded.scale = min(max(float(loaded.scale), LEAST_SCALE), MOST_SCALE)
             loaded.explore = bool(loaded.explore)
+            loaded.plots = None if loaded.plots is None else [str(name) for name in loaded.plots]
         except (OSError, ValueError, TypeError):
             return cls()
         loaded.theme = loaded.theme if loaded.theme in THEMES else cls.theme

@@ -12,6 +12,7 @@ from typing import Any
 import pygame_gui
 from pygame_gui.core.utility import set_default_manager
 from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.languages import language
 from softcradle.sandbox.resources import resource
 
 
@@ -55,7 +56,7 @@ def _theme() -> dict[str, Any]:
 
 def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
     """An empty manager of widgets for a window of `size`; `unit` is how many pixels a pixel of the design is."""
-    created = pygame_gui.UIManager(size, enable_live_theme_updates=False)
+    created = pygame_gui.UIManager(size, enable_live_theme_updates=False, starting_language=language())
     set_default_manager(created)  # pygame_gui would hold the first one, with all its widgets, for ever
     regular, bold = str(resource("Inter-Regular.otf")), str(resource("Inter-SemiBold.otf"))
     created.add_font_paths("inter", regular, bold, regular, bold)

@@ -72,7 +72,7 @@ def check_round_trip(session: Session) -> None:
         check_order(twin)
         assert back(twin) == name
         check_order(twin)
-        assert (twin.frame, twin.span) == (session.frame, span)
+        assert (twin.frame, twin.span, twin.scene) == (session.frame, span, session.scene)
         assert frame_table(twin) == before
         assert twin.recording.inputs == session.recording.inputs
         assert twin.recording.hashes == session.recording.hashes

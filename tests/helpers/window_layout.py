@@ -28,7 +28,8 @@ def floating(shown: list[UIElement]) -> list[UIElement]:
     tips = [one for one in shown if isinstance(one, UITooltip)]
     menus = [one.menu_states["expanded"] for one in shown if isinstance(one, UIDropDownMenu)]
     lists = [menu.options_selection_list for menu in menus if menu.options_selection_list is not None]
-    return [*tips, *(tip.text_block for tip in tips), *lists]
+    inside = [one.item_list_container for one in lists]
+    return [*tips, *(tip.text_block for tip in tips), *lists, *inside]
 
 
 def faults(driver: Driver) -> list[str]:

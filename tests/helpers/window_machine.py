@@ -1,8 +1,9 @@
 """The window as a state machine: Hypothesis draws what a person does, in any order, and shrinks what goes wrong.
 
-python -m tests.helpers.window_machine [--examples 300] [--steps 60] [--seed 0]
+python -m tests.helpers.window_machine [--examples 300] [--steps 60] [--seed 0] [--minutes 60]
 
-What goes wrong is printed as the shortest list of steps that was found, and the exit code is 1.
+What goes wrong is printed as the shortest list of steps that was found, and the exit code is 1. With `--minutes`, seeds follow
+each other for so long.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import pygame
@@ -29,6 +31,7 @@ from hypothesis.stateful import (
 from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window import app
+from softcradle.sandbox.window.dialog import EntryDialog
 from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
 from softcradle.sandbox.window.scene.scene_page import ScenePage
 from softcradle.sandbox.window.theme import collect_garbage
@@ -177,6 +180,14 @@ class WindowMachine(RuleBasedStateMachine):
         if enter:
             self.driver.key(pygame.K_RETURN)
 
+    @rule(title=st.sampled_from(TEXTS))
+    def type_words(self, title: str) -> None:
+        """Give the scene another title."""
+        self.driver.key(pygame.K_F4)
+        if isinstance(self.driver.app.dialog, EntryDialog) and self.driver.app.dialog.open:
+            self.driver.app.dialog.entry.set_text(title)
+            self.driver.key(pygame.K_RETURN)
+
     @rule(file=st.sampled_from(("bad.toml", "track.csv", "camera.png")))
     def drop_file(self, file: str) -> None:
         """Drop a file that is none of ours, or data to lay over the plots."""
@@ -259,6 +270,7 @@ def main() -> int:
     parser.add_argument("--examples", type=int, default=300)
     parser.add_argument("--steps", type=int, default=60, help="most of one example")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--minutes", type=float, default=0.0, help="least time; 0: one seed")
     args = parser.parse_args()
     calls = itertools.count(1)
     app.collect_garbage = lambda: collect_garbage() if next(calls) % REBUILDS == 0 else None
@@ -272,8 +284,12 @@ def main() -> int:
     )
     with tempfile.TemporaryDirectory() as folder:
         os.environ |= {"SOFTCRADLE_CACHE": folder, "SOFTCRADLE_CONFIG": folder, "LANGUAGE": "en"}
-        run_state_machine_as_test(seed(args.seed)(WindowMachine), settings=wanted)
-    print(f"{args.examples} examples of up to {args.steps} steps: nothing found")
+        end = perf_counter() + 60.0 * args.minutes
+        number, begun = args.seed, False
+        while not begun or perf_counter() < end:
+            run_state_machine_as_test(seed(number)(WindowMachine), settings=wanted)
+            print(f"seed {number}: {args.examples} examples of up to {args.steps} steps: nothing found", flush=True)
+            number, begun = number + 1, True
     return 0
 
 

@@ -69,7 +69,7 @@ class HangingPage(Page):
         self.pointer = (0, 0)
         self.film = WindowFilm(host)
         self.toolbar = Toolbar(host, self.film)
-        self.dialogs = SaveDialogs(host, HANGING_TITLE, self.film, {})
+        self.dialogs = SaveDialogs(host, self.film, {})
         self.menus: dict[str, UIDropDownMenu] = {}
         self.actions: Actions = {
             "play_pause": self.play_pause,

@@ -91,7 +91,11 @@ class LessonRunner:
 
     def __init__(self, host: Host, session: Session, clock: SceneClock, reveal: Callable[[], None]) -> None:
         self.host, self.session, self.clock, self.reveal = host, session, clock, reveal
-        self.own = [lesson for lesson in lessons() if load(lesson.scene) == session.scene]
+        self.begin()
+
+    def begin(self) -> None:
+        """Find what is asked about the scene: its words may be others now."""
+        self.own = [lesson for lesson in lessons() if load(lesson.scene) == self.session.scene]
         self.predicted: int | str | None = None
         self.answered = False
         self._next = self._edits = 0

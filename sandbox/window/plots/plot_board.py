@@ -71,7 +71,7 @@ class PlotBoard:
     """Plots of a session; `clock` [s] ends the drawing of missing columns in a frame.
 
     Attributes:
-        shown: names of the kinds that are shown, in the order of the table.
+        chosen: names of the kinds that are wanted, also of those that this session cannot show, in the order of the table.
         single: name of the only kind that is shown, at the first level; else empty.
         hidden: whether all plots are hidden for now.
         logarithmic: whether overlaps have a logarithmic axis.
@@ -82,9 +82,9 @@ class PlotBoard:
         span: their time axis.
     """
 
-    def __init__(self, session: Session, clock: Callable[[], float]) -> None:
+    def __init__(self, session: Session, clock: Callable[[], float], chosen: Sequence[str] | None = None) -> None:
         self.session, self.clock = session, clock
-        self.shown = [name for name in self.available() if PLOT_KINDS[name].shown]
+        self.chosen = [name for name, kind in PLOT_KINDS.items() if (kind.shown if chosen is None else name in chosen)]
         self.hidden, self.logarithmic, self.single = False, True, ""
         self.pair = PAIR
         self.plots: list[Plot] = []
@@ -96,6 +96,11 @@ class PlotBoard:
     def available(self) -> list[str]:
         """Names of the kinds that this session can show."""
         return [name for name, kind in PLOT_KINDS.items() if len(self.session.lanes) == 2 or not kind.two_lanes]
+
+    @property
+    def shown(self) -> list[str]:
+        """Names of the kinds that are wanted and can be shown."""
+        return [name for name in self.available() if name in self.chosen]
 
     @property
     def present(self) -> list[str]:
@@ -128,8 +133,14 @@ class PlotBoard:
         if self.single:
             self.single = name
             return
-        chosen = set(self.shown) ^ {name}
-        self.shown = [other for other in PLOT_KINDS if other in chosen]
+        chosen = set(self.chosen) ^ {name}
+        self.chosen = [other for other in PLOT_KINDS if other in chosen]
+
+    def show(self, name: str) -> None:
+        """Show a kind."""
+        self.hidden = False
+        if name not in self.present:
+            self.toggle(name)
 
     def build(
         self, rows: Sequence[Sequence[Key]], rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales

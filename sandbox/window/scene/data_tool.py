@@ -22,17 +22,17 @@ from softcradle.sandbox.window.plots.data_overlay import (
     load_picture,
 )
 from softcradle.sandbox.window.plots.live_plots import Plot
-from softcradle.sandbox.window.plots.plot_board import PlotBoard
 from softcradle.sandbox.window.plots.plot_kinds import KEY, KYMOGRAPH, OWN, VELOCITIES, pair_of
 from softcradle.sandbox.window.scene.save_dialogs import shown_path
+from softcradle.sandbox.window.scene.scene_view import SceneView
 from softcradle.sandbox.window.window_page import Host
 
 
 class DataTool:
     """Files that are laid over the plots of a page, and its plot of chosen signals."""
 
-    def __init__(self, host: Host, session: Session, board: PlotBoard) -> None:
-        self.host, self.session, self.board = host, session, board
+    def __init__(self, host: Host, session: Session, view: SceneView) -> None:
+        self.host, self.session, self.view, self.board = host, session, view, view.board
         self.actions = {"data": self.ask, "signals": self.ask_signals}
 
     def ask(self) -> None:
@@ -73,10 +73,7 @@ class DataTool:
         under = self.board.plot_at(point)
         if under is not None and under.timed:
             return self.board.keys[self.board.plots.index(under)], under
-        if self.board.hidden or kind not in self.board.shown:
-            self.board.shown = [*self.board.shown, kind] if kind not in self.board.shown else self.board.shown
-            self.board.hidden = False
-            self.host.rebuild()
+        self.view.show_plot(kind)
         where = next(k for k, key in enumerate(self.board.keys) if key[0] == kind)
         return self.board.keys[where], self.board.plots[where]
 
@@ -127,10 +124,7 @@ class DataTool:
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return
-        if OWN not in self.board.shown:
-            self.board.toggle(OWN)
-        self.board.hidden = False
-        self.host.rebuild()
+        self.view.show_plot(OWN)
 
 
 def _too_many(path: Path, columns: int, curves: int) -> str:

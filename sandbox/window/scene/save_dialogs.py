@@ -209,10 +209,10 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
 
 
 class SaveDialogs:
-    """Dialogs for the files of a page: its own `savings`, a film and a screenshot, named after its `title`."""
+    """Dialogs for the files of a page: its own `savings`, a film and a screenshot, named after its title."""
 
-    def __init__(self, host: Host, title: str, film: WindowFilm, savings: dict[str, Saving]) -> None:
-        self.host, self.title, self.film = host, title, film
+    def __init__(self, host: Host, film: WindowFilm, savings: dict[str, Saving]) -> None:
+        self.host, self.film = host, film
         note = N_("a .mp4, .gif or .webp file; it records from now on until Stop")
         self.savings = {**savings, "film": Saving(N_("Film the window"), note, ".mp4", FILM_ENDINGS, film.begin)}
         self.actions: dict[str, Callable[[], None]] = {
@@ -224,7 +224,7 @@ class SaveDialogs:
     def ask(self, name: str) -> None:
         """Ask for the path of a kind of file."""
         saving = self.savings[name]
-        proposed = str(free_path(self.title, saving.proposed))
+        proposed = str(free_path(self.host.page.title, saving.proposed))
         unit = self.host.unit
         folder = shortened_path(
             shown_path(Path()), 16 * unit, (WIDTH - 2 * MARGIN) * unit
@@ -270,7 +270,7 @@ class SaveDialogs:
 
     def screenshot(self) -> None:
         """Write the window as it is, as a PNG file in the working folder."""
-        path = free_path(self.title, ".png")
+        path = free_path(self.host.page.title, ".png")
 
         def work() -> None:
             with output_file(path) as temporary:

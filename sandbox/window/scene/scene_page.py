@@ -49,9 +49,9 @@ class ScenePage(Page):
 
     def __init__(self, host: Host, session: Session, leave: Callable[[], None], replay: Replay | None = None) -> None:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
-        self._setup = session.setup
+        self._setup, self._scene = session.setup, session.scene
         self.editor = SceneEditor(host, session)
-        self.board = PlotBoard(session, host.clock)
+        self.board = PlotBoard(session, host.clock, host.settings.plots)
         self.cards = LaneCards(host, session)
         self.inspector = Inspector(host, session, self.editor)
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
@@ -67,7 +67,7 @@ class ScenePage(Page):
         self.film = WindowFilm(host)
         self.toolbar = Toolbar(host, self.film, session.undo_stack, lambda: self.board.present)
         savings = session_savings(host.messages, session)
-        self.dialogs = SaveDialogs(host, session.scene.title, self.film, savings)
+        self.dialogs = SaveDialogs(host, self.film, savings)
         self.sound = SceneSound(host, session)
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene)
         self.unsaved_scene = UnsavedScene(session)
@@ -95,7 +95,7 @@ class ScenePage(Page):
         self.host.show(ScenePage(self.host, session, self.leave))
 
     def ask_words(self) -> None:
-        """Ask for the words of the scene; with others it begins anew, as an unsaved scene of one's own."""
+        """Ask for the words of the scene."""
         try:
             scene = self.session.to_scene()
         except ValueError as error:
@@ -108,8 +108,7 @@ class ScenePage(Page):
             title, text, question, *names = found.values()
             lanes = [lane.model_copy(update={"label": name}) for lane, name in zip(scene.lanes, names, strict=True)]
             words = {"title": title or scene.title, "text": text, "question": question, "lanes": tuple(lanes)}
-            self.call_unsaved()
-            self.show_scene(scene.model_copy(update=words))
+            self.session.set_words(scene.model_copy(update=words))
 
         note = _(
             "They are in the scene file, in the film and on the page; a question is asked before the text is shown."
@@ -229,7 +228,11 @@ class ScenePage(Page):
             self.view.rebuild()
 
     def follow(self) -> None:
-        """Let what is drawn be of the present lanes."""
+        """Let what is drawn be of the present words and lanes."""
+        if self.session.scene is not self._scene:
+            self._scene = self.session.scene
+            self.lessons.begin()
+            self.host.rebuild()
         if self.session.setup is not self._setup:
             self._notice_edit(self._setup, self.session.setup)
         elif self.view.setup is not self.session.setup:

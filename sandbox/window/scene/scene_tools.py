@@ -118,6 +118,9 @@ class ViewKeys:
             self.host.messages.show(_("the {name} needs two lanes", name=pgettext("button", name)))
             return
         self.board.toggle(name)
+        if not self.board.single:
+            self.host.settings.plots = self.board.chosen
+            self.host.settings.save()
         self.host.rebuild()
 
     def toggle_plots(self) -> None:
@@ -152,7 +155,7 @@ class SceneTools:
         self.values = ValuesBoard(host, session, editor, self.values_area)
         self.stopwatch = Stopwatch(host, session)
         self.ruler = Ruler(host, session, view)
-        self.data = DataTool(host, session, board)
+        self.data = DataTool(host, session, view)
         sharing = Sharing(host, session)
         self.actions: dict[str, Callable[[], None]] = {
             "values": self.toggle_values,
@@ -171,7 +174,7 @@ class SceneTools:
         self.view.plots_covered = not self.view.plots_covered
         self.view.redraw()
         if not self.view.places.plots:
-            self.board.hidden, self.board.shown = False, self.board.shown or self.board.available()[:1]
+            self.board.show((self.board.present or self.board.shown or self.board.available())[0])
             self.host.rebuild()
         self.values.update()
 

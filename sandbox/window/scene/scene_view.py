@@ -170,6 +170,15 @@ class SceneView:
         self.arrows = names[(names.index(self.arrows) + 1) % len(names)]
         self.rebuild()
 
+    def show_plot(self, kind: str) -> None:
+        """Bring a kind of plot on screen, also from rows that are not."""
+        self.board.show(kind)
+        self.host.rebuild()
+        if all(name != kind for name, _lane in self.board.keys):
+            rows = self.board.rows(plots_width(self.host.size, self.host.unit, self.panel_shown))
+            self.first_row = next(k for k, row in enumerate(rows) if kind in dict(row))
+            self.host.rebuild()
+
     def scroll_plots(self, point: tuple[int, int], by: int) -> bool:
         """Show the rows of plots that are `by` lower, if `point` is on plots that do not all fit."""
         if len(self.rows) == self.row_count or not self.rows or not self.plots_area().collidepoint(point):

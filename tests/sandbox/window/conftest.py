@@ -1,8 +1,9 @@
-"""What all tests of the window share: garbage is collected now and then, as it takes half of the time of a rebuilt page."""
+"""What all tests of the window share: settings of a first start, and rare collections of garbage, which take half of the time."""
 
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import pytest
 from softcradle.sandbox.window import app
@@ -11,6 +12,12 @@ from softcradle.sandbox.window.theme import collect_garbage
 REBUILDS = 20  # of which one collects; a process of tests has a large heap to search
 
 _calls = itertools.count(1)
+
+
+@pytest.fixture(autouse=True)
+def own_settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Settings of the first start: keys change them."""
+    monkeypatch.setenv("SOFTCRADLE_CONFIG", str(tmp_path / "config"))
 
 
 @pytest.fixture(autouse=True)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import io
+import locale
+import os
 from pathlib import Path
 
+import pygame
 import pytest
+from pygame_gui.core.utility import translate
 from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 
@@ -31,4 +35,19 @@ def test_a_broken_file_is_a_message_in_the_gallery_at_once(tmp_path: Path) -> No
     assert isinstance(driver.app.page, GalleryPage)
     assert any("bad.toml" in text for text in driver.messages)
     assert not any("np." in text for text in driver.messages)
+    driver.close()
+
+
+def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LC_ALL", "xx_YY")
+    used = locale.setlocale(locale.LC_ALL)
+    driver = Driver()
+    driver.app.settings.language = "en"
+    driver.app.next_language()
+    driver.key(pygame.K_o, pygame.KMOD_CTRL)
+    driver.click(driver.app.dialog.buttons["Datei wählen ..."].rect.center)
+    driver.frames(2)
+    assert driver.app.dialog.window.cancel_button.text == "pygame-gui.Cancel"
+    assert translate("pygame-gui.Cancel") == "Abbrechen"
+    assert (locale.setlocale(locale.LC_ALL), os.environ["LC_ALL"]) == (used, "xx_YY")
     driver.close()

@@ -102,6 +102,7 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
 ) -> None:
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
+    driver.session.step_frames(100)
     driver.key(pygame.K_F4)
     for text in ("Five at rest", "They all go.", "Who goes?", "my row"):
         driver.app.dialog.entry.set_text(text)
@@ -112,10 +113,20 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
         *("Five at rest", "They all go.", "Who goes?"),
         "my row",
     )
-    assert driver.session.lanes[0].chain.contacts == 5  # with the edit
+    assert (driver.session.lanes[0].chain.contacts, driver.session.frame) == (5, 100)  # with the edit, and where it was
     assert driver.page.unsaved
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert (driver.session.scene.title, driver.session.frame) == ("One bead on four", 100)
+    assert "Five at rest" not in drawn(driver)
+    driver.key(pygame.K_y, pygame.KMOD_CTRL)
+    assert driver.session.scene == scene
+    for step in ("words", "bead added"):
+        assert driver.session.undo() == step
+    for step in ("bead added", "words"):
+        assert driver.session.redo() == step
     driver.page.dialogs.save("save_scene", "mine")
     assert scenes.load(str(tmp_path / "mine.toml")) == scene
+    driver.key(pygame.K_ESCAPE)  # nothing is selected
     assert "Who goes?" in drawn(driver)
     assert "They all go." not in drawn(driver)
     driver.page.dialogs.save("share_page", "mine")

@@ -65,6 +65,17 @@ def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.Mo
     driver.close()
 
 
+def test_the_choice_of_plots_is_remembered() -> None:
+    for name in ("energy", "forces"):
+        driver = Driver("one-on-four")
+        driver.key(PLOT_KINDS[name].key)
+        driver.close()
+    for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):  # which one lane cannot show
+        driver = Driver(scene)
+        assert sorted(driver.page.board.shown) == sorted(["velocities", "overlaps", "energy", *more])
+        driver.close()
+
+
 def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
     for scene, lanes in (("one-on-four", 1), ("beads-against-gear", 2)):
         driver = Driver(scene)

@@ -88,6 +88,23 @@ def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played
     assert redness(1.0, 5.9) < 60
 
 
+LARGE = [(pygame.K_d, pygame.KMOD_CTRL), *[(pygame.K_PLUS, pygame.KMOD_CTRL)] * 5]
+
+
+@pytest.mark.parametrize("keys", [[(pygame.K_F3, 0)], LARGE])
+def test_a_picture_finds_the_kymograph_that_is_not_on_screen(
+    driver: Driver, tmp_path: Path, keys: list[tuple[int, int]]
+) -> None:
+    """At the first level, which shows one plot, and in a row that is scrolled to."""
+    pygame.image.save(pygame.Surface((4, 4)), str(tmp_path / "camera.png"))
+    for code, modifiers in keys:
+        driver.key(code, modifiers)
+    driver.drop_file(tmp_path / "camera.png")
+    driver.key(pygame.K_RETURN)
+    assert driver.page.board.overlays["kymograph", 0]
+    assert ("kymograph", 0) in driver.page.board.keys
+
+
 @pytest.mark.parametrize("text", ["", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"])
 def test_edges_that_are_none_are_refused(text):
     with pytest.raises(ValueError, match=r"four numbers|t right"):
