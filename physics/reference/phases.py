@@ -14,6 +14,7 @@ Which of several touching contacts load or open at a switch is a linear compleme
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +96,7 @@ class Phase:
         """The phase in which each contact keeps its `mode` (n,)."""
         touching = mode == TOUCHING
         carried = np.zeros((system.n, system.n))
-        solved: Array = np.zeros((0, 0))
+        solved: NDArray[Any] = np.zeros((0, 0))
         if touching.any():
             # pseudo-inverse: between two walls the multipliers are not unique
             solved = np.linalg.pinv(system.coupling[np.ix_(touching, touching)])
