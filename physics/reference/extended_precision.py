@@ -103,8 +103,17 @@ class ExtendedRun:
         if math.isfinite(end) and end - self.time <= 4.0 * EPSILON * abs(end):
             self.time = Extended(end)
         if self.time >= self.span.end:
-            self.span = Span.at(self.chain, float(self.time))
-            self.rows, self.length = self._rows(self.time), 1e-3 * self.tolerance * self.quickest
+            self._pass_knot()
+
+    def _pass_knot(self) -> None:
+        """Go on under the forces and brakes after a knot."""
+        braked, point = self.rows.bed > 0.0, self.point
+        self.span = Span.at(self.chain, float(self.time))
+        self.rows, self.length = self._rows(self.time), 1e-3 * self.tolerance * self.quickest
+        if braked.size:
+            point.side = np.where(braked, point.side, np.sign(point.velocity).astype(np.int8))
+            friction = np.where(point.side == STICKS, point.friction, point.side * self.rows.bed)
+            point.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
 
     def reached(self) -> State:
         """Where the run is, in double precision."""
@@ -213,17 +222,17 @@ class ExtendedRun:
         acceleration = rows.acceleration(stages.force, stages.friction)
         rule = tableau(stages.force.shape[0])
         moved = h * self.point.velocity + h * h * (rule.twice[-1] @ acceleration)
-        before, self.point = self.point, stages.last()
+        before, self.point, at_start = self.point, stages.last(), self.rows
         if rows is not self.rows:
             self.rows = self._rows(self.time + h)
         self._round_to_rest(before, moved)
-        self._absorb(before, moved)
-        if self.chain.timed:
+        self._absorb(before, moved, at_start)
+        if rows is not at_start:  # what forces do beyond those at the start
             weight, finite = h * rule.once[-1], rows.inverse_mass > 0.0
-            push = np.broadcast_to(rows.external - self.steady.external, stages.velocity.shape)
-            self.taken[2] += weight @ (push * stages.velocity)[:, finite].sum(axis=1)
+            push = (rows.external - at_start.external) * stages.velocity
+            self.taken[2] += weight @ push[:, finite].sum(axis=1)
             if rows.bed.size:
-                self.taken[1] += weight @ (rows.bed * np.abs(stages.velocity)).sum(axis=1)
+                self.taken[1] += weight @ ((rows.bed - at_start.bed) * np.abs(stages.velocity)).sum(axis=1)
         self.position, self.time = self.position + moved, self.time + h
 
     def _round_to_rest(self, before: Point, moved: Array) -> None:
@@ -257,12 +266,14 @@ class ExtendedRun:
         side_by_side &= np.abs(point.overlap) <= ROUND_OFF * self.speed * self.quickest
         point.overlap[side_by_side] = point.rate[side_by_side] = 0.0
 
-    def _absorb(self, start: Point, moved: Array) -> None:
-        """Add what contacts with loss and the bed absorb in a step."""
+    def _absorb(self, start: Point, moved: Array, rows: Rows) -> None:
+        """Add what contacts with loss and the bed absorb in a step, and what forces over time give, by `rows` of its start."""
         before, now = self.rows.stored(start.overlap), self.rows.stored(self.point.overlap)
         self.taken[0] += (self.rows.loss * np.maximum(before - now, 0.0)).sum()
-        if self.rows.bed.size and not self.chain.timed:
-            self.taken[1] += (self.rows.bed * np.abs(moved)).sum()
+        if rows.bed.size:
+            self.taken[1] += (rows.bed * np.abs(moved)).sum()
+        if self.chain.forces:
+            self.taken[2] += ((rows.external - self.steady.external) * moved)[rows.inverse_mass > 0.0].sum()
 
 
 def _first_point(rows: Rows, chain: Chain, state: State) -> Point:
