@@ -268,9 +268,8 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
     _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
     magnitude("sample times", max(times[-1], 1.0))  # no more than can be
-    least = float(
-        times[times > 0.0].min(initial=np.inf)
-    )  # adaptive steps are graded into the onset down to the first sample
+    # adaptive steps are graded into the onset down to the first sample
+    least = float(times[times > 0.0].min(initial=np.inf))
     _require(
         not graded or least >= LEAST_TIME,
         f"sample times must be 0 or at least {LEAST_TIME:g} s, not {least:g}: overlaps before underflow",

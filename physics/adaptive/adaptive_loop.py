@@ -138,14 +138,14 @@ def integrate(
     while True:
         if time >= end:
             return DONE, end
+        if time >= until:
+            acts = pass_knot(time, chain, regime, motion, wanted, slow, scratch, log)
+            until = next_knot(time, end, chain.knots)
         spent = counter[STEP] + counter[REJECTED]
         if spent >= most_steps:
             return OUT_OF_STEPS, time
         if spent >= pause or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
-        if time >= until:
-            acts = pass_knot(time, chain, regime, motion, wanted, slow, scratch, log)
-            until = next_knot(time, end, chain.knots)
         if firm and not acts and nothing_moves(chain, regime, motion):
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)

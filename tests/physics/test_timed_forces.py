@@ -131,6 +131,17 @@ def test_accurate_and_conserving_end_where_the_reference_does(seed):
     np.testing.assert_allclose(kept.final_velocity, truth.velocity, atol=0.02)
 
 
+@pytest.mark.parametrize("seed", [2, 7, 8, 11])
+def test_a_run_that_pauses_at_every_step_is_the_same(seed, monkeypatch):
+    """At a knot too, where brakes that begin and beads that yield are found anew."""
+    chain, velocity = timed_chain(seed)
+    whole = simulate_quietly(chain, velocity, 2.0)
+    monkeypatch.setattr("softcradle.physics.adaptive.runner.PAUSE", 1)
+    paused = simulate_quietly(chain, velocity, 2.0)
+    np.testing.assert_array_equal(paused.final_velocity, whole.final_velocity)
+    np.testing.assert_array_equal(paused.given, whole.given)
+
+
 def test_a_slope_is_the_limit_of_fine_steady_pieces():
     """Of a thousand equal pieces, each with the force of its middle: off by some millionth of the force's impulse."""
     edges = np.linspace(0.0, 1.0, 1001)
