@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, wraps
-from typing import NamedTuple, SupportsFloat, TypeVar, cast
+from itertools import pairwise
+from typing import Any, NamedTuple, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -271,14 +272,33 @@ class Chain:
         return bool(self.forces) or not all(brake.steady for brake in self.brakes)
 
     @cached_property
-    def untimed(self) -> Chain:
-        """The chain without forces and brakes over time; its drive stays."""
-        return replace(self, forces=(), brakes=())
-
-    @cached_property
     def knots(self) -> tuple[float, ...]:
         """Times [s] at which a force or a brake over time bends or jumps, ascending."""
         return tuple(sorted({time for item in (*self.forces, *self.brakes) for time in item.time}))
+
+    def impulse(self, time: ArrayLike) -> Any:
+        """The momentum [N s] that forces over time have given to the beads, walls left out, by `time` [s], any shape."""
+        finite = np.isfinite(self.mass)
+        none = np.zeros(np.shape(time))
+        return sum((item.impulse(time) * finite[list(item.beads)].sum() for item in self.forces), none)
+
+    @cached_property
+    def knot_rows(self) -> tuple[Array, Array, Array]:
+        """Times (K,) [s] of the knots, a jump twice, and there forces (K, n+1) [N] and decelerations by brakes (K, n+1) [m/s²].
+
+        Between two knots they are linear; the decelerations have no columns where there are no brakes.
+        """
+        beads, jumps = self.contacts + 1, {item.time[0] for item in (*self.forces, *self.brakes)}
+        jumps |= {a for item in (*self.forces, *self.brakes) for a, b in pairwise(item.time) if a == b}
+        times = sorted((*self.knots, *jumps))
+        just_before = [
+            math.nextafter(a, -math.inf) if a in jumps and a == b else a for a, b in pairwise((*times, math.nan))
+        ]
+        rows = [
+            np.array([summed(items, time, beads) for time in just_before]).reshape(len(times), beads)
+            for items in (self.forces, self.brakes)
+        ]
+        return np.array(times), rows[0], rows[1] * self.inverse_mass if self.brakes else np.zeros((len(times), 0))
 
     @cached_property
     def drives(self) -> tuple[Array, ...]:
@@ -286,8 +306,7 @@ class Chain:
         steady = np.zeros(self.contacts + 1) if self.drive is None else np.array(self.drive)
         if not self.forces:
             return () if self.drive is None else (steady,)
-        times = [0.0, *self.knots, *(float(np.nextafter(knot, -math.inf)) for knot in self.knots if knot > 0.0)]
-        return tuple(steady + summed(self.forces, time, self.contacts + 1) for time in times)
+        return (steady, *(steady + self.knot_rows[1]))
 
     @cached_property
     def drive_force(self) -> Array | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 
-from softcradle.physics import timed_force_runner
 from softcradle.physics.chain import Chain
 from softcradle.physics.methods import Family, find_method
 from softcradle.physics.problem import Problem, Record, Runner
@@ -51,17 +50,9 @@ def _runner(family: Family) -> Runner:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion by its method; ``problem.state`` stays as it is."""
-    return timed_force_runner.run(problem, _run) if problem.chain.timed else _run(problem)
+    return runner_of(problem.method, problem.chain).run(problem)
 
 
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place, by its method."""
-    return timed_force_runner.advance(problem, _advance) if problem.chain.timed else _advance(problem)
-
-
-def _run(problem: Problem) -> Record:
-    return runner_of(problem.method, problem.chain).run(problem)
-
-
-def _advance(problem: Problem) -> Status:
     return runner_of(problem.method, problem.chain).advance(problem)

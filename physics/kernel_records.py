@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import GRAVITY, Chain
 from softcradle.physics.numerics.coupler_kernels import Joints
 from softcradle.physics.numerics.own_contacts import OwnLaws
-from softcradle.physics.numerics.records import COUNTERS, SWITCH, Dissipation, SwitchLog
+from softcradle.physics.numerics.records import COUNTERS, NO_KNOTS, SWITCH, Dissipation, Knots, SwitchLog
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
@@ -31,10 +31,13 @@ def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], Dissipat
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
-    law, inverse_mass, special = chain.law_rows.copy(), chain.inverse_mass.copy(), (_own_laws(chain), _joints(chain))
+    law, inverse_mass = chain.law_rows.copy(), chain.inverse_mass.copy()
+    special = _own_laws(chain), _joints(chain), knots_of(chain, state)
     dissipates = chain.dissipative or chain.couplers  # kernels for couplers are compiled once, with loss and without
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else None
     push = state.external(chain)
+    if chain.timed:
+        push = np.zeros(chain.contacts + 1) if push is None else push.copy()
     if push is None:
         return (law, inverse_mass, NOTHING, NOTHING, chain.anchor, *special), dissipation
     acceleration = push * inverse_mass
@@ -77,6 +80,16 @@ def _joints(chain: Chain) -> Joints | None:
     return Joints(np.cumsum(count), np.array(rows), below)
 
 
+def knots_of(chain: Chain, state: State) -> Knots:
+    """The Knots; without rows for a chain on which nothing changes with time."""
+    if not chain.timed:
+        return NO_KNOTS
+    push, beads = state.external(chain), chain.contacts + 1
+    steady = np.zeros(beads) if push is None else push.copy()
+    friction = np.where(np.isfinite(chain.mass), chain.friction * GRAVITY, 0.0) if chain.brakes else np.zeros(0)
+    return Knots(*chain.knot_rows, steady, friction, np.zeros(beads), np.zeros(friction.size), np.zeros(beads))
+
+
 def require_finite_motion(chain: Chain, state: State) -> None:
     """ValueError where a contact has been pressed beyond what a law of one's own has a number for."""
     if chain.own_laws and not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
@@ -89,7 +102,7 @@ def require_finite_motion(chain: Chain, state: State) -> None:
 
 def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> tuple[Any, ...]:
     """The fields of Motion: the arrays of `state` itself."""
-    return state.overlap, state.rate, state.anchor, state.force, state.absorbed, mode, held
+    return state.overlap, state.rate, state.anchor, state.force, state.taken, mode, held
 
 
 def empty_log(contacts: int, size: int) -> SwitchLog:

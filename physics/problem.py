@@ -85,8 +85,7 @@ class Record:
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
         velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty where none is estimated.
         growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
-        absorbed: (T, 2) energy [J] absorbed by contacts and by the bed up to each sample; empty where nothing dissipates.
-        given: (T, 2) work [J] and impulse [N s] of forces over time up to each sample; empty where there are none.
+        taken: (T, 4) as of State, up to each sample; empty where nothing is.
         kept: what the run kept of its motion, while samples are still to be taken from it.
     """
 
@@ -103,10 +102,9 @@ class Record:
     status: Status = Status.DONE
     warnings: Warnings = ()
     seconds: float = 0.0
-    absorbed: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    taken: Array = field(default_factory=lambda: np.zeros((0, 4)))
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
-    given: Array = field(default_factory=lambda: np.zeros((0, 2)))
     kept: KeptRun | None = None
 
 
@@ -151,14 +149,13 @@ Rows = tuple[Array, Array, Array, Array, Array]
 
 
 def empty_samples(count: int, contacts: int) -> Rows:
-    """Rows for `count` samples: overlap, rate, anchor, force, absorbed."""
-    wide, narrow = (count, contacts), (count, 2)
-    return np.zeros(wide), np.zeros(wide), np.zeros(narrow), np.zeros(wide), np.zeros(narrow)
+    """Rows for `count` samples: overlap, rate, anchor, force, taken."""
+    wide = count, contacts
+    return np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4))
 
 
 # fields of a Record with one row a sample, as of Samples
-SAMPLED = "time", "overlap", "rate", "anchor", "force", "absorbed"
-GIVEN = "given"  # one more, of forces over time
+SAMPLED = "time", "overlap", "rate", "anchor", "force", "taken"
 Pass = Callable[[Problem, float, Array, bool], Record]
 
 
@@ -184,14 +181,14 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
 
 def with_samples_of(found: Record, sampled: Record) -> Record:
     """The record `found` with the samples of another."""
-    return replace(found, kept=None, **{name: getattr(sampled, name) for name in (*SAMPLED, GIVEN)})
+    return replace(found, kept=None, **{name: getattr(sampled, name) for name in SAMPLED})
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
     states = [found.end if time > start.time else start for time in times.tolist()]
     rows: dict[str, Any] = {}
-    for name in (*SAMPLED[1:], GIVEN):
+    for name in SAMPLED[1:]:
         values = [getattr(state, name) for state in states]
         rows[name] = np.array(values) if values else np.zeros((0, getattr(start, name).size))
     return replace(found, time=times, kept=None, **rows)

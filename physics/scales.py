@@ -47,6 +47,12 @@ def _inner_speed(chain: Chain) -> float:
     return max(driven, _released_speed(chain, overlap))
 
 
+@per_chain
+def _pull(chain: Chain) -> float:
+    """Largest difference of the accelerations [m/s²] that forces over time give to beads."""
+    return max(float(np.ptp(force * chain.inverse_mass)) for force in chain.drives)
+
+
 def closing_scale(
     chain: Chain, velocity: Array, overlap: Array, external: Array | None, duration: float | None
 ) -> float:
@@ -59,6 +65,9 @@ def closing_scale(
     if approach <= ROUND_OFF * max(high, -low):
         approach = 0.0
     found = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external))
+    if chain.forces:
+        until = chain.knots[-1] if duration is None else duration
+        found = max(found, min(_inner_speed(chain), approach + until * _pull(chain)))
     if external is not None:
         acceleration = external * chain.inverse_mass
         gap = float(-np.minimum(overlap, 0.0).sum())
@@ -77,7 +86,7 @@ def largest_error(chain: Chain, start: State, end: State) -> Array:
     force, passed = start.external(chain), end.time - start.time
     push = np.zeros(len(chain.mass)) if force is None else force
     walls = np.unique(start.velocity(chain)[np.isinf(chain.mass)])
-    if walls.size > 1 or (walls.any() and chain.on_bed):
+    if walls.size > 1 or chain.forces or (walls.any() and chain.on_bed):
         return np.full(push.size, np.inf)
     stored = chain.stored_energy(start.overlap).sum()
     mean, room = velocity_room(

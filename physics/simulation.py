@@ -32,6 +32,7 @@ LEAST_TIME = 1e-100  # [s] of a sample: overlaps then are products of such times
 MOST_SAMPLED = 100_000_000  # samples times beads: about 3 GB; a typing error must not fill the memory
 FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
 FALLBACK_STEPS = 100  # steps in which it does
+NO_FORCES = np.zeros((0, 2))  # work and impulse where nothing acts over time
 
 
 def simulate(
@@ -181,10 +182,12 @@ def move(
     end = problem.end
     log_compilation()
     state.warnings, state.switched = (), NO_SWITCHES
+    before = chain.impulse(state.time)
     state.status = dispatch.advance(problem)
     if state.status.gave_up:
         state.warnings = (_gave_up(method, state.time, most_steps),)
         _finish_frame(chain, state, end)
+    state.taken[3] += chain.impulse(state.time) - before
 
 
 def _finish_frame(chain: Chain, state: State, end: float) -> None:
@@ -265,9 +268,8 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
     _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
     magnitude("sample times", max(times[-1], 1.0))  # no more than can be
-    least = float(
-        times[times > 0.0].min(initial=np.inf)
-    )  # adaptive steps are graded into the onset down to the first sample
+    # adaptive steps are graded into the onset down to the first sample
+    least = float(times[times > 0.0].min(initial=np.inf))
     _require(
         not graded or least >= LEAST_TIME,
         f"sample times must be 0 or at least {LEAST_TIME:g} s, not {least:g}: overlaps before underflow",
@@ -295,9 +297,11 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         status=record.status,
         warnings=record.warnings,
         velocity_error=record.velocity_error,
-        absorbed_by_contacts=record.absorbed[:, 0],
-        absorbed_by_bed=record.absorbed[:, 1],
-        given=record.given,
+        absorbed_by_contacts=record.taken[:, 0],
+        absorbed_by_bed=record.taken[:, 1],
+        given=np.column_stack((record.taken[:, 2], problem.chain.impulse(record.time)))
+        if problem.chain.timed
+        else NO_FORCES,
     )
 
 

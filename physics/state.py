@@ -48,10 +48,8 @@ class State:
         How often contacts have closed or opened in all `advance` so far.
     switched : Switches
         Which of them did in the last `advance`, and when; of more than FRAME_LOG changes the first.
-    absorbed : ndarray, shape (2,)
-        Energy [J] that contacts with loss and the bed have absorbed so far.
-    given : ndarray, shape (2,)
-        Work [J] and impulse [N s] of the chain's forces over time so far.
+    taken : ndarray, shape (4,)
+        What `absorbed` and `given` are parts of.
     status : Status
         How the last `advance` ended; where its method gave up, `conserving` went on to the end.
     warnings : tuple of CodedWarning
@@ -68,8 +66,7 @@ class State:
     push: Array | None = None
     switches: int = 0
     switched: Switches = NO_SWITCHES
-    absorbed: Array = field(default_factory=lambda: np.zeros(2))
-    given: Array = field(default_factory=lambda: np.zeros(2))
+    taken: Array = field(default_factory=lambda: np.zeros(4))
     status: Status = Status.DONE
     warnings: Warnings = ()
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -82,6 +79,16 @@ class State:
         overlap, place, force = _start(chain)
         anchor = np.array([place, speeds[chain.anchor]])
         return cls(0.0, overlap.copy(), speeds[:-1] - speeds[1:], anchor, force.copy())
+
+    @property
+    def absorbed(self) -> Array:
+        """(2,) energy [J] that contacts with loss and the bed have absorbed so far."""
+        return self.taken[:2]
+
+    @property
+    def given(self) -> Array:
+        """(2,) work [J] and impulse [N s] of the chain's forces over time so far."""
+        return self.taken[2:]
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -103,8 +110,6 @@ class State:
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
 
-        Forces over time are pieces of this: :mod:`softcradle.physics.timed_force_runner` adds each to the push.
-
         An array that can be written to: to a kernel one that cannot is of another type, for which all of it would be
         compiled anew.
         """
@@ -117,8 +122,7 @@ class State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
         arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
-        taken = self.absorbed.copy(), self.given.copy()
-        return State(self.time, *arrays, push, self.switches, self.switched, *taken)
+        return State(self.time, *arrays, push, self.switches, self.switched, self.taken.copy())
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
         """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""

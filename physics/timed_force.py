@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,13 +57,6 @@ class TimedForce:
         object.__setattr__(self, "time", tuple(times.tolist()))
         object.__setattr__(self, "force", tuple(np.broadcast_to(forces, times.shape).tolist()))
 
-    def held(self, force: float) -> TimedForce:
-        """A steady `force` [N] from t = 0 on on the same beads, which have been checked: pieces of a slope are many."""
-        found = object.__new__(TimedForce)
-        for name, value in (("beads", self.beads), ("time", (0.0,)), ("force", (float(force),))):
-            object.__setattr__(found, name, value)
-        return found
-
     @property
     def steady(self) -> bool:
         """Whether it is the same from t = 0 on."""
@@ -85,24 +77,13 @@ class TimedForce:
         found: Array = np.where(on_point, np.asarray(self.force)[np.maximum(after, 0)], inside)
         return np.where(times < self.time[0], 0.0, found)
 
-    def impulse(self, end: float) -> float:
-        """The momentum [N s] that it has given to each of its beads by the time `end` [s]."""
-        points = [*(time for time in self.time if time < end), end]
-        lines = [(self.line(a, b), b - a) for a, b in pairwise(points) if b > a]
-        return sum(0.5 * (first + last) * length for (first, last), length in lines)
-
-    def line(self, start: float, end: float) -> tuple[float, float]:
-        """The force [N] just after `start` and just before `end`, between which it has no point."""
-        after = int(np.searchsorted(self.time, 0.5 * (start + end), side="right"))
-        if after == 0:
-            return 0.0, 0.0
-        if after == len(self.time):
-            return self.force[-1], self.force[-1]
-        early, late = self.time[after - 1], self.time[after]
-        first, last = self.force[after - 1], self.force[after]
-        slope, (least, most) = (last - first) / (late - early), sorted((first, last))
-        ends = first + slope * (start - early), last - slope * (late - end)
-        return min(max(ends[0], least), most), min(max(ends[1], least), most)  # no brake pushes by round-off
+    def impulse(self, end: ArrayLike) -> Array:
+        """The momentum [N s] that it has given to each of its beads by the time `end` [s], any shape."""
+        ends, time, force = np.asarray(end, dtype=np.float64), np.array(self.time), np.array(self.force)
+        given = np.append(0.0, np.cumsum(0.5 * np.diff(time) * (force[1:] + force[:-1])))
+        last = np.maximum(np.searchsorted(time, ends, side="right") - 1, 0)
+        found: Array = given[last] + 0.5 * (ends - time[last]) * (force[last] + self.at(ends))
+        return np.where(ends < time[0], 0.0, found)
 
 
 def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:

@@ -42,7 +42,9 @@ KERNEL = """
 def march({names}):
     no_flags, none, none_2 = view(closed, (0,)), view(law, (0,)), view(law, (0, 1))
     m = n + 1 if pushed else 0
-    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), view(push, (m,)), view(push, (m,)), int64(anchor_bead), None, None
+    knots = Knots(none, view(law, (0, 0)), view(law, (0, 0)), none, none, none, none, none)
+    outside = view(push, (m,)), view(push, (m,))
+    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), None, None, knots
     motion = (
         view(overlap, (n,)), view(rate, (n,)), view(anchor, (2,)), view(force, (n,)), view(absorbed, (2,)), no_flags, no_flags
     )
@@ -118,7 +120,7 @@ def kernel(name: str) -> tuple[Any, Any]:
     from numpy import int64
     from softcradle.physics.fixed_step import step_loop
     from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-    from softcradle.physics.numerics.records import COUNTERS, Dissipation
+    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Knots
     from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 
     floats, flags, counts = (types.CPointer(kind) for kind in (types.float64, types.int8, types.int64))
@@ -130,7 +132,7 @@ def kernel(name: str) -> tuple[Any, Any]:
     names, dissipation = KERNELS[name]
     found: dict[str, Any] = {
         "view": view_intrinsic(), "int64": int64, "step_loop": step_loop, "WORK_ROWS": WORK_ROWS, "COUNTERS": COUNTERS,
-        "Dissipation": Dissipation, "BEAD_ROWS": BEAD_ROWS,
+        "Dissipation": Dissipation, "Knots": Knots, "BEAD_ROWS": BEAD_ROWS,
     }  # fmt: skip
     exec(KERNEL.format(names=names, dissipation=dissipation), found)
     return found["march"], types.int32(*(kinds.get(each, floats) for each in names.split(", ")))

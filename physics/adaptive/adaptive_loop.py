@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.constants import (
 )
 from softcradle.physics.adaptive.event_location import SLIPS, acceleration_of, bead_acceleration
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
-from softcradle.physics.adaptive.sampling import absorbed_between, keep_step
+from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
 from softcradle.physics.adaptive.step import find_step
 from softcradle.physics.adaptive.step_control import first_step, propose_step, restart_control, update_control
 from softcradle.physics.adaptive.step_records import (
@@ -32,9 +32,19 @@ from softcradle.physics.adaptive.step_records import (
     Steps,
     Trial,
 )
+from softcradle.physics.adaptive.stick_slip_friction import put_drive
 from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
-from softcradle.physics.adaptive.switching import begin, fall_back, fly_to_event, open_passed, slip_by, switch
+from softcradle.physics.adaptive.switching import (
+    begin,
+    fall_back,
+    fly_to_event,
+    open_passed,
+    pass_knot,
+    slip_by,
+    switch,
+)
 from softcradle.physics.numerics.jit import inlined, piece, whole
+from softcradle.physics.numerics.knots import BESIDE, next_knot
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import (
     DONE,
@@ -75,12 +85,15 @@ def nothing_moves(chain, regime, motion):
     anchor, strongest = chain.anchor_bead, 0.0
     for j in range(regime.bed.size):
         strongest = max(strongest, regime.bed[j])
-    if motion.anchor[1] != 0.0 or abs(bead_acceleration(anchor, chain, regime, motion.force)) > ROUND_OFF * strongest:
+    if (
+        motion.anchor[1] != 0.0
+        or abs(bead_acceleration(anchor, chain, regime, motion.force, 0.0)) > ROUND_OFF * strongest
+    ):
         return False
     for i in range(motion.mode.size):
         push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], chain.law[i, 0])
         rest = ROUND_OFF * max(push, abs(chain.external[i]) if chain.external.size else 0.0)
-        if motion.rate[i] != 0.0 or abs(acceleration_of(i, chain, motion.force)) > rest:
+        if motion.rate[i] != 0.0 or abs(acceleration_of(i, chain, motion.force, 0.0)) > rest:
             return False
     return True
 
@@ -117,27 +130,36 @@ def integrate(
     wanted = TOLERANCE_PART * tolerance * scale
     slow, negligible = NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
     time, control, counter, firm = start, scratch.control, log.counter, regime.bed.size > 0
+    timed, acts, until = chain.knots.time.size > 0, False, next_knot(time, end, chain.knots)
+    if timed:
+        acts = put_drive(time, chain, regime)
     if not resumed:
         begin(time, chain, regime, motion, wanted, slow, scratch, log)
     while True:
         if time >= end:
             return DONE, end
+        if time >= until:
+            acts = pass_knot(time, chain, regime, motion, wanted, slow, scratch, log)
+            until = next_knot(time, end, chain.knots)
         spent = counter[STEP] + counter[REJECTED]
         if spent >= most_steps:
             return OUT_OF_STEPS, time
         if spent >= pause or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
-        if firm and nothing_moves(chain, regime, motion):
-            return (SEPARATED, time) if stop else (DONE, end)
-        if nothing_pushes(chain, motion, negligible):
-            apart = stop and firm and not any_frozen(motion)  # what stays closed may only come to rest
+        if firm and not acts and nothing_moves(chain, regime, motion):
+            if until == end:
+                return (SEPARATED, time) if stop else (DONE, end)
+            time = until
+            continue
+        if not acts and nothing_pushes(chain, motion, negligible):
+            apart = stop and firm and until == end and not any_frozen(motion)  # what stays closed may only come to rest
             if apart and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
             time, row = fly_to_event(
-                time, math.inf if stop else end, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps,
+                time, until, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps,
                 log,
             )  # fmt: skip
-            if row < 0 and stop:
+            if row < 0 and stop and until == end:
                 return SEPARATED, time
             counter[FLIGHT] += 1
             if counter[FLIGHT] >= most_steps:
@@ -145,7 +167,7 @@ def integrate(
             continue
         if not math.isfinite(control[NEXT]):
             restart_control(control, first_step(chain, motion, scale))
-        kind, proposed, near = propose_step(control, end - time, allowed, chain, motion, wanted)
+        kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
         past_step = control[PAST_STEP]
         h, error, row, event, rejected = find_step(
             time, proposed, kind, allowed == DOP853, chain, regime, motion, wanted, slow, past_step, trial, scratch, log,
@@ -155,7 +177,7 @@ def integrate(
             control[AT_ONCE] += 1.0
             switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
             if event == SLIPS and regime.slide[row] == 0:
-                slip_by(row, trial.force[2], chain, regime, motion, slow, scratch)
+                slip_by(row, proposed, trial.force[2], chain, regime, motion, slow, scratch)
             continue
         if h == 0.0:
             if counter[STEP] + counter[REJECTED] >= most_steps:
@@ -169,9 +191,11 @@ def integrate(
         find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log)
         if steps.time.size:
             keep_step(time, h, kind, chain, regime, motion, trial, steps, counter)
-        absorb(chain, regime, motion, trial, scratch.work[0])
+        absorb(h, chain, regime, motion, trial, scratch.work)
         accept_step(kind, motion, trial, scratch.past)
-        before, time = time, time + h if h < end - time else end
+        before, time = time, time + h if h < until - time else until
+        if timed:  # at a knot those just before it
+            acts = put_drive(time if time < until else before + (1.0 - BESIDE) * (time - before), chain, regime)
         control[PAST_STEP] = h if kind == RADAU else 0.0
         counter[STEP] += 1
         if open_passed(row, event, chain, regime, motion, slow):
@@ -183,10 +207,14 @@ def integrate(
 
 
 @inlined
-def absorb(chain, regime, motion, trial, moved):
-    """Add what contacts and bed absorb in the step to come."""
+def absorb(h, chain, regime, motion, trial, work):
+    """Add what contacts and bed absorb in the step to come, and the work of forces over time."""
     if regime.easing.size or regime.bed.size:
         path = trial.anchor[0] - motion.anchor[0]
-        absorbed = absorbed_between(chain, regime, motion.overlap, moved, trial.overlap[2], path)
-        motion.absorbed[0] += absorbed[0]
-        motion.absorbed[1] += absorbed[1]
+        absorbed = absorbed_between(chain, regime, motion.overlap, work[0], trial.overlap[2], path)
+        motion.taken[0] += absorbed[0]
+        motion.taken[1] += absorbed[1]
+    if chain.knots.time.size:
+        given, braked = changing_work(h, chain, regime, motion, trial, work)
+        motion.taken[1] += braked
+        motion.taken[2] += given

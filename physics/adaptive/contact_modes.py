@@ -8,7 +8,14 @@ one problem for all, see `yield_or_slip`.
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF
-from softcradle.physics.adaptive.stick_slip_friction import GIVE, LOAD, bead_push, is_firm, load_beads, rest_exactly
+from softcradle.physics.adaptive.stick_slip_friction import (
+    GIVE,
+    LOAD,
+    drive_overlaps,
+    is_firm,
+    load_beads,
+    rest_exactly,
+)
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import signed_force
@@ -101,12 +108,8 @@ def make_effective(chain, regime, motion):
         for j in range(n + 1):
             chain.inverse_mass[j] = 0.0 if is_firm(regime, j) else regime.inverse_mass[j]
         rest_exactly(chain, regime, motion)
-        before = bead_push(chain, regime, 0)
-        for i in range(n):
-            after = bead_push(chain, regime, i + 1)
-            chain.external[i] = before - after
-            before = after
-        chain.external[n] = bead_push(chain, regime, chain.anchor_bead)
+    if regime.bed.size or chain.knots.bend.size:
+        drive_overlaps(chain, regime)
     for i in range(n):
         held = motion.mode[i] == LOADED or motion.mode[i] == TOUCHING
         if held and motion.rate[i] == 0.0 and chain.inverse_mass[i] == 0.0 and chain.inverse_mass[i + 1] == 0.0:

@@ -25,19 +25,20 @@ from softcradle.physics.adaptive.dop853_tableau import (
 )
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, larger, signed_force, slope_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
 
 
 @piece
-def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, upper):
-    """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage.
+def accelerate(first, last, passed, chain, mode, carried, overlap, force, acceleration, upper):
+    """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage, `passed` [s] after now.
 
     Where contacts from one wall to another all touch, a force through all of them moves nothing: the last keeps what it has
     `carried` (n,).
     """
-    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    law, inverse_mass = chain.law, chain.inverse_mass
     touching = False
     for i in range(first, last):
         force[i] = 0.0
@@ -55,7 +56,7 @@ def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, 
             upper[i] = 0.0
             if mode[i] == TOUCHING:
                 pivot = inverse_mass[i] + inverse_mass[i + 1]
-                load = external[i] if external.size else 0.0
+                load = drive_at(chain, i, passed)
                 if i > 0:
                     load += inverse_mass[i] * force[i - 1]
                     if mode[i - 1] == TOUCHING:
@@ -75,9 +76,9 @@ def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, 
         right = (force[i] - (force[i + 1] if i + 1 < force.size else 0.0)) * inverse_mass[i + 1]
         acceleration[i] = left - right
         left = right
-    if external.size:
+    if chain.external.size:
         for i in range(first, last):
-            acceleration[i] += external[i]
+            acceleration[i] += drive_at(chain, i, passed)
     if touching:
         for i in range(first, last):
             if mode[i] == TOUCHING:
@@ -85,13 +86,13 @@ def accelerate(first, last, chain, mode, carried, overlap, force, acceleration, 
 
 
 @piece
-def anchor_acceleration(chain, force):
-    """Acceleration of the anchor bead by the contact forces (n,) and from outside."""
-    inverse_mass, external, anchor_bead = chain.inverse_mass, chain.external, chain.anchor_bead
+def anchor_acceleration(chain, force, passed):
+    """Acceleration of the anchor bead by the contact forces (n,) and from outside, `passed` [s] after now."""
+    inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
     net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
     if anchor_bead < force.size:
         net -= force[anchor_bead]
-    return net * inverse_mass[anchor_bead] + (external[force.size] if external.size else 0.0)
+    return net * inverse_mass[anchor_bead] + drive_at(chain, force.size, passed)
 
 
 @piece
@@ -112,7 +113,7 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
             trial.overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
         touching |= mode[i] == TOUCHING
     for s in range(STAGES):
-        of_anchor[s] = anchor_acceleration(chain, force)
+        of_anchor[s] = anchor_acceleration(chain, force, h * NODES[s])
     last = ZERO
     while last < n:
         first, last = next_range(last, h, inactive, chain, motion)
@@ -134,7 +135,8 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
         for k in range(2):
             for i in range(n):
                 trial.force[k, i] = 0.0
-            accelerate(ZERO, n, chain, mode, motion.force, trial.overlap[k], trial.force[k], stage, upper)
+            passed = h * OUTPUT_NODES[k]
+            accelerate(ZERO, n, passed, chain, mode, motion.force, trial.overlap[k], trial.force[k], stage, upper)
             for i in range(n):
                 if mode[i] == FROZEN:
                     trial.force[k, i] = motion.force[i]
@@ -152,9 +154,9 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
             stage[i] = overlap[i] + NODES[s] * h * rate[i]
         for k in range(s):
             add_scaled(square * SQUARE[s, k], acceleration[k], first, last, stage)
-        accelerate(first, last, chain, mode, motion.force, stage, force, acceleration[s], upper)
+        accelerate(first, last, h * NODES[s], chain, mode, motion.force, stage, force, acceleration[s], upper)
         if moves_anchor:
-            scratch.anchor_acceleration[s] = anchor_acceleration(chain, force)
+            scratch.anchor_acceleration[s] = anchor_acceleration(chain, force, h * NODES[s])
     end_overlap, end_rate, fifth, third = trial.overlap[2], trial.rate[2], trial.overlap[0], trial.overlap[1]
     fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
     for i in range(first, last):
@@ -170,7 +172,7 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = overlap[i], 0.0
     worst = error_of_range(h, first, last, chain, motion, trial, force)
-    accelerate(first, last, chain, mode, motion.force, end_overlap, force, stage, upper)
+    accelerate(first, last, h, chain, mode, motion.force, end_overlap, force, stage, upper)
     for k in range(2):
         for i in range(first, last):
             trial.overlap[k, i] = hermite(

@@ -16,9 +16,10 @@ import numpy as np
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.contact_modes import loss_of, multiplier_bounds
 from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
-from softcradle.physics.adaptive.stick_slip_friction import bead_push
+from softcradle.physics.adaptive.stick_slip_friction import bead_bend, bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING
 
@@ -56,16 +57,15 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
 
 
 @inlined
-def acceleration_of(i, chain, force):
-    """w' of contact i under the contact forces (n,)."""
-    drive = chain.external[i] if chain.external.size else 0.0
-    return drive - flow_into(i, chain.inverse_mass, force)
+def acceleration_of(i, chain, force, passed):
+    """w' of contact i under the contact forces (n,), `passed` [s] after now."""
+    return drive_at(chain, i, passed) - flow_into(i, chain.inverse_mass, force)
 
 
 @inlined
 def overlap_guard(h, sign, i, chain, motion, trial, slow):
     """The guard ``sign d`` of contact i; its mode tells which way it leaves d = 0 where it starts there from rest."""
-    rate, bend = sign * motion.rate[i], sign * acceleration_of(i, chain, motion.force)
+    rate, bend = sign * motion.rate[i], sign * acceleration_of(i, chain, motion.force, 0.0)
     if motion.overlap[i] == 0.0 and rate <= slow:
         rate, bend = max(rate, 0.0), max(bend, 0.0)
     return hermite_quintic(
@@ -75,7 +75,7 @@ def overlap_guard(h, sign, i, chain, motion, trial, slow):
         bend,
         sign * trial.overlap[2, i],
         sign * trial.rate[2, i],
-        sign * acceleration_of(i, chain, trial.force[2]),
+        sign * acceleration_of(i, chain, trial.force[2], h),
     )
 
 
@@ -86,27 +86,39 @@ def rate_guard(h, sign, i, chain, motion, trial, slow):
     return hermite_cubic(
         h,
         sign * motion.rate[i] + lift,
-        sign * acceleration_of(i, chain, motion.force),
+        sign * acceleration_of(i, chain, motion.force, 0.0),
         sign * trial.rate[2, i] + lift,
-        sign * acceleration_of(i, chain, trial.force[2]),
+        sign * acceleration_of(i, chain, trial.force[2], h),
     )
 
 
 @inlined
-def friction_needed(j, regime, force):
-    """The friction [N] that bead j needs to stay at rest under the contact forces (n,)."""
+def friction_needed(j, chain, regime, force, passed):
+    """The friction [N] that bead j needs to stay at rest under the contact forces (n,), `passed` [s] after now."""
     found = regime.push[j] if regime.push.size else 0.0
+    if chain.knots.push_slope.size:
+        found += passed * chain.knots.push_slope[j]
     if j > 0:
         found += force[j - 1]
     return found - force[j] if j < force.size else found
 
 
 @inlined
-def bead_acceleration(j, chain, regime, force):
-    """Acceleration of bead j under the contact forces (n,)."""
+def most_friction(j, chain, regime, passed):
+    """The friction [N] that bead j can have, `passed` [s] after now."""
+    found = regime.bed[j]
+    if chain.knots.brake_slope.size:
+        found += passed * chain.knots.brake_slope[j]
+    return found / regime.inverse_mass[j]
+
+
+@inlined
+def bead_acceleration(j, chain, regime, force, passed):
+    """Acceleration of bead j under the contact forces (n,), `passed` [s] after now."""
     before = force[j - 1] if j > 0 else 0.0
     after = force[j] if j < force.size else 0.0
-    return (before - after) * chain.inverse_mass[j] + bead_push(chain, regime, j)
+    found = (before - after) * chain.inverse_mass[j] + bead_push(chain, regime, j)
+    return found + passed * bead_bend(chain, regime, j)
 
 
 @inlined
@@ -117,9 +129,9 @@ def velocity_guard(h, j, chain, regime, motion, trial, slow, before, after):
     return hermite_cubic(
         h,
         sign * before + lift,
-        sign * bead_acceleration(j, chain, regime, motion.force),
+        sign * bead_acceleration(j, chain, regime, motion.force, 0.0),
         sign * after + lift,
-        sign * bead_acceleration(j, chain, regime, trial.force[2]),
+        sign * bead_acceleration(j, chain, regime, trial.force[2], h),
     )
 
 
@@ -184,24 +196,26 @@ def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, w
                 if x < part:
                     row, kind, part = j, STOPS, x
             else:
-                x = slip_of(j, regime, motion, trial)
+                x = slip_of(h, j, chain, regime, motion, trial)
                 if x < part:
                     row, kind, part = j, SLIPS, x
     return row, kind, part
 
 
 @inlined
-def slip_of(j, regime, motion, trial):
+def slip_of(h, j, chain, regime, motion, trial):
     """The part of the step at which the static friction of bead j does not suffice any more."""
-    most = regime.bed[j] / regime.inverse_mass[j]
-    room = most * (1.0 + ROUND_OFF)
-    q0 = friction_needed(j, regime, motion.force)
-    q1, q2 = friction_needed(j, regime, trial.force[0]), friction_needed(j, regime, trial.force[1])
-    q3 = friction_needed(j, regime, trial.force[2])
-    if max(abs(q0), abs(q1), abs(q2), abs(q3)) < 0.5 * most:
+    first, last = most_friction(j, chain, regime, 0.0), most_friction(j, chain, regime, h)
+    q0 = friction_needed(j, chain, regime, motion.force, 0.0)
+    q1 = friction_needed(j, chain, regime, trial.force[0], h * NODES[0])
+    q2 = friction_needed(j, chain, regime, trial.force[1], h * NODES[1])
+    q3 = friction_needed(j, chain, regime, trial.force[2], h)
+    if max(abs(q0), abs(q1), abs(q2), abs(q3)) < 0.5 * min(first, last):
         return NONE
-    up = first_root(stage_guard(-1.0, room, q0, q1, q2, q3))
-    return min(up, first_root(stage_guard(1.0, room, q0, q1, q2, q3)))
+    room, wider = first * (1.0 + ROUND_OFF), (last - first) * (1.0 + ROUND_OFF)
+    r1, r2, r3 = room + NODES[0] * wider, room + NODES[1] * wider, room + wider
+    up = first_root(stage_cubic(room - q0, r1 - q1, r2 - q2, r3 - q3))
+    return min(up, first_root(stage_cubic(room + q0, r1 + q1, r2 + q2, r3 + q3)))
 
 
 @inlined
@@ -271,16 +285,17 @@ def guard_at_end(h, row, kind, chain, regime, motion, trial, work):
     f = trial.force
     if kind == STOPS:
         bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], work[AFTER])
-        return regime.slide[row] * work[AFTER, row], regime.slide[row] * bead_acceleration(row, chain, regime, f[2])
+        return regime.slide[row] * work[AFTER, row], regime.slide[row] * bead_acceleration(row, chain, regime, f[2], h)
     if kind == SLIPS:
-        most = regime.bed[row] / regime.inverse_mass[row]
-        q1, q2 = friction_needed(row, regime, f[0]), friction_needed(row, regime, f[1])
-        q3 = friction_needed(row, regime, f[2])
-        slope = end_slope(q1, q2, q3) / h
-        return (most - q3, -slope) if q3 > 0.0 else (most + q3, slope)
+        first, most = most_friction(row, chain, regime, 0.0), most_friction(row, chain, regime, h)
+        q1 = friction_needed(row, chain, regime, f[0], h * NODES[0])
+        q2 = friction_needed(row, chain, regime, f[1], h * NODES[1])
+        q3 = friction_needed(row, chain, regime, f[2], h)
+        slope, wider = end_slope(q1, q2, q3) / h, (most - first) / h
+        return (most - q3, wider - slope) if q3 > 0.0 else (most + q3, wider + slope)
     if kind == TURNS:
         sign = -1.0 if regime.easing[row] != 0 else 1.0
-        return sign * trial.rate[2, row], sign * acceleration_of(row, chain, f[2])
+        return sign * trial.rate[2, row], sign * acceleration_of(row, chain, f[2], h)
     if motion.mode[row] != TOUCHING:
         sign = -1.0 if kind == CLOSES else 1.0
         return sign * trial.overlap[2, row], sign * trial.rate[2, row]

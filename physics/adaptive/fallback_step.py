@@ -15,15 +15,20 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
 
     Returns its length.
     """
-    whole = as_motion(trial.overlap, trial.anchor, motion)
-    halves = as_motion(trial.rate, scratch.anchor_acceleration[:2], motion)
+    spare, knots = scratch.anchor_acceleration, chain.knots
+    whole = as_motion(trial.overlap, trial.anchor, spare[:4], motion)
+    halves = as_motion(trial.rate, spare[4:6], spare[6:10], motion)
     least = ROUND_OFF * h
     while True:
+        for j in range(knots.push_slope.size):
+            chain.push[j] += 0.5 * h * knots.push_slope[j]  # its mean in the step
         copy_motion(whole, motion)
         copy_motion(halves, motion)
         for k in range(3):
             part, moved = (h, whole) if k == 0 else (0.5 * h, halves)
             log.counter[EVALUATION] += abs(gradient_step(part, chain, None, moved, scratch.work, scratch.work))
+        for j in range(knots.push_slope.size):
+            chain.push[j] -= 0.5 * h * knots.push_slope[j]
         agree = True  # where a rate is not a number, it is not the same as nothing
         for i in range(motion.mode.size):
             agree &= abs(whole.rate[i] - halves.rate[i]) <= wanted
@@ -40,6 +45,6 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
 
 
 @inlined
-def as_motion(rows, anchor, motion):
+def as_motion(rows, anchor, taken, motion):
     """A Motion whose overlaps, rates and forces are `rows` (3, n)."""
-    return Motion(rows[0], rows[1], anchor, rows[2], motion.absorbed, motion.mode, motion.held)
+    return Motion(rows[0], rows[1], anchor, rows[2], taken, motion.mode, motion.held)

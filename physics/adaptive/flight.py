@@ -96,7 +96,7 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
 def drift(passed, chain, regime, motion, velocity):
     """Move all overlaps and the anchor on by `passed` [s] of free flight, or back."""
     if regime.bed.size:
-        motion.absorbed[1] += flight_work(passed, chain, regime, motion, velocity)
+        motion.taken[1] += flight_work(passed, chain, regime, motion, velocity)
     for i in range(motion.mode.size):
         if motion.mode[i] != FROZEN:
             motion.overlap[i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), passed)

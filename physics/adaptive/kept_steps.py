@@ -100,14 +100,14 @@ class KeptSteps:
         state, done, rows = found.end, int(self._log.counter[SAMPLE]), times.size
         if found.status.gave_up:
             rows = max(done, int(np.searchsorted(times, state.time, side="right")))
-        overlap, rate, anchor, force, absorbed = (row[:rows] for row in self._samples[1:])
+        overlap, rate, anchor, force, taken = (row[:rows] for row in self._samples[1:])
         left = times[done:rows] - state.time
         overlap[done:], rate[done:], force[done:] = state.overlap + np.outer(left, state.rate), state.rate, state.force
         anchor[done:, 0], anchor[done:, 1] = state.anchor[0] + left * state.anchor[1], state.anchor[1]
-        absorbed[done:] = state.absorbed
+        taken[done:] = state.taken
         _spare.blocks = [self.steps, *(steps for steps, _ in self._chunks)][:MOST_SPARE]
         return replace(
-            found, time=times[:rows], overlap=overlap, rate=rate, anchor=anchor, force=force, absorbed=absorbed, kept=None
+            found, time=times[:rows], overlap=overlap, rate=rate, anchor=anchor, force=force, taken=taken, kept=None
         )  # fmt: skip
 
 

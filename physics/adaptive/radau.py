@@ -14,6 +14,7 @@ from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TR
 from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -46,7 +47,7 @@ def eliminate(h, chain, motion, trial, scratch):
 
     Row (k, i): sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external acceleration e.
     """
-    inverse_mass, external, overlap, rate = chain.inverse_mass, chain.external, motion.overlap, motion.rate
+    inverse_mass, overlap, rate = chain.inverse_mass, motion.overlap, motion.rate
     stage_overlap, stage_force, mode = trial.overlap, trial.force, motion.mode
     along, across, block, z = scratch.along, scratch.across, scratch.block, scratch.correction
     n = overlap.size
@@ -58,8 +59,7 @@ def eliminate(h, chain, motion, trial, scratch):
         e2 = stage_overlap[2, i] - overlap[i] - h * NODES[2] * rate[i]
         for k in range(3):
             flow = square * flow_into(i, inverse_mass, stage_force[k])
-            if external.size:
-                flow -= square * external[i]
+            flow -= square * drive_at(chain, i, h * NODES[k])
             z[k, i] = -(SQUARE_INVERSE[k, 0] * e0 + SQUARE_INVERSE[k, 1] * e1 + SQUARE_INVERSE[k, 2] * e2 + flow)
         m00 = SQUARE_INVERSE[0, 0] * along[0, i] + (left + right) * across[0, i]
         m11 = SQUARE_INVERSE[1, 1] * along[1, i] + (left + right) * across[1, i]
@@ -168,7 +168,7 @@ def stage_rates(h, chain, motion, trial):
     An error of d is one of d / h in the latter and of h weight slope d in the former, so the latter is finer where a contact
     oscillates in the step: where the overlaps are smaller than what the forces above the preload move, deep inside a cluster.
     """
-    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    law, inverse_mass = chain.law, chain.inverse_mass
     overlap, rate, mode = motion.overlap, motion.rate, motion.mode
     stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
     for i in range(overlap.size):
@@ -177,7 +177,11 @@ def stage_rates(h, chain, motion, trial):
             flow_into(i, inverse_mass, stage_force[1]),
             flow_into(i, inverse_mass, stage_force[2]),
         )
-        drive = external[i] if external.size else 0.0
+        drive = (
+            drive_at(chain, i, h * NODES[0]),
+            drive_at(chain, i, h * NODES[1]),
+            drive_at(chain, i, h * NODES[2]),
+        )
         moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
         largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
         pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
@@ -188,25 +192,23 @@ def stage_rates(h, chain, motion, trial):
                 stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
             else:
                 stage_rate[k, i] = rate[i] - h * (
-                    TABLEAU[k, 0] * (flow[0] - drive)
-                    + TABLEAU[k, 1] * (flow[1] - drive)
-                    + TABLEAU[k, 2] * (flow[2] - drive)
+                    TABLEAU[k, 0] * (flow[0] - drive[0])
+                    + TABLEAU[k, 1] * (flow[1] - drive[1])
+                    + TABLEAU[k, 2] * (flow[2] - drive[2])
                 )
 
 
 @inlined
 def move_anchor(h, chain, anchor, trial):
     """Position and velocity of the anchor bead at the end of the step."""
-    inverse_mass, external, anchor_bead = chain.inverse_mass, chain.external, chain.anchor_bead
+    inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
     stage_force, end_anchor = trial.force, trial.anchor
     n = stage_force.shape[1]
     end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
     for j in range(3):
         net = stage_force[j, anchor_bead - 1] if anchor_bead > 0 else 0.0
         net -= stage_force[j, anchor_bead] if anchor_bead < n else 0.0
-        acceleration = net * inverse_mass[anchor_bead]
-        if external.size:
-            acceleration += external[n]
+        acceleration = net * inverse_mass[anchor_bead] + drive_at(chain, n, h * NODES[j])
         square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
         end_anchor[0] += h * h * square * acceleration
         end_anchor[1] += h * TABLEAU[2, j] * acceleration

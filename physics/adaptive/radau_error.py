@@ -7,6 +7,7 @@ import math
 from softcradle.physics.adaptive.constants import RATIO, ROUND_OFF
 from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import care, flow_into, larger, slope_at
 from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
 
@@ -30,7 +31,7 @@ def embedded_error(h, chain, motion, trial, work):
     (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
     overlap, which counts by its energy, sqrt(L C) phi. Of each contact counts its own ratio of the two.
     """
-    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    law, inverse_mass = chain.law, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_rate, stage_force = trial.overlap, trial.rate, trial.force
     n = overlap.size
@@ -38,8 +39,8 @@ def embedded_error(h, chain, motion, trial, work):
     reach = h * GAMMA
     fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
     for i in range(n):
-        drive = external[i] if external.size else 0.0
-        fine_w, fine_d = reach * (drive - flow_into(i, inverse_mass, force)), reach * rate[i]
+        fine_w = reach * (drive_at(chain, i, 0.0) - flow_into(i, inverse_mass, force))
+        fine_d = reach * rate[i]
         coarse_w, coarse_d = 0.0, 0.0
         for k in range(3):
             by_rate, by_overlap = stage_rate[k, i] - rate[i], stage_overlap[k, i] - overlap[i]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from softcradle.physics.adaptive.constants import FOLLOW, MOST_GUESSED, ROUND_OFF, SUDDEN
 from softcradle.physics.numerics.elementary import exp, log, power
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -20,7 +21,7 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
     it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), or keep their
     force where `past_step` is NO_GUESS; others keep their rate.
     """
-    law, inverse_mass, external = chain.law, chain.inverse_mass, chain.external
+    law, inverse_mass = chain.law, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
     follows = past_step > 0.0 and h < FOLLOW * past_step
@@ -75,8 +76,9 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
         for k in range(3):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
                 set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
-                if external.size and external[i] > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
-                    push = external[i] / (inverse_mass[i] + inverse_mass[i + 1])
+                drive = drive_at(chain, i, h * NODES[k])
+                if drive > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                    push = drive / (inverse_mass[i] + inverse_mass[i + 1])
                     set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
 
 

@@ -174,10 +174,10 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     counter, status, scratch = memory.log.counter, Status(code), memory.scratch
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
     error = DOUBT * growth * float(np.sqrt(scratch.control[LOCAL_SQUARE]))
-    overlap, rate, anchor, force, absorbed = empty_samples(0, problem.chain.contacts)
+    overlap, rate, anchor, force, taken = empty_samples(0, problem.chain.contacts)
     return Record(
         NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
-        int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, absorbed,
+        int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, taken,
         np.full(problem.chain.contacts + 1, error), growth,
         kept=None if problem.later and kept.overflows else kept,
     )  # fmt: skip
@@ -246,7 +246,7 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     chain, start, end = problem.chain, problem.state, record.end
     before = start.energy(chain)
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (start.velocity(chain) != 0.0)).any())
-    if wall_moves or start.external(chain) is not None:
+    if wall_moves or chain.forces or start.external(chain) is not None:
         return before, 0.0
     return before, abs(end.energy(chain) + float((end.absorbed - start.absorbed).sum()) - before)
 

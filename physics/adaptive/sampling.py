@@ -6,10 +6,13 @@ A run keeps its steps, for without a duration it does not know before its end wh
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
+from softcradle.physics.adaptive.event_location import bead_acceleration
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau_guess import INSIDE
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
+from softcradle.physics.adaptive.stick_slip_friction import put_drive
+from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
@@ -29,15 +32,43 @@ def absorbed_between(chain, regime, before, moved, end, path):
             fall = energy(preload, stiffness, exponent, before[i]) - energy(preload, stiffness, exponent, end[i])
             by_contacts += regime.loss[i] * fall
     if regime.bed.size:
-        moved[chain.anchor_bead] = path
-        for j in range(chain.anchor_bead - 1, -1, -1):
-            moved[j] = moved[j + 1] + (end[j] - before[j])
-        for j in range(chain.anchor_bead, before.size):
-            moved[j + 1] = moved[j] - (end[j] - before[j])
+        bead_paths(chain, before, end, path, moved)
         for j in range(moved.size):
             if regime.bed[j] > 0.0:
                 by_bed += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * moved[j]
     return by_contacts, by_bed
+
+
+@inlined
+def bead_paths(chain, before, end, path, moved):
+    """Ways of the beads (n+1,) into `moved` while overlaps go from `before` to `end` (n,), and the anchor bead by `path`."""
+    moved[chain.anchor_bead] = path
+    for j in range(chain.anchor_bead - 1, -1, -1):
+        moved[j] = moved[j + 1] + (end[j] - before[j])
+    for j in range(chain.anchor_bead, before.size):
+        moved[j + 1] = moved[j] - (end[j] - before[j])
+
+
+@piece
+def changing_work(h, chain, regime, motion, trial, work):
+    """(work of forces over time, what brakes absorb beyond their strength at the start) [J] in a step of length `h`.
+
+    With x the way of a bead, a force p + s t gives it (p + s h) x - s times the integral of x, by the quintic through both ends.
+    """
+    moved, v0, v1, knots = work[0], work[1], work[2], chain.knots
+    bead_paths(chain, motion.overlap, trial.overlap[2], trial.anchor[0] - motion.anchor[0], moved)
+    bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], v0)
+    bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], v1)
+    given, braked = 0.0, 0.0
+    for j in range(moved.size):
+        if chain.inverse_mass[j] > 0.0:
+            bend = bead_acceleration(j, chain, regime, motion.force, 0.0)
+            bend += bead_acceleration(j, chain, regime, trial.force[2], h)
+            late = h * (0.5 * moved[j] - h * (0.1 * (v0[j] - v1[j]) + h / 120.0 * bend))
+            given += (chain.push[j] - knots.drive[j]) * moved[j] + knots.push_slope[j] * late
+            if regime.bed.size and knots.brake_slope.size:
+                braked += regime.slide[j] * knots.brake_slope[j] / regime.inverse_mass[j] * late
+    return given, braked
 
 
 @inlined
@@ -60,7 +91,7 @@ def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, step
     row, flags = steps.values[k], steps.flags[k]
     at = carry(keeps, row, carry(keeps, row, 0, motion.force), motion.overlap)
     at = carry(keeps, row, carry(keeps, row, at, motion.rate), motion.anchor)
-    at, end = carry(keeps, row, at, motion.absorbed), carry(keeps, flags, 0, motion.mode)
+    at, end = carry(keeps, row, at, motion.taken), carry(keeps, flags, 0, motion.mode)
     if regime.bed.size or regime.easing.size:
         for i in range(motion.mode.size):
             at = carry(keeps, row, at, chain.law[i])
@@ -102,6 +133,8 @@ def sample_steps(
         end = steps.time[k] + steps.length[k]
         if counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
             restore_step(k, chain, regime, motion, scratch.past, steps)
+            if chain.knots.time.size:
+                put_drive(steps.time[k], chain, regime)
         while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
             passed = samples.time[counter[SAMPLE]] - steps.time[k]
             if steps.kind[k] == FLOWN or passed <= 0.0:  # before the step lies one of another method
@@ -132,8 +165,12 @@ def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch
     samples.anchor[k, 1] = trial.anchor[1]
     path = samples.anchor[k, 0] - motion.anchor[0]
     absorbed = absorbed_between(chain, regime, motion.overlap, scratch.work[0], samples.overlap[k], path)
-    samples.absorbed[k, 0] = motion.absorbed[0] + absorbed[0]
-    samples.absorbed[k, 1] = motion.absorbed[1] + absorbed[1]
+    samples.taken[k, 0] = motion.taken[0] + absorbed[0]
+    samples.taken[k, 1] = motion.taken[1] + absorbed[1]
+    if chain.knots.time.size:
+        given, braked = changing_work(length, chain, regime, motion, trial, scratch.work)
+        samples.taken[k, 1] += braked
+        samples.taken[k, 2] = motion.taken[2] + given
 
 
 @piece
@@ -148,6 +185,6 @@ def sample_flight(passed, chain, regime, motion, samples, k, velocity):
     bend = bend_of(chain, n) if passed > 0.0 else 0.0
     samples.anchor[k, 0] = motion.anchor[0] + passed * (motion.anchor[1] + 0.5 * passed * bend)
     samples.anchor[k, 1] = motion.anchor[1] + passed * bend
-    samples.absorbed[k, 0], samples.absorbed[k, 1] = motion.absorbed[0], motion.absorbed[1]
+    copy_into(samples.taken[k], motion.taken)
     if regime.bed.size and passed > 0.0:
-        samples.absorbed[k, 1] += flight_work(passed, chain, regime, motion, velocity)
+        samples.taken[k, 1] += flight_work(passed, chain, regime, motion, velocity)

@@ -101,7 +101,7 @@ def empty_trial(contacts: int) -> Trial:
 
 def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
     """Memory of `rows` steps."""
-    values, flags = 9 * contacts + 4, contacts
+    values, flags = 9 * contacts + 6, contacts
     if dissipative:
         values, flags = values + 5 * contacts + 2, flags + 2 * contacts + 1
     time, length, kind = np.empty(rows), np.empty(rows), np.empty(rows, dtype=np.int8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import put_values
 
 # rows (n+1,) of the work array: known forces on beads, and the static friction of those at rest
 LOAD, GIVE = 5, 6
@@ -30,13 +31,48 @@ def bead_push(chain, regime, j):
     return found - regime.slide[j] * regime.bed[j] if regime.bed.size else found
 
 
+@inlined
+def bead_bend(chain, regime, j):
+    """By how much that acceleration changes [m/s³]."""
+    knots = chain.knots
+    if knots.bend.size == 0 or chain.inverse_mass[j] == 0.0:
+        return 0.0
+    found = knots.push_slope[j] * regime.inverse_mass[j]
+    return found - regime.slide[j] * knots.brake_slope[j] if regime.bed.size and knots.brake_slope.size else found
+
+
 @piece
-def find_slides(chain, regime, motion, velocity):
-    """Which way each bead slides, from the velocities; called once, for later only events change it."""
+def drive_overlaps(chain, regime):
+    """What all contacts and the anchor bead see of the forces from outside, and of friction of beads that slide."""
+    n, bend = regime.inverse_mass.size - 1, chain.knots.bend
+    for i in range(n):
+        chain.external[i] = bead_push(chain, regime, i) - bead_push(chain, regime, i + 1)
+    chain.external[n] = bead_push(chain, regime, chain.anchor_bead)
+    if bend.size:
+        for i in range(n):
+            bend[i] = bead_bend(chain, regime, i) - bead_bend(chain, regime, i + 1)
+        bend[n] = bead_bend(chain, regime, chain.anchor_bead)
+
+
+@piece
+def put_drive(time, chain, regime):
+    """Let forces and brakes be those at `time`; returns whether beads that nothing touches move otherwise than in parabolas."""
+    acts = put_values(time, chain.knots, regime.push, regime.bed)
+    drive_overlaps(chain, regime)
+    return acts
+
+
+@piece
+def find_slides(chain, regime, motion, known, velocity):
+    """Which way each bead slides, from the velocities; later only events change it: it is `known` where that is not 0.
+
+    `velocity` (n+1,) is scratch memory.
+    """
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(velocity.size):
-            regime.slide[j] = 1 if velocity[j] > 0.0 else (-1 if velocity[j] < 0.0 else 0)
+            if known[j] == 0.0:
+                regime.slide[j] = 1 if velocity[j] > 0.0 else (-1 if velocity[j] < 0.0 else 0)
 
 
 @inlined

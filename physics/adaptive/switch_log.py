@@ -16,6 +16,7 @@ from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import cubic, flow_into, signed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
@@ -59,8 +60,7 @@ def grow_errors(row, event, chain, motion, wanted, scratch):
         loaded, rate = motion.mode[i] == LOADED, motion.rate[i]
         own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
         others = own - flow_into(i, chain.inverse_mass, motion.force)
-        if chain.external.size:
-            others += chain.external[i]
+        others += drive_at(chain, i, 0.0)
         turned = abs(rate) > slowest and course[i] * rate < 0.0
         if loaded and i == row and event == OPENS:
             return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
@@ -150,10 +150,9 @@ def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, 
 def opening_of_quintic(i, h, chain, motion, trial):
     """When contact i opens by the quintic through overlaps, rates and accelerations of both ends of the step, and the
     overlap that the cubic through the stages has then."""
-    drive = chain.external[i] if chain.external.size else 0.0
     d0, w0, d1, w1 = motion.overlap[i], motion.rate[i], trial.overlap[2, i], trial.rate[2, i]
-    a0 = drive - flow_into(i, chain.inverse_mass, motion.force)
-    a1 = drive - flow_into(i, chain.inverse_mass, trial.force[2])
+    a0 = drive_at(chain, i, 0.0) - flow_into(i, chain.inverse_mass, motion.force)
+    a1 = drive_at(chain, i, h) - flow_into(i, chain.inverse_mass, trial.force[2])
     low, high = 0.0, 1.0
     while high - low > ROUND_OFF:
         x = 0.5 * (low + high)

@@ -15,15 +15,17 @@ from softcradle.physics.adaptive.event_location import (
     YIELDS,
     friction_needed,
     is_continued,
+    most_friction,
 )
 from softcradle.physics.adaptive.fallback_step import fallback_step
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
-from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LOCAL_SQUARE, NEXT, PAST_STEP
-from softcradle.physics.adaptive.stick_slip_friction import find_slides, stop_bead, stop_beside
+from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LAST, LOCAL_SQUARE, NEXT, PAST_STEP
+from softcradle.physics.adaptive.stick_slip_friction import find_slides, put_drive, stop_bead, stop_beside
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import flow_into
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
@@ -64,8 +66,7 @@ def open_passed(row, event, chain, regime, motion, slow):
         elif motion.mode[i] == LOADED and motion.overlap[i] < 0.0:
             any_passed = True
             motion.force[i] = 0.0
-            drive = chain.external[i] if chain.external.size else 0.0
-            if abs(motion.rate[i]) > slow or flow_into(i, chain.inverse_mass, motion.force) > drive:
+            if abs(motion.rate[i]) > slow or flow_into(i, chain.inverse_mass, motion.force) > drive_at(chain, i, 0.0):
                 motion.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
                 motion.overlap[i] = 0.0
@@ -80,16 +81,16 @@ def open_passed(row, event, chain, regime, motion, slow):
 def slip(j, chain, regime, motion, slow, scratch):
     """Let bead j slip, unless contacts that are held can take up what its friction lacks."""
     resolve_modes(chain, regime, motion, slow, scratch)
-    needed = friction_needed(j, regime, motion.force)
+    needed = friction_needed(j, chain, regime, motion.force, 0.0)
     if regime.slide[j] == 0 and abs(needed) >= (1.0 - ROUND_OFF) * regime.bed[j] / regime.inverse_mass[j]:
         regime.slide[j] = 1 if needed > 0.0 else -1
 
 
 @piece
-def slip_by(j, force, chain, regime, motion, slow, scratch):
-    """Let bead j slip at once under contact forces (n,) that a step has shown: those at its start are not yet so large."""
-    needed = friction_needed(j, regime, force)
-    if abs(needed) > regime.bed[j] / regime.inverse_mass[j]:
+def slip_by(j, h, force, chain, regime, motion, slow, scratch):
+    """Let bead j slip at once under contact forces (n,) that a step of length `h` has shown: at its start they are smaller."""
+    needed = friction_needed(j, chain, regime, force, h)
+    if abs(needed) > most_friction(j, chain, regime, h):
         regime.slide[j] = 1 if needed > 0.0 else -1
         resolve_modes(chain, regime, motion, slow, scratch)
 
@@ -145,7 +146,9 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
     first = math.inf
     for i in range(motion.mode.size):
         motion.held[i] = 0
-    find_slides(chain, regime, motion, scratch.work[0])
+    for j in range(regime.bed.size):
+        scratch.work[1, j] = 0.0
+    find_slides(chain, regime, motion, scratch.work[1], scratch.work[0])
     resolve_modes(chain, regime, motion, slow, scratch)
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
@@ -161,9 +164,27 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
 
 
 @piece
+def pass_knot(time, chain, regime, motion, wanted, slow, scratch, log):
+    """Go on under the forces and brakes after a knot; what is held is resolved anew. Returns what `put_drive` does."""
+    known = scratch.work[1]
+    for j in range(regime.bed.size):
+        known[j] = regime.bed[j]
+    acts = put_drive(time, chain, regime)
+    find_slides(chain, regime, motion, known, scratch.work[0])
+    for i in range(motion.mode.size):
+        motion.held[i] = 0
+    resolve_modes(chain, regime, motion, slow, scratch)
+    scratch.control[LAST], scratch.control[PAST_STEP] = 0.0, 0.0
+    log_switches(time, time, motion, wanted, scratch, log)
+    return acts
+
+
+@piece
 def fall_back(h, time, chain, regime, motion, wanted, slow, trial, scratch, log):
     """One step of the discrete gradient of length `h` at most; returns its length."""
     h = fallback_step(h, chain, motion, wanted, trial, scratch, log)
+    if chain.knots.time.size:
+        put_drive(time + h, chain, regime)
     resolve_modes(chain, regime, motion, slow, scratch)
     log_switches(time, time + h, motion, wanted, scratch, log)
     restart_control(scratch.control, h / SHRINK)

@@ -18,6 +18,11 @@ def usual_budget(contacts: int, tolerance: float) -> int:
     return int(min(budget * _finer(tolerance), MOST_STEPS))
 
 
+def _of_chain(problem: Problem) -> int:
+    """The same, after the start and after each knot of its forces anew."""
+    return usual_budget(problem.chain.contacts, problem.tolerance) * (1 + len(problem.chain.knots))
+
+
 def _finer(tolerance: float) -> float:
     """Times the steps at the usual tolerance."""
     return float(max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU])
@@ -33,7 +38,7 @@ def _lasting(problem: Problem, time: float, speed: float) -> int:
 
 def usual_steps(problem: Problem, speed: float) -> int:
     """The usual budget of a whole run; `speed` [m/s] is that of the fastest closing there can be, see `closing_scale`."""
-    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, problem.end, speed)
+    return _of_chain(problem) + _lasting(problem, problem.end, speed)
 
 
 def step_budget(problem: Problem, time: float, speed: float) -> int:
@@ -47,4 +52,4 @@ def step_budget(problem: Problem, time: float, speed: float) -> int:
         return MOST_STEPS + _lasting(problem, time, speed)
     if problem.budget is not None:
         return problem.budget
-    return usual_budget(problem.chain.contacts, problem.tolerance) + _lasting(problem, time, speed)
+    return _of_chain(problem) + _lasting(problem, time, speed)

@@ -26,7 +26,7 @@ from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import DISCRETE_GRADIENT, SPLITTING
 from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
-from softcradle.physics.numerics.records import COUNTERS, DONE, SEPARATED
+from softcradle.physics.numerics.records import COUNTERS, DONE, NO_KNOTS, SEPARATED
 from softcradle.physics.problem import MOST_STEPS
 from softcradle.physics.scales import velocity_room
 
@@ -89,7 +89,7 @@ def march_part(kernel: Any, method: str, run: BatchRun, part: Part) -> None:
             part.chains, kind, *fixed_step.DRIFTS_AND_KICKS[method], run.stop, fixed_step.MOST_STEPS, part.driven,
             True if part.lossy or part.braked else None, part.braked, part.bead, tuple(run.data), tuple(run.moving),
             tuple(scratch.spare), tuple(scratch.samples), log.contact, log.time, tuple(scratch.checkpoints),
-            tuple(scratch.pause), np.zeros(2), NO_FLAGS, scratch.beads, scratch.work,
+            tuple(scratch.pause), np.zeros(4), NO_FLAGS, NO_KNOTS, scratch.beads, scratch.work,
         )  # fmt: skip
 
 
@@ -131,7 +131,7 @@ def integrate_part(kernel: Any, accuracy: Accuracy, run: BatchRun, part: Part) -
         kernel(
             part.chains, ALLOWED[accuracy.method], run.stop, accuracy.budget, accuracy.scale, accuracy.tolerance, part.driven,
             part.lossy, part.braked, part.bead, tuple(run.data), tuple(run.moving), effective, modes, *memory, *log,
-            np.zeros(2), accuracy.grown, accuracy.turns, accuracy.control,
+            np.zeros(4), NO_KNOTS, accuracy.grown, accuracy.turns, accuracy.control,
         )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ class BatchMotion(NamedTuple):
 @jit
 def march_each(
     which, kind, drifts, kicks, stop, most_steps, driven, dissipates, braked, bead, batch_fields, motion_fields,
-    spare_fields, sample_fields, contact, switch_time, checkpoint_fields, pause_fields, absorbed, flags, beads, work,
+    spare_fields, sample_fields, contact, switch_time, checkpoint_fields, pause_fields, taken, flags, knots, beads, work,
 ):  # fmt: skip
     """`march` for each of the chains `which`; all have the anchor bead `bead`, and `dissipates` is None where none does."""
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
@@ -54,8 +54,8 @@ def march_each(
         c = which[k]
         push, bed = batch.push[c], batch.bed[c]
         push = push if driven else push[:0]
-        chain = batch.law[c], batch.inverse_mass[c], push, push, bead, None, None
-        motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], absorbed, flags, flags
+        chain = batch.law[c], batch.inverse_mass[c], push, push, bead, None, None, knots
+        motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, flags, flags
         log = contact, switch_time, moving.closed[c], moving.counter[c]
         if dissipates is None:
             moving.status[c], moving.time[c] = march(
@@ -120,8 +120,8 @@ def clear_scratch(scratch):
 @jit
 def integrate_each(
     which, allowed, stop, most_steps, scale, tolerance, driven, lossy, braked, bead, batch_fields, motion_fields,
-    effective, modes, trial_fields, look_fields, scratch_fields, steps_fields, contact, switch_time, absorbed,
-    grown, turns, control,
+    effective, modes, trial_fields, look_fields, scratch_fields, steps_fields, contact, switch_time, taken,
+    knots, grown, turns, control,
 ):  # fmt: skip
     """`integrate` for each of the chains `which`; all have the anchor bead `bead`.
 
@@ -139,7 +139,7 @@ def integrate_each(
         clear_trial(trial)
         clear_trial(look)
         clear_scratch(scratch)
-        clear_row(absorbed)
+        clear_row(taken)
         for i in range(n):
             mode[i], held[i], easing[i] = 0, 0, 0
             law[i, 0], law[i, 1], law[i, 2] = batch.law[c, i, 0], batch.law[c, i, 1], batch.law[c, i, 2]
@@ -153,12 +153,12 @@ def integrate_each(
         push, bed, loss = batch.push[c], batch.bed[c], batch.loss[c]
         push = push if driven else push[:0]
         forced = external if driven or braked else external[:0]
-        chain = law, inverse_mass, push, forced, bead, None, None
+        chain = law, inverse_mass, push, forced, bead, None, None, knots
         regime = (
             batch.law[c], batch.inverse_mass[c], push, loss if lossy else loss[:0], bed if braked else bed[:0],
             slide if braked else slide[:0], easing if lossy else easing[:0],
         )  # fmt: skip
-        motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], absorbed, mode, held
+        motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
         log = contact, switch_time, moving.closed[c], moving.counter[c]
         moving.status[c], moving.time[c] = integrate(
             allowed, False, 0.0, batch.end[c], stop, most_steps[c], NEVER, scale[c], tolerance, chain, regime, motion,

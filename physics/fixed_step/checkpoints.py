@@ -46,7 +46,7 @@ class Checkpoints(NamedTuple):
     rate: Array  # (R, n)
     anchor: Array  # (R, 2)
     force: Array  # (R, n)
-    absorbed: Array  # (R, 2)
+    taken: Array  # (R, 4)
     plan: NDArray[np.int64]  # (3,)
 
 
@@ -70,7 +70,7 @@ def empty_checkpoints(contacts: int, kept: bool) -> Checkpoints:
     wide, narrow = (rows, contacts), (rows, 2)
     plan = np.array([0, 0 if kept else NEVER, FIRST_SPACING])
     return Checkpoints(
-        np.empty(rows), np.empty(wide), np.empty(wide), np.empty(narrow), np.empty(wide), np.empty(narrow), plan
+        np.empty(rows), np.empty(wide), np.empty(wide), np.empty(narrow), np.empty(wide), np.empty((rows, 4)), plan
     )
 
 
@@ -86,7 +86,7 @@ def keep_checkpoint(time, motion, kept, counter):
             copy_into(kept.rate[k], kept.rate[2 * k])
             copy_into(kept.anchor[k], kept.anchor[2 * k])
             copy_into(kept.force[k], kept.force[2 * k])
-            copy_into(kept.absorbed[k], kept.absorbed[2 * k])
+            copy_into(kept.taken[k], kept.taken[2 * k])
         plan[COUNT], plan[SPACING] = left, 2 * plan[SPACING]
     k = plan[COUNT]
     kept.time[k] = time

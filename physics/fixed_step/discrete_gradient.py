@@ -17,6 +17,7 @@ from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.contact_solve import solve_contacts
 from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
@@ -94,17 +95,17 @@ def absorb(h, chain, dissipation, motion, beads, work):
     for i in range(overlap.size):
         if is_joint(chain.joints, i):
             fall = joint_fall(chain.joints, i, overlap[i], end[i], False)
-            motion.absorbed[0] += motion.force[i] * (end[i] - overlap[i]) + fall
+            motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
         elif loses(dissipation.loss[i], overlap[i], motion.rate[i]):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
-            motion.absorbed[0] += motion.force[i] * (end[i] - overlap[i]) + fall
+            motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
     for j in range(bed.size):
         if bed[j] > 0.0:
             before, ended = beads[START_VELOCITY, j], velocity_after(h, j, beads, bed)
             sticks = math.isnan(beads[FRICTION, j])
             braked = beads[FREE_VELOCITY, j] / h if sticks else -beads[FRICTION, j]
-            motion.absorbed[1] += 0.5 * h * braked * (before + ended) / chain.inverse_mass[j]
+            motion.taken[1] += 0.5 * h * braked * (before + ended) / chain.inverse_mass[j]
 
 
 @inlined
@@ -206,7 +207,12 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
             if NEAR_END < part < 1.0 - NEAR_END:
                 return used, part
         absorb(h, chain, dissipation, motion, beads, work)
+    timed = chain.knots.time.size > 0
+    if timed:
+        add_half_work(h, chain, motion, beads[START_VELOCITY])
     move(h, chain, dissipation, motion, beads, work)
+    if timed:
+        add_half_work(h, chain, motion, beads[START_VELOCITY])
     settle_joint_forces(chain.joints, motion)
     return used, 1.0
 
@@ -247,12 +253,16 @@ def gradient_step(h, chain, dissipation, motion, beads, work):
 
 
 @jit
-def gradient_steps(most, h, chain, dissipation, motion, closed, beads, work, counter):
-    """Up to `most` steps in place, until a contact leaves the state in `closed` or, with dissipation, all beads rest.
+def gradient_steps(most, time, h, chain, dissipation, motion, closed, beads, work, counter):
+    """Up to `most` steps from `time` on in place, until a contact leaves the state in `closed` or, with dissipation, all rest.
 
     Counts evaluations and steps that did not converge in `counter`. Returns the steps taken.
     """
     for step in range(most):
+        if chain.knots.time.size:
+            put_mean(
+                time + step * h, h, chain.knots, chain.push, chain.push if dissipation is None else dissipation.bed
+            )
         used = gradient_step(h, chain, dissipation, motion, beads, work)
         counter[EVALUATION] += abs(used)
         counter[UNCONVERGED] += 1 if used < 0 else 0

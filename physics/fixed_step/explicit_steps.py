@@ -25,6 +25,7 @@ import numpy as np
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
 from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, joint_force, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.own_contacts import force_at
 from softcradle.physics.numerics.switches import any_switched
@@ -49,11 +50,11 @@ def drift(part, chain, dissipation, motion):
         before = overlap[i]
         overlap[i] += part * rate[i]
         if is_joint(chain.joints, i):
-            motion.absorbed[0] += joint_fall(chain.joints, i, before, overlap[i], True)
+            motion.taken[0] += joint_fall(chain.joints, i, before, overlap[i], True)
         elif dissipation is not None and dissipation.loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
             fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            motion.absorbed[0] += dissipation.loss[i] * fall
+            motion.taken[0] += dissipation.loss[i] * fall
     motion.anchor[0] += part * motion.anchor[1]
 
 
@@ -104,7 +105,7 @@ def kick_and_brake(part, chain, dissipation, motion, beads):
         if bed.size and bed[j] > 0.0:
             pushed, brake = beads[0, j] + beads[1, j], part * bed[j]
             ended = 0.0 if abs(pushed) <= brake else pushed - math.copysign(brake, pushed)
-            motion.absorbed[1] += 0.5 * (pushed - ended) * (pushed + ended) / inverse_mass[j]
+            motion.taken[1] += 0.5 * (pushed - ended) * (pushed + ended) / inverse_mass[j]
             beads[1, j] = -beads[0, j] if ended == 0.0 else beads[1, j] - math.copysign(brake, pushed)
     anchor[1] += beads[1, chain.anchor_bead]
     for i in range(n):
@@ -114,20 +115,29 @@ def kick_and_brake(part, chain, dissipation, motion, beads):
 
 
 @jit
-def split_steps(most, h, drifts, kicks, chain, dissipation, motion, closed, beads):
-    """Up to `most` steps in place, until a contact leaves the state in `closed` or, with dissipation, all beads rest.
+def split_steps(most, time, h, drifts, kicks, chain, dissipation, motion, closed, beads):
+    """Up to `most` steps from `time` on in place, until a contact leaves the state in `closed` or, with dissipation, all rest.
 
-    `drifts`, `kicks` are the method's, none negative with dissipation. Returns the steps taken.
+    `drifts`, `kicks` are the method's, none negative with dissipation. The kicks of a step follow each other in time: each gives
+    the impulse that forces over time have in its part of the step. Returns the steps taken.
     """
-    stages = kicks.size
+    stages, timed = kicks.size, chain.knots.time.size > 0
     for step in range(most):
+        begun = time + step * h
         for stage in range(stages):
             drift(h * drifts[stage], chain, dissipation, motion)
             push(chain, dissipation, motion)
+            length = h * kicks[stage]
+            if timed:
+                put_mean(begun, length, chain.knots, chain.push, chain.push if dissipation is None else dissipation.bed)
+                begun += length
+                add_half_work(length, chain, motion, beads[0])
             if dissipation is None:
-                kick(h * kicks[stage], chain, motion)
+                kick(length, chain, motion)
             else:
-                kick_and_brake(h * kicks[stage], chain, dissipation, motion, beads)
+                kick_and_brake(length, chain, dissipation, motion, beads)
+            if timed:
+                add_half_work(length, chain, motion, beads[0])
         if drifts[stages] != 0.0:
             drift(h * drifts[stages], chain, dissipation, motion)
         settle_joint_forces(chain.joints, motion)

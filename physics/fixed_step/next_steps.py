@@ -28,28 +28,29 @@ def fly(steps, h, motion):
 
 
 @inlined
-def seems_over(looks, closed, look, still, chain, motion, counter):
+def seems_over(looks, closed, look, still, pushed, chain, motion, counter):
     """Whether no contact pushes beads apart any more, and the step at which to look closer next, if it `looks`."""
-    over = closed == 0 and chain.push.size == 0
-    if looks and counter[STEP] >= look:
+    over = closed == 0 and not pushed
+    if looks and not pushed and counter[STEP] >= look:
         return pushes_no_more(chain, motion, still), 2 * counter[STEP]
     return over, look
 
 
 @inlined
 def look_ahead(
-    time, end, until, stop, h, most_steps, closed, over, rests, still, chain, brakes, motion, counter, velocity
+    time, end, until, stop, h, most_steps, closed, over, rests, still, pushed, chain, brakes, motion, counter, velocity
 ):
     """How a run goes on from `time`; a flight in which no contact closes is flown at once. `until` is the next sample or the end.
 
     `closed` is the number of closed contacts, `over` as of `seems_over`, `rests` whether all beads rest whatever acts on them,
-    `brakes` (n+1,) or (0,) as of `meets_again`, `velocity` (n+1,) scratch memory. Returns a status, or RUNNING or FLOWN; how many
-    steps to take at the most, or have been flown; their length; and whether they end at `end`, off the grid.
+    `pushed` whether a force from outside acts on any, `brakes` (n+1,) or (0,) as of `meets_again`, `velocity` (n+1,) scratch
+    memory. Returns a status, or RUNNING or FLOWN; how many steps to take at the most, or have been flown; their length; and
+    whether they end at `end`, off the grid.
     """
     bed = brakes.size > 0
     if time > end - h * GRID_TOLERANCE:
         return DONE, ONE, h, True
-    free = closed == 0 and chain.push.size == 0
+    free = closed == 0 and not pushed
     if stop and (rests or (over and not meets_again(chain, brakes, motion, still, velocity))):
         return SEPARATED, ONE, h, True
     if counter[STEP] >= min(most_steps, MOST_COUNTED):

@@ -89,7 +89,7 @@ class Scratch:
     ) -> Scratch:
         """Memory for a chain with `contacts`; sample rows at `times`, and rows of `checkpoints` where samples come later."""
         none = np.empty(0, dtype=np.int8)
-        spare = Motion(np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts), np.empty(2), none, none)
+        spare = Motion(np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts), np.empty(4), none, none)
         rows = WORK_ROWS if method == "conserving" else 0
         samples = Samples(times, *empty_samples(times.size, contacts))
         beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((rows, contacts))
@@ -140,10 +140,10 @@ def _pass(
         return _pass(problem, end, times, stop, larger, plain)
     counter = scratch.log.counter
     rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
-    overlap, rate, anchor, force, absorbed = (row[:rows] for row in scratch.samples[1:])
+    overlap, rate, anchor, force, taken = (row[:rows] for row in scratch.samples[1:])
     return Record(
         times[:rows], overlap, rate, anchor, force, *kept_switches(scratch.log), state, int(counter[STEP]),
-        int(counter[EVALUATION]), Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds, absorbed,
+        int(counter[EVALUATION]), Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds, taken,
         kept=_KeptRun(problem, scratch) if problem.keeps else None,
     )  # fmt: skip
 

@@ -37,6 +37,7 @@ from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_dis
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.coupler_kernels import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.knots import put_mean
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
@@ -126,8 +127,13 @@ def march(
         rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
         settle_joint_forces(chain.joints, motion)
         closed, flown, look = log_switches(start, start, chain.joints, motion, log), ZERO, ONE * FIRST_LOOK
-    time = start + counter[STEP] * h
+    time, knots = start + counter[STEP] * h, chain.knots
     while True:
+        pushed, changing = chain.push.size > 0, False
+        if knots.time.size:
+            put_mean(time, h, knots, chain.push, brakes if bed else chain.push)
+            changing = time < knots.time[-1]
+            pushed = changing or largest(chain.push) > 0.0
         if left == 0 and counter[STEP] >= pause.counts[AT]:
             keep_pause(pause, ZERO, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, time
@@ -144,10 +150,11 @@ def march(
             if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= kept.plan[DUE]:
                 keep_checkpoint(time, motion, kept, counter)
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
-            over, look = seems_over(stop and not bed, closed, look, still, chain, motion, counter)
+            over, look = seems_over(stop and not bed, closed, look, still, pushed, chain, motion, counter)
+            rests = rests and not changing
             status, most, length, last = look_ahead(
-                time, end, until, stop, h, most_steps + flown, closed, over, rests, still, chain, brakes, motion, counter,
-                beads[0],
+                time, end, until, stop and not changing, h, most_steps + flown, closed, over, rests, still, pushed, chain,
+                brakes, motion, counter, beads[0],
             )  # fmt: skip
             if status == FLOWN:
                 flown += most
@@ -164,9 +171,9 @@ def march(
         if not sampling or length > h * GRID_TOLERANCE:
             moved = spare if sampling else motion
             if kind == DISCRETE_GRADIENT:
-                taken = gradient_steps(most, length, chain, dissipation, moved, log.closed, beads, work, counter)
+                taken = gradient_steps(most, time, length, chain, dissipation, moved, log.closed, beads, work, counter)
             else:
-                taken = split_steps(most, length, drifts, kicks, chain, dissipation, moved, log.closed, beads)
+                taken = split_steps(most, time, length, drifts, kicks, chain, dissipation, moved, log.closed, beads)
                 counter[EVALUATION] += taken * kicks.size
         if sampling:
             take_sample(samples, log, spare)

@@ -24,7 +24,7 @@ def flight_time(joints, overlap, rate, still):
 @inlined
 def pushes_no_more(chain, motion, still):
     """Whether closed contacts can change no velocity by more than `still`; of laws of one's own and couplers it is not known."""
-    if chain.own is not None or chain.joints is not None or chain.push.size:
+    if chain.own is not None or chain.joints is not None:
         return False
     for i in range(motion.overlap.size):
         if motion.overlap[i] > 0.0:

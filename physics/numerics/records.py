@@ -42,6 +42,22 @@ KEPT = 8  # rows of steps kept for samples
 COUNTERS = 9
 
 
+class Knots(NamedTuple):
+    """Forces and brakes over time, linear between K knots, 0 before the first and kept after the last; K = 0 without any."""
+
+    time: Array  # (K,) [s], ascending; two alike make a jump
+    push: Array  # (K, n+1) forces on the beads [N]
+    brake: Array  # (K, n+1) decelerations of sliding beads [m/s²]; (K, 0) without brakes
+    drive: Array  # (n+1,) steady forces on the beads [N]
+    friction: Array  # (n+1,) steady decelerations [m/s²]; (0,) without brakes
+    push_slope: Array  # (n+1,) scratch: by how much forces change [N/s]
+    brake_slope: Array  # (n+1,) scratch: the same of decelerations [m/s³]; (0,) without brakes
+    bend: Array  # (n+1,) scratch: by how much `ChainData.external` changes [m/s³]; (0,) without knots
+
+
+NO_KNOTS = Knots(*(np.zeros(shape) for shape in (0, (0, 0), (0, 0), 0, 0, 0, 0, 0)))
+
+
 class ChainData(NamedTuple):
     """A chain as arrays, and the forces on it: what does not move in a run."""
 
@@ -52,6 +68,7 @@ class ChainData(NamedTuple):
     anchor_bead: int  # index of the bead whose position and velocity are kept
     own: Any = None  # OwnLaws, or None where no contact has a law of one's own
     joints: Any = None  # Joints, or None where no contact is a coupler
+    knots: Any = NO_KNOTS  # Knots; forces at one time, or in the mean of a step, are put into the push and the bed
 
 
 class Dissipation(NamedTuple):
@@ -68,7 +85,7 @@ class Motion(NamedTuple):
     rate: Array  # (n,) [m/s]
     anchor: Array  # (2,) position [m] and velocity [m/s] of the anchor bead
     force: Array  # (n,) contact forces [N] of the last step
-    absorbed: Array  # (2,) energy [J] absorbed by contacts and by the bed
+    taken: Array  # (4,) energy [J] absorbed by contacts, by the bed, work [J] of forces over time; their impulse Python knows
     mode: Flags  # (n,) OPEN, TOUCHING, LOADED or FROZEN; (0,) for fixed steps
     held: Flags  # (n,) nonzero: this mode has just been set by an event; (0,) for fixed steps
 
@@ -81,7 +98,7 @@ class Samples(NamedTuple):
     rate: Array  # (T, n)
     anchor: Array  # (T, 2)
     force: Array  # (T, n)
-    absorbed: Array  # (T, 2)
+    taken: Array  # (T, 4)
 
 
 class SwitchLog(NamedTuple):

@@ -45,7 +45,7 @@ def copy_motion(target, source):
     copy_into(target.rate, source.rate)
     copy_into(target.force, source.force)
     copy_into(target.anchor, source.anchor)
-    copy_into(target.absorbed, source.absorbed)
+    copy_into(target.taken, source.taken)
 
 
 @inlined
@@ -55,7 +55,7 @@ def put_row(rows, k, motion):
     copy_into(rows.rate[k], motion.rate)
     copy_into(rows.force[k], motion.force)
     copy_into(rows.anchor[k], motion.anchor)
-    copy_into(rows.absorbed[k], motion.absorbed)
+    copy_into(rows.taken[k], motion.taken)
 
 
 @inlined
@@ -65,7 +65,7 @@ def take_row(motion, rows, k):
     copy_into(motion.rate, rows.rate[k])
     copy_into(motion.force, rows.force[k])
     copy_into(motion.anchor, rows.anchor[k])
-    copy_into(motion.absorbed, rows.absorbed[k])
+    copy_into(motion.taken, rows.taken[k])
 
 
 @inlined

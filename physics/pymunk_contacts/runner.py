@@ -18,6 +18,9 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.kernel_records import knots_of
+from softcradle.physics.kernel_tiers import plain
+from softcradle.physics.numerics.knots import put_mean
 from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.pymunk_contacts.stopping import meets_again, rests
@@ -54,7 +57,7 @@ class Row:
         self.reach = reach
         self.overlaps = [0.0] * chain.contacts
         self.closed = [False] * chain.contacts
-        self.absorbed = np.zeros(2)
+        self.taken, self.finite = np.zeros(4), np.isfinite(chain.mass)
 
     def write(self, state: State) -> None:
         """Put the bodies where `state` has the beads."""
@@ -62,7 +65,9 @@ class Row:
         for body, position, velocity in zip(self.bodies, positions, velocities, strict=True):
             body.position = position, 0.0
             body.velocity = velocity, 0.0
-        self.absorbed[:] = state.absorbed
+        self.taken[:] = state.taken
+        self.knots, self.push, self.bed = knots_of(self.chain, state), np.zeros(len(self.bodies)), self.chain.bed.copy()
+        self.external = state.external(self.chain)
         self._take(state.overlap.tolist())
 
     def read(self, state: State) -> None:
@@ -73,10 +78,14 @@ class Row:
         state.anchor[:] = self.bodies[self.chain.anchor].position.x, velocity[self.chain.anchor]
         both = zip(self.chain.contact, self.overlaps, state.rate.tolist(), strict=True)
         state.force[:] = [contact.force(d) * (1.0 - contact.loss if w < 0.0 else 1.0) for contact, d, w in both]
-        state.absorbed[:] = self.absorbed
+        state.taken[:] = self.taken
 
-    def step(self, step: float, push: Array | None = None) -> None:
-        """One step of the Space under the forces `push` (n+1,)."""
+    def step(self, time: float, step: float) -> None:
+        """One step of the Space from `time` on, under the mean of the forces from outside."""
+        push = self.external
+        if self.chain.timed:
+            plain(put_mean)(time, step, self.knots, self.push, self.bed)
+            push = self.push
         if push is not None:
             for body, force in zip(self.bodies, push.tolist(), strict=True):
                 body.force = force, 0.0
@@ -84,6 +93,9 @@ class Row:
         speeds = [body.velocity.x for body in self.bodies]
         self._take([d + step * (a - b) for d, (a, b) in zip(self.overlaps, pairwise(speeds), strict=True)])
         self.space.step(step)
+        if self.chain.timed:
+            mean = [0.5 * (body.velocity.x + speed) for body, speed in zip(self.bodies, speeds, strict=True)]
+            self.taken[2] += step * (self.push - self.knots.drive)[self.finite] @ np.array(mean)[self.finite]
         if self.chain.dissipative:
             self._absorb(before, step)
 
@@ -91,33 +103,33 @@ class Row:
         """Book what contacts kept on the way from the overlaps `before`; let the bed brake, and book that."""
         for contact, start, end in zip(self.chain.contact, before, self.overlaps, strict=True):
             if end < start:
-                self.absorbed[0] += contact.loss * (contact.energy(start) - contact.energy(end))
-        for body, bed in zip(self.bodies, self.chain.bed.tolist(), strict=False):
+                self.taken[0] += contact.loss * (contact.energy(start) - contact.energy(end))
+        for body, bed in zip(self.bodies, self.bed.tolist(), strict=False):
             speed = body.velocity.x
             slower = math.copysign(max(abs(speed) - step * bed, 0.0), speed) if bed else speed
             if slower != speed:
-                self.absorbed[1] += 0.5 * body.mass * (speed - slower) * (speed + slower)
+                self.taken[1] += 0.5 * body.mass * (speed - slower) * (speed + slower)
                 body.velocity = slower, 0.0
 
-    def steps(self, most: int, step: float, push: Array | None = None) -> int:
-        """Take steps until a contact switches, `most` at the most; returns how many."""
+    def steps(self, most: int, time: float, step: float) -> int:
+        """Take steps from `time` on until a contact switches, `most` at the most; returns how many."""
         before = self.closed
         for count in range(1, most + 1):
-            self.step(step, push)
+            self.step(time + (count - 1) * step, step)
             if self.closed != before:
                 return count
         return most
 
     def look_ahead(self, step: float, state: State) -> None:
         """Put into `state` what one step under its push would give, and take the step back."""
-        kept, absorbed = [(body.position, body.velocity) for body in self.bodies], self.absorbed.copy()
+        kept, taken = [(body.position, body.velocity) for body in self.bodies], self.taken.copy()
         overlaps = self.overlaps
-        self.step(step, state.external(self.chain))
+        self.step(state.time, step)
         self.read(state)
         for body, (position, velocity) in zip(self.bodies, kept, strict=True):
             body.position = position
             body.velocity = velocity
-        self.absorbed[:] = absorbed
+        self.taken[:] = taken
         self._take(overlaps)
 
     def _take(self, overlaps: list[float]) -> None:
@@ -190,7 +202,6 @@ class _Run:
     def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
         self.most_steps = problem.most_steps or MOST_STEPS
-        self.push = problem.state.external(problem.chain)
         self.row = _row(problem.chain, problem.state, self.h)
         self.rows = empty_samples(times.size, problem.chain.contacts)
         self.evaluations = self.sampled = 0
@@ -218,7 +229,9 @@ class _Run:
                 self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": self.most_steps}),)
                 break
             flight = self.flight_time()
-            if stop and (math.isinf(flight) or (self.steps and rests(self.problem.chain, self.state))):
+            if stop and (
+                math.isinf(flight) or (self.steps and not self.changes() and rests(self.problem.chain, self.state))
+            ):
                 self.status = Status.SEPARATED
                 break
             self.move(end, flight)
@@ -227,20 +240,26 @@ class _Run:
 
     def flight_time(self) -> float:
         """Time until the first contact closes if nothing pushes: 0 when something does, inf when all move apart."""
-        if self.push is not None or any(self.closed):
+        chain = self.problem.chain
+        pushed = chain.driven and (chain.lasts or self.state.time < chain.knots[-1])
+        if pushed or self.row.external is not None or any(self.closed):
             return 0.0
-        if self.problem.chain.friction:  # no flight is free
-            return 0.0 if meets_again(self.problem.chain, self.state) else math.inf
+        if chain.on_bed:  # no flight is free
+            return 0.0 if self.changes() or meets_again(chain, self.state) else math.inf
         both = zip(self.state.overlap.tolist(), self.state.rate.tolist(), strict=True)
         return min((-overlap / rate for overlap, rate in both if rate > 0.0), default=math.inf)
+
+    def changes(self) -> bool:
+        """Whether forces or brakes are still to change."""
+        return self.problem.chain.timed and self.state.time < self.problem.chain.knots[-1]
 
     def move(self, end: float, flight: float) -> None:
         """Go on by whole steps to the next switch or sample; by a part of one at the end."""
         state, h = self.state, self.h
         goal = min(end, float(self.times[self.sampled])) if self.sampled < self.times.size else end
-        flown = 0 if self.problem.chain.friction else math.floor(min(flight, goal - state.time) / h) - 1
+        flown = 0 if self.problem.chain.on_bed else math.floor(min(flight, goal - state.time) / h) - 1
         if flown >= 1:  # drift is exact: many steps at once
-            self.row.step(flown * h)
+            self.row.step(state.time, flown * h)
             self.steps += flown
             self.flown += flown
         else:
@@ -249,7 +268,7 @@ class _Run:
             # A contact may close and open within one step, where no flag tells of it: the run looks up after its flight.
             ahead = min(goal - state.time, flight + h) if flight > 0.0 else goal - state.time
             most = max(1.0, min(ahead / h, min(self.most_steps + self.flown, due) - self.steps))
-            taken = self.row.steps(int(most), length, self.push)
+            taken = self.row.steps(int(most), state.time, length)
             self.steps += taken
             self.evaluations += taken
         self.row.read(state)
@@ -269,7 +288,7 @@ class _Run:
             if self.times[self.sampled] - time > slack:
                 self.row.look_ahead(self.times[self.sampled] - time, sample)
                 self.evaluations += 1
-            found = sample.overlap, sample.rate, sample.anchor, sample.force, sample.absorbed
+            found = sample.overlap, sample.rate, sample.anchor, sample.force, sample.taken
             for rows, values in zip(self.rows, found, strict=True):
                 rows[self.sampled] = values
             self.sampled += 1
@@ -278,10 +297,10 @@ class _Run:
         """What `simulate` wants to know."""
         contact = np.array([i for i, _ in self.switches], dtype=np.int64)
         time = np.array([time for _, time in self.switches])
-        overlap, rate, anchor, force, absorbed = self.rows
+        overlap, rate, anchor, force, taken = self.rows
         return Record(
             self.times, overlap, rate, anchor, force, contact, time, self.state, self.steps, self.evaluations, self.status,
-            self.warnings, absorbed=absorbed, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
+            self.warnings, taken=taken, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
         )  # fmt: skip
 
 
@@ -303,13 +322,13 @@ def advance(problem: Problem) -> Status:
     if row is None or row.chain is not chain:
         row = state.work["pymunk"] = _row(chain, state, step)
     row.write(state)
-    push, start = state.external(chain), state.time
+    start = state.time
     whole = math.floor(duration / step + GRID_TOLERANCE)
     for length, count, begin in ((step, whole, start), (duration - whole * step, 1, start + whole * step)):
         taken = 0
         while taken < count and length > step * GRID_TOLERANCE:
             before = row.closed
-            taken += row.steps(count - taken, length, push)
+            taken += row.steps(count - taken, state.time, length)
             state.time = begin + taken * length
             if row.closed != before:
                 row.read(state)

@@ -14,7 +14,7 @@ def meets_again(chain: Chain, state: State, slow: float = 0.0) -> bool:
     other until both rest: they meet if the places where they would rest overlap. Rates up to `slow` [m/s] count as 0.
     """
     closing = state.rate > slow
-    if not chain.friction or not closing.any():
+    if not chain.on_bed or not closing.any():
         return bool(closing.any())
     velocity = state.velocity(chain)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -81,7 +81,7 @@ def advance(problem: Problem) -> Status:
     end = recorder.run.reached()
     state.time = end.time
     state.note_switches([contact for _, contact in recorder.switches], [time for time, _ in recorder.switches])
-    for name in ("overlap", "rate", "anchor", "force", "absorbed"):
+    for name in ("overlap", "rate", "anchor", "force", "taken"):
         getattr(state, name)[:] = getattr(end, name)
     return recorder.status
 
@@ -98,7 +98,7 @@ def _pass(problem: Problem, end: float, times: Array, _stop: bool) -> Record:
         times, *rows[:4],
         np.array([contact for _, contact in recorder.switches], dtype=np.int64),
         np.array([time for time, _ in recorder.switches]),
-        recorder.run.reached(), recorder.run.steps, recorder.run.steps, recorder.status, recorder.warnings, absorbed=rows[4],
+        recorder.run.reached(), recorder.run.steps, recorder.run.steps, recorder.status, recorder.warnings, taken=rows[4],
         kept=_KeptRun(recorder.kept.items) if recorder.kept else None,
     )  # fmt: skip
 
@@ -124,5 +124,5 @@ class _KeptRun:
 
 
 def _fill(rows: tuple[Array, ...], k: int, state: State) -> None:
-    for row, value in zip(rows, (state.overlap, state.rate, state.anchor, state.force, state.absorbed), strict=True):
+    for row, value in zip(rows, (state.overlap, state.rate, state.anchor, state.force, state.taken), strict=True):
         row[k] = value

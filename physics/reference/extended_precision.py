@@ -7,12 +7,14 @@ geometrically, until one so short crosses it that whatever happens inside moves 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from softcradle.physics.chain import Chain
 from softcradle.physics.reference.collocation import EPSILON, Array, Extended, tableau
 from softcradle.physics.reference.monotone_rows import HELD, OPEN, PRESSED, STICKS, TOUCHING, Rows
+from softcradle.physics.reference.spans import Span
 from softcradle.physics.reference.stage_equations import Point, Stages
 from softcradle.physics.reference.step_checks import hides_switch, local_error, next_corner
 from softcradle.physics.state import State
@@ -54,16 +56,22 @@ class ExtendedRun:
     time: Extended = field(init=False)
     position: Array = field(init=False)
     point: Point = field(init=False)
-    absorbed: Array = field(init=False)
+    taken: Array = field(init=False)
     steps: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
         chain, state = self.chain, self.state
-        self.rows, self.tableau = Rows.of(chain, state.external(chain)), tableau(self.stages)
+        self.steady = self.rows = Rows.of(chain, state.external(chain))
+        self.tableau, self.span = tableau(self.stages), Span.at(chain, state.time)
+        self.rows = self._rows(state.time)
         self.time, self.position = Extended(state.time), state.position(chain).astype(Extended)
-        self.absorbed = state.absorbed.astype(Extended)
+        self.taken = state.taken.astype(Extended)
         self.point = _first_point(self.rows, chain, state)
-        self.speed, self.quickest = _scales(self.rows, self.point, self.position)
+        rows = self.rows
+        if chain.forces:
+            strongest = max(chain.drives, key=lambda force: float(np.abs(force).max()))
+            rows = replace(rows, external=strongest.astype(Extended))
+        self.speed, self.quickest = _scales(rows, self.point, self.position)
         self.length = 1e-3 * self.tolerance * self.quickest
 
     def until(self, end: float) -> None:
@@ -71,11 +79,22 @@ class ExtendedRun:
         while self.time < end and not (math.isinf(end) and self.is_over()):
             self.step(end)
 
+    def _rows(self, time: Any) -> Rows:
+        """The rows at `time` (...), which are always the same where nothing changes with it."""
+        if not (self.chain.forces or self.chain.brakes):
+            return self.steady
+        return self.steady.under(self.span.push_at(time), self.span.brake_at(time))
+
+    def _stage_rows(self, h: Extended, nodes: Array) -> Rows:
+        """The rows at all stages of a step."""
+        return self._rows(self.time + h * nodes) if self.span.changes else self.rows
+
     def step(self, end: float) -> None:
-        """Try one step, at most to `end`; ReferenceGaveUpError where the run has taken all that it may."""
+        """Try one step, at most to `end` or the next knot; ReferenceGaveUpError where the run has taken all that it may."""
         self.steps += 1
         if self.steps > self.most_steps:
             raise ReferenceGaveUpError(f"at t = {float(self.time):.6g} s after {self.most_steps} steps")
+        end = min(end, self.span.end)
         if self._rests():
             self.time = Extended(end)
             return
@@ -83,6 +102,18 @@ class ExtendedRun:
             self._step(Extended(end))
         if math.isfinite(end) and end - self.time <= 4.0 * EPSILON * abs(end):
             self.time = Extended(end)
+        if self.time >= self.span.end:
+            self._pass_knot()
+
+    def _pass_knot(self) -> None:
+        """Go on under the forces and brakes after a knot."""
+        braked, point = self.rows.bed > 0.0, self.point
+        self.span = Span.at(self.chain, float(self.time))
+        self.rows, self.length = self._rows(self.time), 1e-3 * self.tolerance * self.quickest
+        if braked.size:
+            point.side = np.where(braked, point.side, np.sign(point.velocity).astype(np.int8))
+            friction = np.where(point.side == STICKS, point.friction, point.side * self.rows.bed)
+            point.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
 
     def reached(self) -> State:
         """Where the run is, in double precision."""
@@ -91,18 +122,20 @@ class ExtendedRun:
         values = point.overlap[first], point.rate[first], rows.on_joints(point.force)
         overlap, rate, force = (v.astype(np.float64) for v in values)
         lead = np.array([float(self.position[anchor]), float(point.velocity[anchor])])
-        return State(float(self.time), overlap, rate, lead, force, absorbed=self.absorbed.astype(np.float64))
+        return State(float(self.time), overlap, rate, lead, force, taken=self.taken.astype(np.float64))
 
     def _rests(self) -> bool:
         """Whether no bead moves and none is accelerated: under steady forces it stays so."""
         point = self.point
-        if self.steps <= FIRST_STEPS or point.velocity.any() or point.rate.any():
+        if self.span.changes or self.steps <= FIRST_STEPS or point.velocity.any() or point.rate.any():
             return False
         acceleration = np.abs(self.rows.acceleration(point.force, point.friction))
         return bool((acceleration <= 1e-12 * np.abs(point.force).max(initial=0.0) * self.rows.inverse_mass).all())
 
     def is_over(self) -> bool:
         """Whether no contact pushes and none closes, and with friction no bead moves."""
+        if self.span.changes:
+            return False
         if self._rests():
             return True
         point = self.point
@@ -129,23 +162,23 @@ class ExtendedRun:
             self._cross(h)
             return
         slack = SLACK * self.tolerance * self.speed
-        stages = Stages(self.rows, self.tableau, self.point, h, self._left_by_newton()).solve()
+        rows = self._stage_rows(h, self.tableau.node)
+        stages = Stages(rows, self.tableau, self.point, h, self._left_by_newton()).solve()
         if stages is None:
             self.length = 0.25 * float(h)
             return
-        error = local_error(self.tableau, self.rows, stages, float(h)) / (self.tolerance * self.speed)
+        error = local_error(self.tableau, rows, stages, float(h)) / (self.tolerance * self.speed)
         factor = SAFETY * max(error, 1e-30) ** (-0.5 / self.stages)
         if error > 1.0:
             self.length = float(h) * min(0.5, max(0.1, factor))
-        elif hides_switch(
-            self.tableau, self.rows, self.point, stages, float(h), slack, STILL * self.tolerance * self.speed
-        ):
+        elif hides_switch(self.tableau, rows, self.point, stages, float(h), slack, STILL * self.tolerance * self.speed):
             self.length = 0.5 * float(h)
         else:
             corner = next_corner(
-                self.tableau, self.rows, stages, float(h), self.speed, CROSSING * self.tolerance * self.speed
-            )
-            self._take(stages, h)
+                self.tableau, rows if rows is self.rows else self._rows(self.time + h), stages, float(h), self.speed,
+                CROSSING * self.tolerance * self.speed,
+            )  # fmt: skip
+            self._take(stages, h, rows)
             grown = float(h) * min(GROWTH, max(0.2, factor))
             if h < self.length:  # the end of the run cut it short
                 grown = max(grown, self.length)
@@ -175,22 +208,31 @@ class ExtendedRun:
         """Take a step of implicit Euler, in which every row finds its branch at the end: a monotone problem."""
         speed = float(np.abs(self.point.velocity).max()) + self.speed
         wanted, strict = SLACK * self.tolerance * self.speed, 4.0 * EPSILON * speed
-        stages = Stages(self.rows, tableau(1), self.point, h, wanted, strict).solve()
+        rows = self._stage_rows(h, tableau(1).node)
+        stages = Stages(rows, tableau(1), self.point, h, wanted, strict).solve()
         if stages is not None:
-            self._take(stages, h)
+            self._take(stages, h, rows)
             self.length = GROWTH * float(h)
             return
         self.length = 0.25 * float(h)
         if self.length < NO_STEP * self._crossing_length():
             raise ReferenceGaveUpError(f"at t = {float(self.time):.6g} s: no step converges")
 
-    def _take(self, stages: Point, h: Extended) -> None:
-        acceleration = self.rows.acceleration(stages.force, stages.friction)
-        twice = tableau(stages.force.shape[0]).twice[-1]
-        moved = h * self.point.velocity + h * h * (twice @ acceleration)
-        before, self.point = self.point, stages.last()
+    def _take(self, stages: Point, h: Extended, rows: Rows) -> None:
+        acceleration = rows.acceleration(stages.force, stages.friction)
+        rule = tableau(stages.force.shape[0])
+        moved = h * self.point.velocity + h * h * (rule.twice[-1] @ acceleration)
+        before, self.point, at_start = self.point, stages.last(), self.rows
+        if rows is not self.rows:
+            self.rows = self._rows(self.time + h)
         self._round_to_rest(before, moved)
-        self._absorb(before, moved)
+        self._absorb(before, moved, at_start)
+        if rows is not at_start:  # what forces do beyond those at the start
+            weight, finite = h * rule.once[-1], rows.inverse_mass > 0.0
+            push = (rows.external - at_start.external) * stages.velocity
+            self.taken[2] += weight @ push[:, finite].sum(axis=1)
+            if rows.bed.size:
+                self.taken[1] += weight @ ((rows.bed - at_start.bed) * np.abs(stages.velocity)).sum(axis=1)
         self.position, self.time = self.position + moved, self.time + h
 
     def _round_to_rest(self, before: Point, moved: Array) -> None:
@@ -224,12 +266,14 @@ class ExtendedRun:
         side_by_side &= np.abs(point.overlap) <= ROUND_OFF * self.speed * self.quickest
         point.overlap[side_by_side] = point.rate[side_by_side] = 0.0
 
-    def _absorb(self, start: Point, moved: Array) -> None:
-        """Add what contacts with loss and the bed absorb in a step."""
+    def _absorb(self, start: Point, moved: Array, rows: Rows) -> None:
+        """Add what contacts with loss and the bed absorb in a step, and what forces over time give, by `rows` of its start."""
         before, now = self.rows.stored(start.overlap), self.rows.stored(self.point.overlap)
-        self.absorbed[0] += (self.rows.loss * np.maximum(before - now, 0.0)).sum()
-        if self.rows.bed.size:
-            self.absorbed[1] += (self.rows.bed * np.abs(moved)).sum()
+        self.taken[0] += (self.rows.loss * np.maximum(before - now, 0.0)).sum()
+        if rows.bed.size:
+            self.taken[1] += (rows.bed * np.abs(moved)).sum()
+        if self.chain.forces:
+            self.taken[2] += ((rows.external - self.steady.external) * moved)[rows.inverse_mass > 0.0].sum()
 
 
 def _first_point(rows: Rows, chain: Chain, state: State) -> Point:

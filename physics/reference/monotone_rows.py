@@ -70,13 +70,15 @@ class Rows:
         mass = np.array(chain.mass, dtype=Extended)
         inverse_mass = 1.0 / mass
         bed = np.where(np.isfinite(mass), mass, 0.0) * Extended(GRAVITY) * Extended(chain.friction)
-        for brake in chain.brakes:  # steady here: forces over time come in pieces
-            beads = [bead for bead in brake.beads if np.isfinite(mass[bead])]
-            bed[beads] += Extended(max(brake.force))
         bed = bed if chain.on_bed else np.zeros(0, dtype=Extended)
         force = np.zeros(n + 1, dtype=Extended) if external is None else external.astype(Extended)
         response = _response(joint, side, inverse_mass, chain.on_bed)
         return cls(joint, side, origin, preload, stiffness, exponent, loss, inverse_mass, bed, force, response)
+
+    def under(self, push: Array, brake: Array) -> Rows:
+        """The rows with more forces from outside and on the bed (..., n+1) [N]: at one time, or at each of some stages."""
+        bed = self.bed + np.where(self.inverse_mass > 0.0, brake, 0.0) if self.bed.size else self.bed
+        return replace(self, external=self.external + push, bed=bed)
 
     @property
     def contacts(self) -> int:
@@ -86,7 +88,7 @@ class Rows:
     @cached_property
     def order(self) -> NDArray[np.intp]:
         """(m+b,) contacts and beds from one end of the chain to the other."""
-        beds = np.arange(self.bed.size)
+        beds = np.arange(self.bed.shape[-1])
         return np.argsort(np.concatenate((self.joint + 0.5, beds)), kind="stable")
 
     @cached_property
@@ -123,7 +125,9 @@ class Rows:
     def push(self, force: Array) -> Array:
         """(..., n+1) forces on the beads by contacts (..., m) and from outside."""
         joints = self.on_joints(force)
-        net = np.empty((*force.shape[:-1], self.external.size), dtype=Extended)
+        net = np.empty(
+            np.broadcast_shapes((*joints.shape[:-1], self.inverse_mass.size), self.external.shape), dtype=Extended
+        )
         net[...] = self.external
         net[..., :-1] -= joints
         net[..., 1:] += joints

@@ -14,11 +14,13 @@ Which of several touching contacts load or open at a switch is a linear compleme
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.reference.laws import Laws
+from softcradle.physics.reference.spans import Span
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -48,7 +50,9 @@ class System:
         self.laws = Laws(chain, depth)
         self.stiff = self.laws.stiff
         self.inverse_mass = 1.0 / np.array(chain.mass)
-        self.push = np.zeros(self.n + 1) if push is None else push
+        self.steady = self.push = np.zeros(self.n + 1) if push is None else push
+        self.span: Span | None = None
+        self.until = np.inf  # when forces over time bend or jump next [s]
         self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
         # an overlap d of energy F d changes velocities by the square root of d
         self.depth, self.least_overlap = depth, depth * tolerance**2
@@ -60,6 +64,12 @@ class System:
         self.difference = difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         self.coupling = difference * self.inverse_mass @ difference.T
         self.pushed = difference @ (self.inverse_mass * self.push)
+
+    def go_to(self, time: float) -> None:
+        """Let forces over time be those at `time`."""
+        if self.span is not None:
+            self.push = self.steady + self.span.push_at(time)
+            self.pushed = self.difference @ (self.inverse_mass * self.push)
 
     def bead_acceleration(self, force: Array) -> Array:
         """(n+1,) accelerations [m/s^2] under the contact forces (n,) and the push."""
@@ -73,31 +83,35 @@ class System:
 class Phase:
     """An interval of time in which no contact changes its mode.
 
-    `carried` (n, n) and `carried_push` (n,) give the multipliers of the touching contacts from the loaded forces.
+    `carried` (n, n) gives the multipliers of the touching contacts (t,) from the loaded forces, `solved` (t, t) from the push.
     """
 
     system: System
     mode: Modes
     carried: Array
-    carried_push: Array
+    solved: Array
 
     @classmethod
     def of(cls, system: System, mode: Modes) -> Phase:
         """The phase in which each contact keeps its `mode` (n,)."""
         touching = mode == TOUCHING
-        carried, carried_push = np.zeros((system.n, system.n)), np.zeros(system.n)
+        carried = np.zeros((system.n, system.n))
+        solved: NDArray[Any] = np.zeros((0, 0))
         if touching.any():
             # pseudo-inverse: between two walls the multipliers are not unique
             solved = np.linalg.pinv(system.coupling[np.ix_(touching, touching)])
             carried[touching] = -solved @ system.coupling[touching]
             carried[:, touching] = 0.0
-            carried_push[touching] = solved @ system.pushed[touching]
-        return cls(system, mode, carried, carried_push)
+        return cls(system, mode, carried, solved)
 
     def force(self, overlap: Array) -> Array:
         """(n,) forces of all contacts [N]: by the law where loaded, multipliers where touching."""
         loaded = np.where(self.mode == LOADED, self.system.laws.force(overlap), 0.0)
-        return loaded + self.carried @ loaded + self.carried_push
+        found: Array = loaded + self.carried @ loaded
+        if self.solved.size:
+            touching = self.mode == TOUCHING
+            found[touching] += self.solved @ self.system.pushed[touching]
+        return found
 
     def shown_overlap(self, overlap: Array, force: Array) -> Array:
         """(n,) overlaps for samples: a contact without preload that counts as touching has the overlap of its force."""

@@ -23,8 +23,9 @@ from softcradle.physics.reference.phases import (
     first_modes,
     switched_modes,
 )
+from softcradle.physics.reference.spans import Span
 from softcradle.physics.scales import contact_scales, speed_scale
-from softcradle.physics.state import State
+from softcradle.physics.state import State, from_anchor
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -34,6 +35,7 @@ EVALUATIONS_A_STEP = 3  # evaluations that count as a step where steps are limit
 SMOOTH = "DOP853"  # integrator where all exponents are >= 1: such contacts are never stiff
 STIFF = "Radau"  # integrator where an exponent is below 1: stiffness has no bound
 ROOT = 4e-15  # of a contact time: error of a located switch, for SciPy gives brentq a tolerance of 4 ulp of 1
+GAUSS = np.polynomial.legendre.leggauss(7)  # nodes and weights on [-1, 1], of which the dense solution has the order
 MOST_PHASES = 20_000  # of a run: in one with more the contacts chatter
 
 
@@ -46,6 +48,7 @@ class _Segment:
     scale: float
     phase: Phase
     solution: Any
+    span: Span | None
 
 
 class _Run:
@@ -59,7 +62,8 @@ class _Run:
         self.system = System(chain, state.external(chain), speed, depth, tolerance)
         if most:
             self.system.most_evaluations = EVALUATIONS_A_STEP * most
-        self.time = state.time
+        self.chain, self.time = chain, state.time
+        self._begin_span()
         self.y = np.concatenate((state.overlap, state.rate, state.anchor))
         self.phase = Phase.of(self.system, first_modes(self.system, self.y))
         self.closed = np.zeros(chain.contacts, dtype=bool)
@@ -73,12 +77,16 @@ class _Run:
         """Integrate to `end`; with an infinite end until all contacts are open and none closes again."""
         try:
             while self.time < end and not self.status.gave_up:
+                if self.time >= self.system.until:
+                    self._begin_span()
+                    self.phase = Phase.of(self.system, first_modes(self.system, self.y))
+                    self._note_openings()
                 if np.isinf(end) and self._is_separated():
                     self.status = Status.SEPARATED
                     break
                 if len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations):
                     raise OutOfEvaluationsError
-                self._one_phase(end)
+                self._one_phase(min(end, self.system.until))
             self._note(self.closed & ~self._carries())
         except OutOfEvaluationsError:
             sentence = (
@@ -91,20 +99,32 @@ class _Run:
         self.status = status
         self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
 
+    def _begin_span(self) -> None:
+        if self.chain.forces:
+            self.system.span = Span.at(self.chain, self.time)
+            self.system.until = self.system.span.end
+            self.system.go_to(self.time)
+
     def _is_separated(self) -> bool:
         n = self.system.n
-        return not self._carries().any() and bool((self.y[n : 2 * n] <= self.system.least_rate).all())
+        return (
+            np.isinf(self.system.until)
+            and not self._carries().any()
+            and bool((self.y[n : 2 * n] <= self.system.least_rate).all())
+        )
 
     def _one_phase(self, end: float) -> None:
-        system, phase, scale = self.system, self.phase, self.scale
+        system, phase, scale, start = self.system, self.phase, self.scale, self.time
 
-        def slope(_time: float, y: Array) -> Array:
+        def slope(time: float, y: Array) -> Array:
+            system.go_to(start + time * scale)
             return scale * phase.slope(y)
 
         def jacobian(_time: float, y: Array) -> Array:
             return scale * phase.jacobian(y)
 
-        def margin(_time: float, y: Array) -> float:
+        def margin(time: float, y: Array) -> float:
+            system.go_to(start + time * scale)
             return float(phase.margins(y).min())
 
         margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
@@ -113,11 +133,12 @@ class _Run:
             rtol=system.relative, atol=system.absolute, dense_output=True,
             **({"jac": jacobian} if system.stiff else {}),
         )  # fmt: skip
-        self._note_closings(found.y[: system.n])
         self.steps += found.t.size - 1
         elapsed = found.t[-1] + (ROOT if found.status == 1 else 0.0)
         now = end if found.status == 0 else self.time + float(elapsed) * scale
-        self.segments.append(_Segment(self.time, now, scale, phase, found.sol))
+        system.go_to(now)
+        self._note_closings(found.y[: system.n])
+        self.segments.append(_Segment(self.time, now, scale, phase, found.sol, system.span))
         self.time, self.y = now, found.sol(elapsed)
         if found.status == 1:
             self._switch()
@@ -156,9 +177,28 @@ class _Run:
             if inside.size:
                 states[inside] = segment.solution((times[inside] - segment.start) / segment.scale).T
                 for k in inside:
+                    self.system.span = segment.span
+                    self.system.go_to(times[k])
                     forces[k] = segment.phase.force(states[k, :n])
                     states[k, :n] = segment.phase.shown_overlap(states[k, :n], forces[k])
         return states, forces
+
+    def work(self, times: Array) -> Array:
+        """(T,) work [J] of forces over time up to `times`, by Gauss's rule in every step."""
+        found, total, finite = np.zeros(times.size), 0.0, np.isfinite(self.chain.mass)
+        for segment in self.segments:
+            edges = segment.start + segment.scale * segment.solution.ts
+            edges = np.unique(np.clip([*edges, *times], segment.start, segment.end))
+            length, middle = np.diff(edges)[:, None], 0.5 * (edges[1:] + edges[:-1])[:, None]
+            at = (middle + 0.5 * length * GAUSS[0]).ravel()
+            y = segment.solution((at - segment.start) / segment.scale).T
+            velocity = from_anchor(y[:, self.system.n : 2 * self.system.n], y[:, -1], self.chain.anchor)
+            assert segment.span is not None
+            power = (segment.span.push_at(at) * velocity)[:, finite].sum(axis=1).reshape(length.size, -1)
+            given = total + np.append(0.0, np.cumsum(0.5 * length[:, 0] * (power @ GAUSS[1])))
+            inside = (times >= segment.start) & (times <= segment.end)
+            found[inside], total = given[np.searchsorted(edges, times[inside])], given[-1]
+        return np.where(times > self.time, total, found)
 
 
 def run(problem: Problem) -> Record:
@@ -189,6 +229,8 @@ class _KeptSolution:
             found = replace(found, end=_end(solved), steps=solved.steps, evaluations=solved.system.evaluations)
         states, forces = solved.samples(times)
         rows = {"overlap": states[:, :n], "rate": states[:, n : 2 * n], "anchor": states[:, 2 * n :], "force": forces}
+        if solved.chain.forces:
+            rows["taken"] = np.column_stack((np.zeros((times.size, 2)), solved.work(times), np.zeros(times.size)))
         sampled: dict[str, Any] = {"time": times, **rows}
         return replace(found, kept=None, **sampled)
 
@@ -210,4 +252,6 @@ def advance(problem: Problem) -> Status:
     pairs = (state.overlap, end.overlap), (state.rate, end.rate), (state.anchor, end.anchor), (state.force, end.force)
     for target, source in pairs:
         target[:] = source
+    if problem.chain.forces:
+        state.taken[2] += solved.work(np.array([end.time]))[0]
     return solved.status

@@ -79,7 +79,7 @@ class Stages:
         diagonal = rows.response.diagonal()[: rows.contacts]
         self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # overlap that a force of 1 N takes away
         # (n+1,) beads that do not move in this step, or (0,) without a bed; the rows with these as walls
-        self.firm, self.free = np.zeros(rows.bed.size, dtype=bool), rows
+        self.firm, self.free = np.zeros(rows.bed.shape[-1], dtype=bool), rows
         self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
 
     def solve(self) -> Point | None:
@@ -89,7 +89,7 @@ class Stages:
         """
         start, bed = self.start, self.rows.bed
         if bed.size:
-            self.firm = (start.side == STICKS) & (start.velocity == 0.0) & (bed > 0.0)
+            self.firm = (start.side == STICKS) & (start.velocity == 0.0) & (np.atleast_2d(bed) > 0.0).any(axis=0)
         while True:
             self.free = self.rows.with_firm(self.firm)
             stages = self._solve()
@@ -120,6 +120,8 @@ class Stages:
         """Every stage with the forces of the start; contacts that are not stiff at the overlaps to which these lead."""
         start, rows, shape = self.start, self.rows, self.drift.shape
         stages = Point(*(np.broadcast_to(v, (shape[0], v.size)).copy() for v in vars(start).values()))
+        if rows.bed.ndim > 1:
+            stages.friction = np.where(stages.side == STICKS, stages.friction, stages.side * rows.bed)
         acceleration = self.free.acceleration(start.force, start.friction)
         ahead = self.drift + self.twice.sum(axis=1)[:, None] * rows.closing(acceleration)
         loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
@@ -145,9 +147,12 @@ class Stages:
         stages.overlap = np.where(held, overlap, stages.overlap)
         contact_error = np.where(held, -stages.rate, stages.overlap - overlap)
         stages.velocity = velocity
-        sticks = (stages.side == STICKS) & ~self.firm if self.rows.bed.size else stages.side
-        bed_error = np.where(sticks, -velocity, 0.0) if self.rows.bed.size else stages.friction
+        bed_error = np.where(self._sticks(stages), -velocity, 0.0) if self.rows.bed.size else stages.friction
         return contact_error, bed_error
+
+    def _sticks(self, stages: Point) -> NDArray[np.bool_]:
+        """(s, n+1) whether beads stick by a friction that is still to be found."""
+        return (stages.side == STICKS) & ~self.firm & (np.atleast_2d(self.rows.bed) > 0.0).any(axis=0)
 
     def _is_small(self, contact_error: Array, branch: Branches, bed_error: Array, wanted: float) -> bool:
         allowed = np.where(branch == HELD, self.wanted_at_rest, np.maximum(wanted * self.h, self.round_off))
@@ -170,7 +175,7 @@ class Stages:
 
     def _newton_step(self, stages: Point, contact_error: Array, bed_error: Array) -> tuple[Double, Double]:
         """(s, n) and (s, b) steps along the graphs."""
-        (s, n), b = stages.force.shape, self.rows.bed.size
+        (s, n), b = stages.force.shape, self.rows.bed.shape[-1]
         held = np.zeros((s, n + b), dtype=bool)
         held[:, :n], held[:, n:] = stages.branch == HELD, True
         primal, dual = np.empty((s, n + b)), np.empty((s, n + b))
@@ -179,7 +184,7 @@ class Stages:
         moves_nothing = self.free.response.diagonal()[:n] == 0.0
         primal[:, :n] = np.where(moves_nothing & (primal[:, :n] == 0.0), 1.0, primal[:, :n])
         dual[:, :n][:, moves_nothing] = 0.0
-        sticks = (stages.side == STICKS) & ~self.firm if b else stages.side == STICKS
+        sticks = self._sticks(stages) if b else stages.side == STICKS
         primal[:, n:], dual[:, n:] = ~sticks, sticks
         rule = np.where(held[:, :, None], self.once_double[:, None, :], self.twice_double[:, None, :])
         error = np.hstack((contact_error, bed_error)) if b else contact_error

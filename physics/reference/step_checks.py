@@ -63,8 +63,9 @@ def hides_switch(
         side = stages.side[0]
         velocity = start.velocity + h * (tableau.bernstein_once @ acceleration)
         friction = tableau.bernstein_value @ stages.friction
+        bed = rows.bed if rows.bed.ndim == 1 else tableau.bernstein_value @ rows.bed
         found |= bool((side * velocity < -still).any())
-        found |= bool(((side == STICKS) & (np.abs(friction) > rows.bed * (1.0 + 1e-12))).any())
+        found |= bool(((side == STICKS) & (np.abs(friction) > bed * (1.0 + 1e-12))).any())
     return found
 
 

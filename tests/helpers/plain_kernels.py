@@ -21,7 +21,7 @@ def records_of(chain: Chain, state: State) -> tuple:
     return (
         ChainData(*fields),
         dissipation,
-        Motion(state.overlap, state.rate, state.anchor, state.force, state.absorbed, *flags),
+        Motion(state.overlap, state.rate, state.anchor, state.force, state.taken, *flags),
     )
 
 

@@ -33,7 +33,7 @@ def _pushing(*contacts):
     mode, overlap, force = np.full(N, OPEN, dtype=np.int8), np.full(N, -1.0), np.zeros(N)
     for i in contacts:
         mode[i], overlap[i], force[i] = LOADED, 0.01, 0.001
-    return Motion(overlap, np.zeros(N), np.zeros(2), force, np.zeros(2), mode, np.zeros(N, dtype=np.int8))
+    return Motion(overlap, np.zeros(N), np.zeros(2), force, np.zeros(4), mode, np.zeros(N, dtype=np.int8))
 
 
 def test_contacts_that_push_far_apart_have_ranges_of_their_own():

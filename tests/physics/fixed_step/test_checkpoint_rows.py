@@ -19,18 +19,18 @@ def test_every_second_one_goes_where_the_rows_are_full():
     _, _, motion = records_of(chain, State.at_start(chain, [1.0, 0.0, 0.0]))
     wide, narrow = np.zeros((ROWS, 2)), np.zeros((ROWS, 2))
     plan = np.array([0, 0, FIRST_SPACING])
-    kept = Checkpoints(np.zeros(ROWS), wide.copy(), wide.copy(), narrow.copy(), wide.copy(), narrow.copy(), plan)
+    kept = Checkpoints(np.zeros(ROWS), wide.copy(), wide.copy(), narrow, wide.copy(), np.zeros((ROWS, 4)), plan)
     counter = np.zeros(COUNTERS, dtype=np.int64)
     for step in range(200):
         counter[STEP] = step
         if step >= plan[DUE]:
             motion.overlap[:] = motion.rate[:] = motion.force[:] = float(step)
-            motion.anchor[:] = motion.absorbed[:] = float(step)
+            motion.anchor[:] = motion.taken[:] = float(step)
             keep_checkpoint(0.1 * step, motion, kept, counter)
         count = plan[COUNT]
         assert 1 <= count <= ROWS
         steps = np.arange(count) * plan[SPACING]
         assert kept.time[:count].tolist() == [0.1 * k for k in steps]
-        for rows in (kept.overlap, kept.rate, kept.anchor, kept.force, kept.absorbed):
+        for rows in (kept.overlap, kept.rate, kept.anchor, kept.force, kept.taken):
             assert (rows[:count] == steps[:, None]).all()
     assert plan[SPACING] == 64

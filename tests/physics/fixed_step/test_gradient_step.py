@@ -311,7 +311,7 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, ta
     data, dissipation, motion = records_of(chain, state)
     counter, closed = np.zeros(COUNTERS, dtype=np.int64), np.zeros(1, dtype=np.int8)
     beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
-    steps = gradient_steps(most, 0.1, data, dissipation, motion, closed, beads, work, counter)
+    steps = gradient_steps(most, 0.0, 0.1, data, dissipation, motion, closed, beads, work, counter)
     assert steps == taken_until
     assert counter[EVALUATION] >= steps
     assert counter[UNCONVERGED] == 0
