@@ -123,6 +123,11 @@ def draw_icon(surface: pygame.Surface, name: str, centre: Point, size: float, co
     surface.blit(image, image.get_rect(center=(round(centre[0]), round(centre[1]))))
 
 
+def fits(text: str, rect: pygame.Rect, size: float) -> bool:
+    """Whether `rect` has room for all of `text`."""
+    return not text or 1.4 * size * len(wrapped(text, size, rect.width)) <= rect.height
+
+
 def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: float, tint: Colour) -> float:
     """Write the lines of `text` for which `rect` has room, with an ellipsis where there are more; returns where they end."""
     lines, pitch = wrapped(text, size, rect.width), 1.4 * size

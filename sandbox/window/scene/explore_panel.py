@@ -143,7 +143,7 @@ class ExplorePanel(Inspector):
         self._names(surface)
         beads = _("beads: {n}", n=self.session.lanes[0].chain.contacts + 1)
         write(surface, beads, (rect.left, self._beads_at), 13 * unit, tones.foreground, align=(0, 0.5))
-        paint_about(surface, self._about, unit, self.session, self.question())
+        self._whole = self._about, paint_about(surface, self._about, unit, self.session, self.question())
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the dot of the badge; where all is not well, its sentence in place of the text of the scene."""

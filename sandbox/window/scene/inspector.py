@@ -27,7 +27,7 @@ from softcradle.sandbox.window.scene.editable_parameters import (
 )
 from softcradle.sandbox.window.scene.scene_editor import PREPARING, Pick, SceneEditor, pick_title
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
-from softcradle.sandbox.window.widgets import split, write_wrapped
+from softcradle.sandbox.window.widgets import fits, split, write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses.")
@@ -37,8 +37,11 @@ CHANGED = N_("You have changed this scene: its text was written for other number
 PREDICT = N_("Say what you expect (Q), or play and see: then this text says what happens and why.")
 
 
-def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> None:
-    """Write the text of the scene into `rect`; before it is answered its `question`; of an edited scene that it is another."""
+def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> str:
+    """Write the text of the scene into `rect`; before it is answered its `question`; of an edited scene that it is another.
+
+    Returns all of it where `rect` has no room for that.
+    """
     scene, size, changed = session.scene, 13 * unit, session.edited
     tips = round(18.2 * unit * len(wrapped(_(TIPS), size, rect.width))) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
@@ -48,10 +51,12 @@ def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session
     text = question or (_(CHANGED) if changed else scene_words(scene.text))
     place = pygame.Rect(rect.left, round(rect.top + 31 * unit), rect.width, 0)
     place.height = max(0, low.top - place.top - round(8 * unit))
+    whole = fits(text, place, size)
     end = write_wrapped(surface, text, place, size, tones.foreground)
     more = _(PREDICT) if question else "" if changed else scene_words(scene.source)
     place.top, place.height = round(end + 8 * unit), max(0, round(low.top - end - 16 * unit))
     write_wrapped(surface, more, place, size, tones.muted)
+    return "" if whole and fits(more, place, size) else f"{text} {more}"
 
 
 ROW = 40.0  # design pixels of a parameter
@@ -82,6 +87,7 @@ class Inspector:
         self.pick: Pick | None = None
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
+        self._whole = self.rect, ""  # a text for which there is no room, and its place
         self._seconds = 0.0  # since the numbers were last read
         self._last = ""  # key of the parameter that was changed last
         self.actions: dict[str, Callable[[], None]] = {"sweep": self.sweep}
@@ -286,10 +292,23 @@ class Inspector:
         if rect.width == 0:
             return
         if self.pick is None:
-            paint_about(surface, rect, unit, self.session, self.question())
+            self._whole = rect, paint_about(surface, rect, unit, self.session, self.question())
             return
+        self._whole = rect, ""
         self._title(surface, self.pick)
         self._names(surface)
+
+    def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
+        """Draw all of a text for which there is no room, while the pointer is on it."""
+        unit, (rect, text) = self.host.unit, self._whole
+        if text and rect.width and rect.collidepoint(point):
+            box = pygame.Rect(0, 0, round(1.4 * rect.width), 0)
+            size, room = 13 * unit, box.width - 24 * unit
+            box.height = round(1.4 * size * len(wrapped(text, size, room)) + 20 * unit)
+            box.bottomright = rect.left - round(14 * unit), rect.bottom
+            pygame.draw.rect(surface, tones.background, box, border_radius=round(6 * unit))
+            pygame.draw.rect(surface, tones.muted, box, 1, border_radius=round(6 * unit))
+            write_wrapped(surface, text, box.inflate(-24 * unit, -16 * unit), size, tones.foreground)
 
     def _names(self, surface: pygame.Surface) -> None:
         """Draw names and units of the parameters."""

@@ -273,6 +273,9 @@ class ScenePage(Page):
         for lane in self.view.lanes if self.pointer.grip is None else ():
             lane.paint_handles(surface, point)
         self.pointer.paint(surface)
+        for panel in self.panels if self.view.panel_shown else ():
+            if panel.rect.width:
+                panel.paint_over(surface, point)
         if not self.tools.covers_plots:
             self.board.paint_reading(surface, point)
         self.tools.paint_over(surface)

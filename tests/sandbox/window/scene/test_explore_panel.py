@@ -125,3 +125,20 @@ def test_the_badge_speaks_where_all_is_not_well(explorer: Driver, level: str) ->
     with drawn_texts(explorer.app.size) as texts:
         explorer.app.paint()
     assert ("beads are off" in [one.text for one in texts]) == (level == "bad")
+
+
+def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
+    made = Driver("one-on-four", lab=False)
+    made.page.lessons.answered = True
+    for scale, cut in ((0, False), (4, True)):
+        for _ in range(scale):
+            made.key(pygame.K_PLUS, pygame.KMOD_CTRL)
+        made.page.view.redraw()
+        made.frames(2)
+        assert bool(made.page.explore._whole[1]) == cut
+        made.move(made.page.explore._about.center)
+        with drawn_texts(made.app.size) as texts:
+            made.app.paint()
+        said = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
+        assert ("rigid-like, not rigid" in said) == cut
+    made.close()
