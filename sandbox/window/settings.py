@@ -68,8 +68,6 @@ class Settings:
 
     def save(self) -> None:
         """Write them; a folder that cannot be written to keeps none."""
-        from softcradle.physics.atomic_files import output_file
-
         path = settings_path()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -28,10 +28,8 @@ from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
 from softcradle.sandbox.window.scene.timeline import Timeline
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.settings import UnsavedScene, forget_unsaved
-from softcradle.sandbox.window.window_page import Host, Page
+from softcradle.sandbox.window.window_page import Actions, Host, Page
 from softcradle.scenes import Scene
-
-Actions = dict[str, Callable[[], None]]
 
 
 def joined(*tables: Actions) -> Actions:
