@@ -34,7 +34,7 @@ def _select(driver: Driver, pick: Pick | None, plots: bool = False, values: bool
     driver.page.editor.selection = pick
     if driver.page.view.plots_covered != values:
         driver.app.act("values")
-    driver.page.board.shown = driver.page.board.available() if plots else ["velocities", "forces", "overlaps"]
+    driver.page.board.chosen = driver.page.board.available() if plots else ["velocities", "forces", "overlaps"]
     driver.app.rebuild()
 
 
