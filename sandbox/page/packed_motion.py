@@ -20,7 +20,7 @@ CODES = 32767  # the largest code of a velocity or force; 0 is 0
 
 
 def packed_lanes(lanes: Sequence[Motion], scales: Scales) -> list[dict[str, Any]]:
-    """The `lanes` of all members of a page, packed: so coarse that they need USUAL_BYTES together, but not coarser than may be.
+    """The `lanes` of a page, packed: so coarse that they need USUAL_BYTES together, but not coarser than may be.
 
     Raises:
         UserError: they then need more than MOST_BYTES.

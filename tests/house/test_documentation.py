@@ -22,6 +22,7 @@ pytestmark = pytest.mark.slow
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
+LIVE = ("index.html", "teachers.html", "scenes.html")  # pages that show pages in which beads live, or link them
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
@@ -153,4 +154,8 @@ def test_it_is_built_without_a_warning(tmp_path):
     assert {page.stem for page in (tmp_path / "gallery").glob("plot_*.html")} == gallery
     assert len(gallery) == 3
     assert len(list((tmp_path / "_images").glob("sphx_glr_plot_*.png"))) >= len(gallery)
-    assert (tmp_path / "_static" / "live" / "one-on-four.html").stat().st_size > 50_000
+    live = {page.stem for page in (tmp_path / "_static" / "live").glob("*.html") if page.stat().st_size > 50_000}
+    linked = {page: re.findall(r"_static/live/([\w-]+)\.html", (tmp_path / page).read_text()) for page in LIVE}
+    assert live == set(scenes.names()) == set(linked["scenes.html"])
+    assert set().union(*linked.values()) <= live
+    assert all("<iframe" in (tmp_path / page).read_text() for page in LIVE[:2])

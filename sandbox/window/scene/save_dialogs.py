@@ -205,6 +205,13 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             (".html", ".htm"),
             reporting(partial(share_page, session)),
         ),
+        "live_page": Saving(
+            N_("Share as a page"),
+            N_("an .html file in which the beads live: thrown in any browser, no network needed"),
+            ".html",
+            (".html", ".htm"),
+            reporting(partial(share_page, session, live=True)),
+        ),
     }
 
 
@@ -279,8 +286,8 @@ class SaveDialogs:
         report(self.host.messages, work, _("saved {path}", path=shown_path(path)))
 
 
-def share_page(session: Session, path: Path) -> None:
-    """Write what a session has recorded, up to the frame shown, as a page; before a run, one in which the scene lives.
+def share_page(session: Session, path: Path, live: bool = False) -> None:
+    """Write what a session has recorded, up to the frame shown, as a page; `live` or before a run, one in which it lives.
 
     Raises:
         UserError: the page cannot be written.
@@ -291,10 +298,10 @@ def share_page(session: Session, path: Path) -> None:
     except ValueError as error:
         raise UserError(_("this cannot be shared: {error}", error=error_words(error))) from None
     with english():  # as all else on a page
-        if all(trajectory.time.size > 1 for trajectory in found):
-            write_page(found, scene, path)
-        else:
+        if live or any(trajectory.time.size <= 1 for trajectory in found):
             render_page(scene, path)
+        else:
+            write_page(found, scene, path)
 
 
 def report(messages: Messages, work: Callable[[], object], done: str) -> None:

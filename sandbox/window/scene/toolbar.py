@@ -38,8 +38,8 @@ FEW = {
 }
 MENUS: dict[str, tuple[str, ...]] = {
     "share": (
-        *("save_scene", "words", "save_session", "export", "share_page", "film", "screenshot"),
-        *("copy_scene", "copy_values", "open"),
+        *("save_scene", "words", "save_session", "export", "live_page", "share_page", "film"),
+        *("screenshot", "copy_scene", "copy_values", "open"),
     ),
     "plots_menu": (*PLOT_KINDS, "signals", "logarithmic", "plots", "values", "data"),
     "tools": (

@@ -8,13 +8,15 @@ from pathlib import Path
 import numpy as np
 import pygame
 import pytest
+from softcradle.physics import power_law
+from softcradle.sandbox.session import SetContact
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 from softcradle.sandbox.window.scene.toolbar import MENUS
 
 from tests.helpers.windows import Driver
 from tests.sandbox.page.conftest import page_data
 
-CTRL = pygame.KMOD_CTRL
+CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 
@@ -66,12 +68,20 @@ def test_the_history_is_exported(driver: Driver, tmp_path: Path) -> None:
     assert (tmp_path / "motion.doc.csv").exists()
 
 
-def test_before_a_run_the_scene_is_shared_as_a_page_in_which_it_lives(driver: Driver, tmp_path: Path) -> None:
-    driver.key(pygame.K_h, CTRL)
+@pytest.mark.parametrize("played", [False, True])
+def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tmp_path: Path, played: bool) -> None:
+    """What was played is recorded; before a run there is nothing but the experiment."""
+    driver.session.apply(SetContact(0, 1, power_law(3.0, 0.3)))
+    if played:
+        driver.key(pygame.K_SPACE)
+        driver.frames(60)
+    driver.key(pygame.K_h, CTRL | SHIFT if played else CTRL)
     driver.key(pygame.K_RETURN)
     page = tmp_path / "one-bead-on-four.html"
-    assert driver.messages == [f"saved {page}"]
-    assert 'id="kernels"' in page.read_text(encoding="utf-8")
+    assert f"saved {page}" in driver.messages
+    text = page.read_text(encoding="utf-8")
+    assert 'id="kernels"' in text
+    assert page_data(text)["lanes"][0]["spec"]["law"][3:6] == [0.0, 3.0, 0.3]
 
 
 def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> None:
@@ -138,7 +148,7 @@ NO_NAMES = (
 def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -> None:
     driver.key(pygame.K_SPACE)
     driver.frames(5)
-    for saving, text in product(("save_scene", "save_session", "export", "share_page", "film"), NO_NAMES):
+    for saving, text in product(("save_scene", "save_session", "export", "share_page", "live_page", "film"), NO_NAMES):
         driver.app.messages.visible.clear()
         driver.page.dialogs.save(saving, text)
         driver.frames()
