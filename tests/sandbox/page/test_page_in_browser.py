@@ -159,6 +159,29 @@ def test_a_finger_moves_alpha_and_the_link_that_it_copies_opens_it(pages, browse
     assert browser.complaints == []
 
 
+def test_a_tap_pauses_another_brings_steel_balls_and_their_link_opens_them(pages, browser):
+    def tap(name):
+        x, y = browser.run(f"""(() => {{ const button = document.getElementById('{name}');
+          button.scrollIntoView({{block: 'center'}});
+          const {{x, y, width, height}} = button.getBoundingClientRect(); return [x + width / 2, y + height / 2]; }})()""")
+        browser.finger("Start", x, y)
+        browser.finger("End")
+
+    browser.device(*DEVICES["telephone"])
+    browser.visit(pages("one-on-four").output, "")
+    browser.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    browser.until("page.playing")
+    tap("toggle")
+    browser.until("!page.playing")
+    tap("steel")
+    browser.until("page.source.rows.length === 2")
+    tap("link")
+    link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
+    browser.visit(pages("one-on-four").output, f"#{link.partition('#')[2]}")
+    assert browser.run("page.source.rows.length") == 2
+    assert browser.complaints == []
+
+
 def test_a_finger_that_moves_up_scrolls_the_page(pages, browser):
     browser.device(*DEVICES["telephone"])
     browser.visit(pages("one-on-four").output, "")
