@@ -113,9 +113,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), N_("Save"), N_("save the session, to be replayed")),
     Binding("export", _keys((pygame.K_e, CTRL)), N_("Save"), N_("export the history as .npz or .csv")),
     Binding("share_page", _keys((pygame.K_h, CTRL)), N_("Save"), N_("share what was played as a page")),
-    Binding(
-        "live_page", _keys((pygame.K_h, CTRL | SHIFT)), N_("Save"), N_("share the experiment as a page to play with")
-    ),
+    Binding("live_page", _keys((pygame.K_h, CTRL | SHIFT)), N_("Save"), N_("share the experiment as a page")),
     Binding("screenshot", _keys(pygame.K_p, pygame.K_F12), N_("Save"), N_("screenshot")),
     Binding("film", _keys((pygame.K_r, CTRL)), N_("Save"), N_("begin or end a film of the window")),
     Binding("open", _keys((pygame.K_o, CTRL)), N_("Save"), N_("open a file (or drop it here)")),
