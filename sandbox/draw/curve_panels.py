@@ -52,10 +52,13 @@ class VerticalAxis:
 
 
 def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) -> list[tuple[float, str]]:
-    """Every so many of evenly spaced ticks that they are `gap` pixels apart at `scale` pixels a unit; 0 stays among them."""
+    """Every so many of evenly spaced ticks that they are `gap` pixels apart at `scale` pixels a unit; 0 stays among them.
+
+    The scale of an axis that runs down is negative.
+    """
     if len(ticks) < 2:
         return list(ticks)
-    every = math.ceil(gap / max(scale * abs(ticks[1][0] - ticks[0][0]), 1e-9))
+    every = math.ceil(gap / max(abs(scale * (ticks[1][0] - ticks[0][0])), 1e-9))
     kept = next((k for k, (value, _) in enumerate(ticks) if value == 0.0), 0) % every
     return list(ticks[kept::every])
 

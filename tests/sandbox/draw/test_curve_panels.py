@@ -31,7 +31,7 @@ def test_more_names_than_fit_share_the_room():
 
 def test_ticks_of_a_low_axis_are_fewer():
     ticks = [(-1.0, "-1"), (0.0, "0"), (1.0, "1"), (2.0, "2"), (3.0, "3")]
-    assert ticks_apart(ticks, 12.0, 12.0) == ticks
+    assert ticks_apart(ticks, 12.0, 12.0) == ticks_apart(ticks, -12.0, 12.0) == ticks
     assert [value for value, _ in ticks_apart(ticks, 7.0, 12.0)] == [0.0, 2.0]
     assert [value for value, _ in ticks_apart(ticks, 1.0, 12.0)] == [0.0]
     assert ticks_apart(ticks[:1], 1.0, 12.0) == ticks[:1]
