@@ -85,25 +85,6 @@ def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     assert "hooke-hertz" in capsys.readouterr().out
 
 
-def test_truths_are_used_by_scans_at_other_tolerances(tmp_path, monkeypatch):
-    given = ["scan", "--families", "power", "walls", "--jobs", "1", "--folder", str(tmp_path), "--count", "2"]
-    assert command.main(given) == 0
-    truths = (tmp_path / "truths.jsonl").read_text()
-    monkeypatch.setattr("benchmarks.scan.chain_points.truth_of", lambda *_: pytest.fail("found again"))
-    assert command.main([*given, "--tolerance", "1e-6"]) == 0
-    assert (tmp_path / "truths.jsonl").read_text() == truths
-    lines = [(tmp_path / name).read_text().splitlines()[1:] for name in ("truths.jsonl", "accurate-1e-06.jsonl")]
-    stored, judged_again = ([json.loads(line) for line in each] for each in lines)
-    for entry, truth in zip(judged_again, stored, strict=True):
-        chosen = motion(entry["family"], entry["seed"])
-        assert truth == {"key": chosen.key, **truth_of(chosen).as_json()}
-        expected = verdict.judge(chosen, Truth.from_json(truth), "accurate", 1e-6)
-        timed = {"seconds", "slow"}
-        assert {k: v for k, v in entry.items() if k not in timed | {"family", "seed"}} == {
-            k: v for k, v in expected.items() if k not in timed
-        }
-
-
 def test_a_scan_that_is_stopped_has_written_what_was_done(tmp_path, monkeypatch):
     given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3"]
     found, judged_seeds = chain_points.judge, []

@@ -156,12 +156,6 @@ def test_every_module_comes_from_the_wheel(installed):
     assert [file for file in files if not file.is_relative_to(installed.packages / "softcradle")] == []
 
 
-def test_the_checkout_is_out_of_reach(installed):
-    path = installed.run(installed.python, "-c", "import sys; print(*sys.path[1:], sep='\\n')").splitlines()
-    assert str(installed.packages) in path
-    assert str(ROOT) not in path
-
-
 def test_a_game_with_a_folder_physics_of_its_own(installed):
     assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
 

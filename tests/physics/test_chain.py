@@ -5,28 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import FrozenInstanceError
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from softcradle.physics import Chain, State, cluster_on_cluster, hertz, hooke, one_on, power_law
-from softcradle.physics.state import from_anchor
+from softcradle.physics import Chain, State, cluster_on_cluster, one_on, power_law
 
 LAW = power_law(1.0, 0.1)
-
-
-def test_one_contact_and_one_gap_serve_all():
-    chain = Chain([1, 2, 3], LAW, 0.5)
-    assert chain.contacts == 2
-    assert chain.contact == (LAW, LAW)
-    assert chain.gap == (0.5, 0.5)
-    assert chain.mass == (1.0, 2.0, 3.0)
-
-
-def test_kinds_of_contacts_mix():
-    chain = Chain([1, 2, 3], [hooke(3.0), hertz(2.0)])
-    assert chain.parameters.law.tolist() == [[0.0, 3.0, 1.0], [0.0, 2.0, 1.5]]
-    assert chain.parameters.inverse_mass.tolist() == [1.0, 0.5, 1 / 3]
 
 
 def test_clusters():
@@ -83,35 +65,3 @@ def test_the_start_has_the_gaps_of_the_chain():
     assert state.velocity(chain).tolist() == [1.0, 0.5, 0.25, -1.0]
     assert state.overlap.tolist() == [-0.5, 0.0, -0.25]
     assert state.time == 0.0
-
-
-def test_a_copy_of_a_state_is_independent():
-    chain = one_on(2, LAW)
-    state = State.at_start(chain, [1.0, 0.0, 0.0])
-    copy = state.copy()
-    copy.overlap[0] = copy.rate[0] = copy.anchor[0] = 7.0
-    assert state.overlap[0] == 0.0
-    assert state.rate[0] == 1.0
-    assert state.anchor[0] == 0.0
-
-
-@given(st.lists(st.floats(-10, 10), min_size=2, max_size=12), st.data())
-def test_beads_are_rebuilt_from_any_anchor(values, data):
-    beads = np.array(values)
-    anchor = data.draw(st.integers(0, len(values) - 1))
-    rebuilt = from_anchor(beads[:-1] - beads[1:], beads[anchor], anchor)
-    assert rebuilt == pytest.approx(beads, abs=1e-12)
-    assert rebuilt[anchor] == beads[anchor]
-
-
-def test_rebuilding_keeps_leading_axes():
-    beads = np.arange(24.0).reshape(2, 3, 4) ** 2
-    assert from_anchor(beads[..., :-1] - beads[..., 1:], beads[..., 2], 2) == pytest.approx(beads)
-
-
-def test_a_gap_below_zero_is_a_contact_pressed_from_the_start():
-    chain = Chain([1, 1, 1], LAW, [0.5, -0.25])
-    state = State.at_start(chain, [0.0, 0.0, 0.0])
-    assert state.overlap.tolist() == [-0.5, 0.25]
-    assert state.position(chain).tolist() == [0.0, 0.5, 0.25]
-    assert state.force.tolist() == [0.0, LAW.force(0.25)]

@@ -16,7 +16,6 @@ from softcradle.physics.fixed_step import checkpoints
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
-from softcradle.physics.python_checkpoints import CheckpointList
 from softcradle.physics.reference import dissipative_runner
 
 from tests.helpers.relations import simulate_quietly
@@ -70,17 +69,6 @@ def test_thinned_checkpoints_give_the_same_samples(name, method, few_rows):
     test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_samples_may_be_wanted_after_the_end(method):
-    chain, velocity = struck("power law")
-    times = np.array([0.0, 0.7, 1.9, 30.0, 31.0])
-    found = simulate_quietly(chain, velocity, method=method, samples=times)
-    known = simulate_quietly(chain, velocity, 31.0, method=method, samples=times)
-    assert simulate_quietly(chain, velocity, method=method, samples=2).time[-1] < 30.0
-    assert found.overlap == pytest.approx(known.overlap, abs=1e-12)
-    assert found.velocity == pytest.approx(known.velocity, abs=1e-12)
-
-
 @pytest.mark.parametrize("name", ["short loss", pytest.param("friction", marks=pytest.mark.slow)])
 def test_the_reference_takes_its_samples_from_copies_of_its_run(name):
     chain, velocity = struck(name)
@@ -123,12 +111,3 @@ def test_forces_over_time_give_the_same_samples(method):
     known = simulate_quietly(chain, [1.0, 0.0, 0.0, 0.0], found.time[-1], method=method, samples=40, **accuracy)
     assert found.overlap == pytest.approx(known.overlap, abs=1e-7)
     assert found.given == pytest.approx(known.given, rel=1e-6, abs=1e-9)
-
-
-def test_checkpoints_are_thinned_evenly(few_rows):
-    kept = CheckpointList(1)
-    for step in range(100):
-        kept.offer(step, lambda step=step: step)
-    assert len(kept.items) <= 6
-    assert kept.items == list(range(0, kept.items[-1] + 1, kept.items[1]))
-    assert kept.items[-1] + 2 * kept.items[1] >= 100

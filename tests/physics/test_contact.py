@@ -24,21 +24,6 @@ def row(contact):
     return contact.preload, contact.stiffness, contact.exponent
 
 
-def resolvent(contact, s, b):
-    """The one (overlap, force) with overlap + s * force = b, by bisection on Contact.overlap."""
-    if b <= 0.0:
-        return b, 0.0
-    if b <= s * contact.preload:
-        return 0.0, b / s
-    if contact.stiffness == 0.0:
-        return b - s * contact.preload, contact.preload
-    low, high = contact.preload, b / s  # in force: deep in a cluster overlaps of 1e-40 still carry some
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if contact.overlap(middle) + s * middle > b else (middle, high)
-    return contact.overlap(low), low
-
-
 @given(contacts, overlaps)
 def test_force_is_the_slope_of_energy(contact, overlap):
     width = 1e-4 * overlap
@@ -77,32 +62,6 @@ def test_an_open_contact_neither_pushes_nor_pulls(contact, distance):
     assert contact.energy(-distance) == 0.0
 
 
-@given(contacts, st.floats(1e-6, 1e3), st.floats(-10.0, 1e3))
-def test_resolvent_has_one_answer_in_each_state(contact, s, b):
-    overlap, force = resolvent(contact, s, b)
-    # one unit in the last place of the force is force / (a (force - preload)) of them in the overlap
-    excess = force - contact.preload
-    lost = overlap * force / (contact.exponent * excess) if excess > 0.0 else 0.0
-    assert overlap + s * force == pytest.approx(b, abs=1e-15 * (abs(b) + lost))
-    if b <= 0.0:
-        assert overlap == b
-        assert force == 0.0
-    elif b <= s * contact.preload:
-        assert overlap == 0.0
-        assert 0.0 < force <= contact.preload * (1 + 1e-15)
-    else:
-        assert force >= contact.preload
-        assert contact.force(overlap) == pytest.approx(force, rel=1e-12) or overlap < 1e-300
-
-
-@given(contacts, st.floats(1e-3, 1e3), st.floats(-10.0, 1e3), st.floats(-10.0, 1e3))
-def test_resolvent_never_spreads_two_pushes_apart(contact, s, one, other):
-    (d1, f1), (d2, f2) = resolvent(contact, s, one), resolvent(contact, s, other)
-    slack = 1e-9 * (1.0 + abs(one) + abs(other))
-    assert (d1 - d2) * (one - other) >= -slack  # monotone
-    assert (d1 - d2) ** 2 + (s * (f1 - f2)) ** 2 <= (one - other) ** 2 + slack**2 + slack * abs(one - other)
-
-
 @given(contacts, overlaps)
 def test_kernels_have_the_same_law(contact, overlap):
     for d in (overlap, -overlap, 0.0):
@@ -138,13 +97,6 @@ def test_arrays_keep_their_shape_and_scalars_are_floats():
         assert type(method(2.0)) is float
         assert method(overlap).shape == (2, 3)
         assert [method(d) for d in overlap.ravel()] == method(overlap).ravel().tolist()
-
-
-@pytest.mark.parametrize("overlap", [1e-6, 1e-3, 1.0])
-def test_small_exponents_tend_to_the_step_force(overlap):
-    errors = [abs(power_law(3.0, alpha).force(overlap) - step_force(3.0).force(overlap)) for alpha in (0.1, 1e-2, 1e-3)]
-    assert errors == sorted(errors, reverse=True)
-    assert errors[-1] <= 3.0 * 1e-3 * abs(math.log(overlap)) * (1 + 1e-9)
 
 
 def test_a_step_force_cannot_be_exceeded():

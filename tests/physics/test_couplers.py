@@ -22,13 +22,11 @@ from softcradle import (
     TimedForce,
     Trajectory,
     advance,
-    draft_gear,
     ensemble,
     hooke,
     simulate,
     stable_step,
 )
-from tests.helpers.paths import ROOT
 
 CARRY = [method.name for method in METHODS if method.couplers]
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
@@ -66,25 +64,6 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
     assert np.abs(found.ledger / found.ledger[0] - 1.0).max() < (1e-4 if method == "euler" else 1e-8)
 
 
-@pytest.mark.parametrize("speed", [0.4, 0.99, 1.01, 1.5, 3.0])
-def test_the_stop_is_met_beyond_the_speed_at_which_the_gear_is_full(speed):
-    """The gear takes up ``k T**2 / 2``; up to there the stop does nothing, and beyond it the force leaves the gear's line."""
-    spring, travel, mass = 5e6, 0.1, 40e3
-    critical = travel * math.sqrt(spring / mass)
-    with_stop = Coupler(hooke(spring), travel=travel, stop=2e8)
-    start = [speed * critical, 0.0]
-    found, free = (
-        simulate(Chain([2.0 * mass] * 2, law), start, method="conserving", step=1e-5, samples=2001).force.max()
-        for law in (with_stop, hooke(spring))
-    )
-    assert free == pytest.approx(spring * travel * speed, rel=1e-5)
-    assert found == (
-        pytest.approx(free, rel=1e-9)
-        if speed < 1.0
-        else pytest.approx(bounce_in_the_stop(spring, 2e8, travel, mass, speed * critical)[0], rel=1e-4)
-    )
-
-
 @pytest.mark.parametrize("method", CARRY)
 def test_wagons_of_a_pulled_train_start_one_after_another(method):
     """Hard links pass the whole momentum on: wagon k starts at T (k + 1) / 2 with T = sqrt(2 s m / F), all at one speed."""
@@ -104,19 +83,6 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
         errors.append(np.abs(np.array(starts) - wanted).max())
     assert errors[0] < 10.0 * math.pi / math.sqrt(1e10 * 2.0 / mass)  # each link takes its contact time
     assert errors[1] < 0.15 * errors[0]  # a hundred times as hard, a tenth of that
-
-
-@pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
-def test_a_coupler_that_only_pushes_is_its_contact(method):
-    """To the last digits of the same kernels, and of the reference."""
-    for law in (draft_gear(2e6, 0.1), GEAR, hooke(4e6)):
-        options = {"duration": 0.4, "samples": 41, **settings(method, 1e-4)}
-        plain, joint = (
-            simulate(Chain([8e4] * 3, contact, 0.01), [2, 0, 0], **options) for contact in (law, Coupler(law))
-        )
-        np.testing.assert_allclose(joint.velocity, plain.velocity, atol=1e-11)
-        np.testing.assert_allclose(joint.overlap, plain.overlap, atol=1e-11)
-        np.testing.assert_allclose(joint.absorbed_by_contacts, plain.absorbed_by_contacts, atol=1e-4)
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
@@ -198,16 +164,6 @@ def test_a_file_gives_the_couplers_back(tmp_path):
 def test_methods_that_take_no_couplers_say_so(method):
     with pytest.raises(ValueError, match=r"takes contacts that only push.*not couplers: take 'conserving' or 'scipy'"):
         simulate(Chain([1.0, 1.0], TRAIN), [1.0, 0.0], 1.0, method)
-
-
-def test_the_page_of_scenes_says_which_methods_take_couplers():
-    text = (ROOT / "docs/scenes.md").read_text(encoding="utf-8")
-    carried, refused = (
-        re.findall(r"`(\w+)`", part)
-        for part in re.search(r"Methods (.*?) carry couplers; (.*?) refuse", text, re.S).groups()
-    )
-    assert set(carried) == set(CARRY)
-    assert set(refused) == {method.name for method in METHODS} - set(CARRY) | {"auto"}
 
 
 def test_what_takes_friction_in_place_of_yoshida4_takes_the_chain():

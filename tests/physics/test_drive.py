@@ -56,16 +56,6 @@ def test_advance_drives_and_adds_the_push(method):
     np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9, atol=1e-8 * method.adaptive)
 
 
-def test_pushed_against_a_wall_bounces_on_its_contact():
-    """A bead under weight on a linear spring: ``w d / w_static = 1 - cos``, period 2 pi sqrt(m/k)."""
-    chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])
-    period = 2.0 * math.pi * math.sqrt(2.0 / 50.0)
-    found = simulate(chain, [0.0, 0.0], period, method="scipy", samples=33)
-    np.testing.assert_allclose(
-        found.overlap[:, 0], 3.0 / 50.0 * (1.0 - np.cos(2.0 * math.pi * found.time / period)), atol=1e-8
-    )
-
-
 def test_speed_scale_of_a_driven_chain_at_rest_has_its_units():
     """Linear bead on a wall: the speed is ``F / sqrt(k m)`` within a factor, and grows with the force."""
     chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])

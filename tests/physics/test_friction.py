@@ -143,15 +143,6 @@ def test_a_friction_out_of_range(friction):
         Chain([1, 1], hertz(1.0), friction=friction)
 
 
-def test_an_external_push_moves_a_bead_above_the_threshold():
-    chain = Chain([1.0, 1.0], hertz(1e4), gap=1.0, friction=0.5)
-    state = State.at_start(chain, [0.0, 0.0])
-    for push, moves in ((0.9, False), (1.1, True)):
-        state.push = np.array([push * 0.5 * GRAVITY, 0.0])
-        advance(chain, state, 0.1, "conserving", 1e-3)
-        assert (state.position(chain)[0] > 0.0) == moves
-
-
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("seed", range(20))
 def test_what_rubs_and_loses_comes_to_its_end(method, seed):

@@ -28,13 +28,6 @@ def random_chain(seed):
     return Chain((10 ** rng.uniform(-3, 3, n + 1)).tolist(), contacts)
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_speeds_to_depths_are_the_inverse_of_the_depths(seed):
-    chain, speed = random_chain(seed), 10.0 ** np.random.default_rng(seed).uniform(-6, 6)
-    depth = contact_scales(chain, [speed, *[0.0] * chain.contacts])[0]
-    np.testing.assert_allclose(speeds_to_depth(chain, depth), speed, rtol=1e-10)
-
-
 @pytest.mark.parametrize("seed", range(40))
 def test_what_is_computed_is_what_the_depths_say(seed):
     """Just inside and just outside of the range of each chain: refused exactly where a depth is out of range."""

@@ -32,12 +32,6 @@ def assert_equal(one: Trajectory, other: Trajectory) -> None:
             assert ours == theirs, field.name
 
 
-def test_saved_trajectory_is_read_back_equal(collision, tmp_path):
-    collision.save(tmp_path / "one.npz")
-    assert_equal(Trajectory.load(tmp_path / "one.npz"), collision)
-    assert [path.name for path in tmp_path.iterdir()] == ["one.npz"]
-
-
 @given(data=st.data())
 @settings(max_examples=40, deadline=None)
 def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):

@@ -142,21 +142,6 @@ def test_a_run_that_pauses_at_every_step_is_the_same(seed, monkeypatch):
     np.testing.assert_array_equal(paused.given, whole.given)
 
 
-def test_a_slope_is_the_limit_of_fine_steady_pieces():
-    """Of a thousand equal pieces, each with the force of its middle: off by some millionth of the force's impulse."""
-    edges = np.linspace(0.0, 1.0, 1001)
-    middle = np.repeat(9.0 * 0.5 * (edges[1:] + edges[:-1]), 2)
-    stair = TimedForce(0, np.repeat(edges, 2)[1:-1], middle)
-    slope = TimedForce(0, [0.0, 1.0], [0.0, 9.0])
-    ends = [
-        simulate_quietly(
-            Chain([1.0] * 4, draft_gear(50.0, 0.1), forces=force), REST, 1.0, method="conserving", step=5e-4
-        )
-        for force in (slope, stair)
-    ]
-    np.testing.assert_allclose(ends[0].final_velocity, ends[1].final_velocity, atol=1e-5)
-
-
 def test_without_a_duration_it_ends_when_forces_and_contacts_do():
     """The forces end at 0.9 s; what lasts needs a duration."""
     found = simulate(PUSHING, REST)
@@ -184,13 +169,6 @@ def test_contacts_that_stay_closed_over_a_knot_switch_once():
     found = simulate(chain, [0.0, 0.0, 0.0], 0.6, method="radau")
     assert [spans[0][0] for spans in found.contact_intervals] == [0.0, 0.0]
     assert all(len(spans) == 1 for spans in found.contact_intervals)
-
-
-def test_force_at_its_points_and_impulse():
-    assert PULSE.at([0.5, 2.0, 3.0, 9.0]).tolist() == [0.0, 3.0, 2.0, 2.0]
-    assert PULSE.impulse(5.0) == pytest.approx(10.0)
-    assert PULSE.impulse(2.0) == pytest.approx(1.5)
-    assert TimedForce([1], 2.0, 3.0).at([1.9, 2.0]).tolist() == [0.0, 3.0]
 
 
 def test_it_is_saved(tmp_path):

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
-from softcradle.scenes import SceneError
-from softcradle.scenes.contact_kinds import KINDS
+from hypothesis import given
+from hypothesis import strategies as st
+from softcradle.scenes import SceneError, parse
+from softcradle.scenes.contact_kinds import KINDS, ContactKind
+from softcradle.scenes.contact_table import law_of, read_law
 from softcradle.scenes.contact_text import contact_from, contact_text
 
 from softcradle import physics
@@ -61,3 +66,58 @@ def test_refusals(text, sentence):
         contact_from(text)
     assert sentence in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def numbers_of(kind: ContactKind) -> dict[str, float]:
+    return {name: 0.25 + k for k, name in enumerate(kind.numbers)}
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.law)
+def test_files_and_texts_take_the_name_of_a_kind_and_its_former_one(kind):
+    numbers = numbers_of(kind)
+    expected = kind.constructor(**numbers)
+    arguments = ", ".join(map(str, numbers.values()))
+    for name in filter(None, (kind.law, kind.former)):
+        assert read_law({"law": name, **numbers}).contact() == expected
+        assert contact_from(f"{name}({arguments})").contact() == expected
+        file = "\n".join([f'law = "{name}"', *(f"{key} = {value}" for key, value in numbers.items())])
+        scene = parse(f'title = "t"\n[[lanes]]\nvelocity = [1, 0]\n[lanes.contact]\n{file}')
+        assert scene.lanes[0].chain().contact == (expected,)
+        assert f'law = "{kind.law}"' in scene.to_toml()
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.law)
+def test_the_table_of_a_contact_is_that_of_its_kind(kind):
+    numbers = numbers_of(kind)
+    assert law_of(kind.constructor(**numbers, loss=0.25)).model_dump() == {"law": kind.law, **numbers, "loss": 0.25}
+
+
+SIZE = st.floats(1e-9, 1e9)
+
+
+@given(SIZE, SIZE)
+def test_the_table_of_a_draft_gear_gives_exactly_its_preload(stiffness, precompression):
+    gear = physics.draft_gear(stiffness, precompression)
+    law = law_of(gear)
+    assert law.law == "draft_gear"
+    assert law.contact() == gear
+
+
+@given(SIZE | st.just(0.0), SIZE, st.floats(0.01, 3.0) | st.sampled_from([1.0, 1.5]), st.floats(0.0, 0.9))
+def test_the_table_of_any_contact_gives_exactly_its_numbers(preload, stiffness, exponent, loss):
+    contact = physics.Contact(preload, stiffness, exponent, loss)
+    assert law_of(contact).contact() == contact
+
+
+def test_a_preload_that_rounding_excludes_is_a_draft_gear_in_text_alone():
+    pressed = next(
+        contact for k in range(1, 1000) if law_of(contact := physics.Contact(k / 10.0, 0.7, 1.0)).law == "preloaded"
+    )
+    assert law_of(pressed).contact() == pressed
+    assert contact_text(pressed).startswith("draft_gear(0.7, ")
+    assert contact_from(contact_text(pressed)).contact().preload == pytest.approx(pressed.preload, rel=1e-5)
+
+
+def test_a_step_force_has_no_exponent():
+    assert law_of(physics.Contact(2.0, 0.0, 0.5)).contact() == physics.step_force(2.0)
+    assert math.isinf(physics.step_force(2.0).overlap(3.0))

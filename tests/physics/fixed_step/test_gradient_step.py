@@ -21,7 +21,6 @@ from softcradle.physics.numerics.contact_solve import row_residual, sweep
 from softcradle.physics.numerics.fixed_step_friction import slide
 from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.solver_rows import BEAD_ROWS, UNKNOWN
-from softcradle.physics.own_law import OwnLaw
 
 from tests.helpers.plain_kernels import only_plain, records_of
 
@@ -272,17 +271,6 @@ def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
     assert other.overlap == pytest.approx(one.overlap, rel=1e-12)
 
 
-def test_a_bead_at_rest_stays_below_its_friction_and_slips_above():
-    for push, moves in ((0.9, False), (1.1, True)):
-        chain = Chain([2.0, 1.0], hooke(1.0), gap=1.0, friction=0.1, drive=[0.2 * GRAVITY * push, 0.0])
-        state = State.at_start(chain, [0.0, 0.0])
-        taken(chain, state, 0.1)
-        v = 0.1 * 0.1 * GRAVITY * (push - 1.0) if moves else 0.0
-        assert state.velocity(chain)[0] == pytest.approx(v, rel=1e-12)
-        assert state.velocity(chain)[1] == 0.0
-        assert state.absorbed[1] == pytest.approx(2.0 * 0.1 * GRAVITY * 0.05 * v, rel=1e-12)
-
-
 @pytest.mark.parametrize("seed", range(8))
 def test_a_step_in_parts_keeps_the_ledger(seed):
     """Long steps of chains that rub and lose, cut at every event: energy closes all the same."""
@@ -342,18 +330,3 @@ def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
             step(chain, state, h)
     assert len(seen) > 30
     assert max(seen) <= 1e-12
-
-
-def test_a_law_of_ones_own_steps_like_the_same_law_built_in():
-    for seed in range(20):
-        draw = np.random.default_rng(seed)
-        laws = [hertz(float(k)) for k in draw.uniform(1.0, 20.0, 2)]
-        own = [OwnLaw(lambda overlap, k=law.stiffness: k * overlap**1.5) for law in laws]
-        velocity, ends = draw.normal(size=3), []
-        for contacts in (laws, own):
-            chain = Chain([1.0, 2.0, 0.5], contacts)
-            state = State.at_start(chain, velocity)
-            state.overlap[:] = 0.1, 0.02
-            step(chain, state, 0.05)
-            ends.append([*state.overlap, *state.rate, *state.force])
-        assert ends[0] == pytest.approx(ends[1], rel=1e-9, abs=1e-12)

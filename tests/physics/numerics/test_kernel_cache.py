@@ -73,10 +73,6 @@ def test_the_folder_moves_with_numba_cache_dir(monkeypatch, tmp_path):
     assert cache_folder() == tmp_path / "kernels" / digest_of(kernel_sources())
 
 
-def test_plain_python_gives_the_same_digits():
-    assert run(DIGITS, NUMBA_DISABLE_JIT="1") == run(DIGITS)
-
-
 def test_without_numba_the_same_functions_run(tmp_path):
     (tmp_path / "numba.py").write_text("raise ImportError('no wheel for this machine')")
     assert run(DIGITS, PYTHONPATH=str(tmp_path)) == run(DIGITS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import warnings
 
@@ -161,15 +160,3 @@ def test_the_table_of_the_page_is_measured():
     page = (ROOT / "docs" / "games.md").read_text(encoding="utf-8")
     rows = [f"| {' | '.join(row)} |" for row in soft_contacts.table()]
     assert [row for row in rows if row not in page] == []
-
-
-def test_contacts_last_as_long_as_was_said():
-    contact = Contact.by_contact_time(0.05, mass=0.5, speed=1.0)
-    space = pymunk.Space()
-    balls = [pymunk.Body(1.0, math.inf), pymunk.Body(1.0, math.inf)]
-    balls[1].position = 1.0, 0.0
-    balls[0].velocity = 1.0, 0.0
-    soft = SoftContact(*balls, (0, 0), (0, 0), 1.0, contact)
-    space.add(*balls, soft)
-    closed = sum(soft.overlap > 0.0 for _ in itertools.takewhile(lambda _: space.step(1e-5) is None, range(10_000)))
-    assert closed * 1e-5 == pytest.approx(0.05, rel=1e-3)

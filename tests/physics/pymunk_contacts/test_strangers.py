@@ -98,20 +98,6 @@ def test_two_chains_that_share_a_body():
         space.step(STEP)
 
 
-def test_a_chain_made_anew_takes_the_place_of_one_that_was_removed():
-    space = pymunk.Space()
-    bodies = row(4, space)
-    old = SoftChain(bodies, hertz(50.0), 1.0)
-    space.add(*old)
-    space.step(STEP)
-    space.remove(*old)
-    chain = SoftChain(bodies, hertz(100.0), 1.0)
-    space.add(*chain)
-    bodies[0].velocity = 1, 0
-    steps(space, 1200)
-    assert kinetic(bodies) == pytest.approx(0.5, abs=1e-12)
-
-
 def test_two_chains_joined_by_a_contact():
     """In small steps, for a SoftContact is symplectic Euler."""
     space = pymunk.Space()

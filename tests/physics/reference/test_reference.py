@@ -10,7 +10,6 @@ import softcradle.physics.reference.scipy_runner
 from softcradle.physics import (
     Chain,
     State,
-    advance,
     cluster_on_cluster,
     draft_gear,
     hertz,
@@ -19,8 +18,10 @@ from softcradle.physics import (
     power_law,
     simulate,
 )
-from softcradle.physics import step_force as step
-from softcradle.physics.reference.phases import LOADED, OPEN, TOUCHING, Phase, System, switched_modes
+from softcradle.physics.reference import stage_equations
+from softcradle.physics.reference.one_thread import one_thread
+from softcradle.physics.reference.phases import OPEN, Phase, System, switched_modes
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.truth import GEAR, GEARS
@@ -122,71 +123,6 @@ def test_beads_at_rest_stay_at_rest():
     assert found.contact_intervals == ((), (), ())
 
 
-@pytest.mark.parametrize("law", [GEAR, step(1.0), power_law(1.0, 0.1), hertz(1.0)], ids=str)
-def test_modes_at_a_touch(law):
-    rests = TOUCHING if law.preload else LOADED  # without preload a touching contact carries next to nothing
-    mode, _ = modes(Chain([1, 1, 1], law), [1, 0, 0])
-    assert mode[0] == LOADED
-    assert mode[1] in (rests, TOUCHING)
-    assert modes(Chain([1, 1, 1], law), [-1, 0, 1])[0] == [OPEN, OPEN]
-    assert modes(Chain([1, 1, 1], law), [0, 0, 0])[0] == [TOUCHING, TOUCHING]
-
-
-def test_modes_of_touching_contacts_solve_the_complementarity_problem():
-    """At f = 0 or between no contact closes, at the capacity none opens: over random preloads and masses."""
-    draw = np.random.default_rng(5)
-    for _ in range(200):
-        n = int(draw.integers(2, 12))
-        laws = [draft_gear(1.0, float(preload)) for preload in 10.0 ** draw.uniform(-2, 1, n)]
-        chain = Chain(10.0 ** draw.uniform(-2, 2, n + 1), laws)
-        start = np.zeros(n + 1)
-        start[0] = 1.0  # the first contact is struck and pushes with its preload, the rest touch
-        mode, force = modes(chain, start)
-        built, _ = system(chain, start)
-        closing = -built.coupling @ force
-        scale = 1e-12 * np.abs(built.coupling).max() * force.max()
-        assert mode[0] == LOADED
-        for i in range(1, n):
-            assert 0.0 <= force[i] <= built.capacity[i] * (1 + 1e-9)
-            assert mode[i] != OPEN
-            assert abs(closing[i]) <= scale if mode[i] == TOUCHING else closing[i] >= -scale
-
-
-def test_jacobian_is_the_slope_of_the_slope():
-    chain = Chain([1, 2, 3, math.inf, 0.5], [power_law(1, 0.3), draft_gear(2, 0.1), hertz(2.0), hooke(3.0)])
-    built, _ = system(chain, [1, 0, 0, 0, 0])
-    phase = Phase.of(built, np.array([LOADED, TOUCHING, LOADED, LOADED], dtype=np.int8))
-    y, width = np.array([0.1, 0.0, 0.2, 0.3, 1.0, 0.0, 0.5, 0.6, 0.1, 0.0]), 1e-6
-    columns = [(phase.slope(y + width * e) - phase.slope(y - width * e)) / (2 * width) for e in np.eye(y.size)]
-    assert phase.jacobian(y) == pytest.approx(np.array(columns).T, abs=1e-8)
-
-
-@pytest.mark.parametrize(("push", "spread"), [(0.5, 0.0), (3.0, 0.1)])
-def test_a_push_on_touching_gears(push, spread):
-    """Below the preload the chain moves as one, exactly; above it the first contact loads and swings."""
-    chain = Chain([1.0, 1.0, 1.0], draft_gear(4.0, 0.25))
-    state = State.at_start(chain, [0, 0, 0])
-    state.push = np.array([push, 0.0, 0.0])
-    advance(chain, state, 0.8, "scipy")
-    velocity = state.velocity(chain)
-    assert velocity.sum() == pytest.approx(push * 0.8, rel=1e-9)
-    if spread:
-        assert np.ptp(velocity) > spread
-    else:
-        assert velocity == pytest.approx([push * 0.8 / 3] * 3, rel=1e-12)
-        assert state.force == pytest.approx([push * 2 / 3, push / 3], rel=1e-9)
-
-
-def test_a_pull_opens_a_touching_contact():
-    chain = Chain([1.0, 1.0], draft_gear(4.0, 0.25))
-    state = State.at_start(chain, [0, 0])
-    state.push = np.array([-1.0, 0.0])
-    advance(chain, state, 1.0, "scipy")
-    assert state.velocity(chain) == pytest.approx([-1.0, 0.0], abs=1e-12)
-    assert state.overlap[0] == pytest.approx(-0.5, rel=1e-12)
-    assert state.force[0] == 0.0
-
-
 def test_running_out_of_phases_is_a_value(monkeypatch):
     monkeypatch.setattr(softcradle.physics.reference.scipy_runner, "MOST_PHASES", 3)
     with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = .* 3 changes of contacts"):
@@ -218,3 +154,40 @@ def test_scales_of_length_and_time_do_not_matter(method):
     small = simulate(one_on(3, hertz(stiffness)), [length / time, 0, 0, 0], 4.0 * time, method, samples=5)
     assert small.velocity * time / length == pytest.approx(large.velocity, abs=1e-8)
     assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)
+
+
+def threads() -> set[int]:
+    """Of all copies of BLAS in this process."""
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+def test_dense_solves_run_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: set[int] = set()
+    solved = stage_equations.solved
+
+    def watched(*arguments: object) -> object:
+        seen.update(threads())
+        return solved(*arguments)
+
+    monkeypatch.setattr(stage_equations, "solved", watched)
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        found = simulate(
+            Chain([1.0] * 3, hertz(1.0, loss=0.1)), [1.0, 0.0, 0.0], method="scipy", tolerance=1e-4, samples=2
+        )
+        assert threads() == before
+    assert seen == {1}
+    assert np.isfinite(found.final_velocity).all()
+
+
+def test_threads_come_back_when_the_last_run_is_over() -> None:
+    """Runs of an ensemble overlap: the first to end gave threads back to the others, and their last digits changed."""
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        first, second = one_thread(), one_thread()
+        first.__enter__()
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert threads() == {1}
+        second.__exit__(None, None, None)
+        assert threads() == before

@@ -52,36 +52,6 @@ def test_without_a_subcommand_the_window_opens(monkeypatch):
     assert opened == [None, "one-on-four"]
 
 
-def test_help_imports_nothing_heavy():
-    heavy = [
-        "numpy",
-        "pydantic",
-        "rich",
-        "numba",
-        "pymunk",
-        "pygame",
-        "av",
-        "scipy",
-        "matplotlib",
-        "softcradle.physics.contact",
-    ]
-    code = (
-        "import sys\nfrom softcradle.sandbox.cli.main import main\n"
-        "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
-        f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)"
-    )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert result.stderr == "[]\n"
-
-
-def test_module_is_the_command():
-    result = subprocess.run(
-        [sys.executable, "-m", "softcradle", "run", "nope"], capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 2
-    assert result.stderr.startswith("softcradle: there is no scene 'nope'")
-
-
 def test_a_closed_pipe_is_no_error():
     shell = f"{sys.executable} -m softcradle scenes mixed | true; exit ${{PIPESTATUS[0]}}"
     result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)

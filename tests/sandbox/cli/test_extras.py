@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tomllib
 
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for
-
-from tests.helpers.paths import ROOT
 
 WITHOUT = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 MAIN = "from softcradle.sandbox.cli.main import main\nsys.exit(main({arguments!r}))"
@@ -37,12 +34,6 @@ for method in METHODS:
 def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[str]:
     code = WITHOUT.format(names=without) + program
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-
-
-def test_every_package_of_an_extra_is_known():
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-    assert set(EXTRA_OF.values()) <= extras.keys()
-    assert set(EXTRA_OF.values()) < {extra for extra in extras if f"{extra}" in " ".join(extras["all"])} | {"all"}
 
 
 @pytest.mark.parametrize(

@@ -129,14 +129,6 @@ def test_a_poor_encoding_is_no_error(encoding):
     assert "alpha ?" in text
 
 
-def test_a_comparison_in_a_poor_encoding(tmp_path):
-    scene = ("compare", "one-on-four", "--contact", "hertz(1)", "--method", "verlet", "--step", "1e-2")
-    done = run(*scene, "-o", str(tmp_path / "w.json"), PYTHONIOENCODING="cp1252")
-    assert done.returncode == 0, done.stderr
-    assert "v0 at the end" in done.stdout
-    assert "written: " in done.stdout
-
-
 FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")
 
 

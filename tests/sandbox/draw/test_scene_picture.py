@@ -1,16 +1,23 @@
 """Pictures show what the motions contain; drawing changes nothing and depends on the row alone."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.draw import Picture, draw, scales_of
+from hypothesis import given
+from hypothesis import strategies as st
+from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
+from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
+from softcradle.sandbox.draw.curve_panels import ticks_apart
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
+from softcradle.sandbox.draw.surface_cache import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.film.kinds import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
+from softcradle.sandbox.label_places import spread
 from softcradle.scenes.catalogue import parse
 
 SIZE = (960, 540)
@@ -245,3 +252,140 @@ def test_text_of_the_scene_is_written_and_fades(soft):
     plain, half, full = (painted(picture, 0, text_opacity=opacity) for opacity in (0.0, 0.5, 1.0))
     assert (full != plain).any()
     assert np.abs(half - plain).sum() < np.abs(full - plain).sum()
+
+
+def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
+    drawn = []
+
+    @cached_surfaces(megabytes=1.0)
+    def square(side):
+        drawn.append(side)
+        return pygame.Surface((side, side), 0, 32)
+
+    sides = [256, 255, 254]  # a quarter of a megabyte each
+    for side in sides * 2:
+        assert square(side).get_size() == (side, side)
+    assert drawn == sides
+    square(400)  # 0.61 MB: the first two are dropped
+    square(254)
+    assert drawn == [*sides, 400]
+    square(255)
+    assert drawn == [*sides, 400, 255]
+    square(2000)  # larger than the cache: it is kept until the next one
+    assert square(2000) is square(2000)
+    assert drawn == [*sides, 400, 255, 2000]
+    clear_cached_surfaces()
+    for side in sides * 2:  # room for three again: dropped drawings are not counted
+        square(side)
+    assert drawn == [*sides, 400, 255, 2000, *sides]
+
+
+@given(
+    st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100.0, 300.0)
+)
+def test_names_beside_curves_keep_order_and_distance(places, gap, high):
+    moved = spread(places, gap, 0.0, high)
+    order = sorted(range(len(places)), key=lambda k: places[k])
+    steps = np.diff([moved[k] for k in order])
+    assert (steps >= min(gap, high / max(1, len(places) - 1)) - 1e-6).all()
+    assert min(moved) >= -1e-6
+    assert max(moved) <= high + 1e-6
+
+
+def test_names_with_room_stay_where_they_are():
+    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
+    assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
+
+
+def test_more_names_than_fit_share_the_room():
+    assert np.ptp(spread([0.0] * 100, 0.05, 0.0, 1.0)) == pytest.approx(1.0)
+
+
+def test_ticks_of_a_low_axis_are_fewer():
+    ticks = [(-1.0, "-1"), (0.0, "0"), (1.0, "1"), (2.0, "2"), (3.0, "3")]
+    assert ticks_apart(ticks, 12.0, 12.0) == ticks_apart(ticks, -12.0, 12.0) == ticks
+    assert [value for value, _ in ticks_apart(ticks, 7.0, 12.0)] == [0.0, 2.0]
+    assert [value for value, _ in ticks_apart(ticks, 1.0, 12.0)] == [0.0]
+    assert ticks_apart(ticks[:1], 1.0, 12.0) == ticks[:1]
+
+
+MASSES = [1.0] * 5
+CLOSED = [0.0] * 4
+
+
+def test_rigid_forces_are_those_of_equation_5():
+    ends = cluster_ends([-1.0, 0.0, 0.0, 0.0], [1, 0, 0, 0, 0], 1.0)
+    assert ends == (True, False, False, False)
+    assert rigid_forces(MASSES, ends, CLOSED, [0.8, 0.5, 0.3, 0.1], 1.0) == pytest.approx([0, 0.6, 0.4, 0.2])
+    two = cluster_ends([0.0, -1.0, 0.0], [1, 1, 0, 0], 1.0)
+    assert rigid_forces([1.0, 3.0, 2.0, 2.0], two, [0.0] * 3, [9, 1.0, 9], 1.0) == pytest.approx([0.25, 0, 0.5])
+
+
+def test_beads_that_touch_already_meet_where_their_velocities_differ():
+    assert cluster_ends(CLOSED, [1, 0, 0, 0, 0], 1.0) == (True, False, False, False)
+    assert cluster_ends([0.0, -1e-17, 1e-30, 0.0], [0, 0, 0, 0, 1e-9], 1.0) == (False, False, False, True)
+
+
+@pytest.mark.parametrize(("gap", "shares"), [(3, [0, 2 / 3, 1 / 3, 0]), (1, [0, 0, 0, 0]), (2, [0, 0.5, 0, 0])])
+def test_a_cluster_ends_at_an_open_gap(gap, shares):
+    """One bead strikes the row; the beads beyond a gap push nothing, and a gap has no mark."""
+    overlap = [-1.0 if i in (0, gap) else 0.0 for i in range(4)]
+    ends = cluster_ends(overlap, [1, 0, 0, 0, 0], 1.0)
+    now = [-1.0 if i == gap else 0.0 for i in range(4)]
+    force = [0.0 if i == gap else 1.0 for i in range(4)]
+    assert rigid_forces(MASSES, ends, now, force, 1.0) == pytest.approx(shares)
+
+
+def test_a_gap_on_the_left_of_what_is_struck_from_the_right():
+    ends = cluster_ends([0.0, -0.5, 0.0, -1.0], [0, 0, 0, 0, -1], 1.0)
+    assert rigid_forces(MASSES, ends, [0.0, -0.5, 0.0, 0.1], [0, 0, 0.7, 1.0], 1.0) == pytest.approx([0, 0, 0.5, 0])
+
+
+def test_a_gap_that_has_closed_pushes_from_the_other_end():
+    """Three beads are struck on the left with 3 N, and run into a fourth, which pushes back with 1 N."""
+    ends = cluster_ends([-1.0, 0.0, 0.0, -1e-3], [1, 0, 0, 0, 0], 1.0)
+    forces = rigid_forces(MASSES, ends, [0.1, 0.1, 0.1, 0.1], [3.0, 2.0, 2.0, 1.0], 1.0)
+    assert forces == pytest.approx([0, 3 * 2 / 3 + 1 / 3, 3 / 3 + 2 / 3, 0])
+
+
+def test_no_marks_beside_a_wall_without_a_blow_or_without_a_cluster():
+    wall = [1.0, 1.0, math.inf]
+    assert rigid_forces(wall, (True, False), [0.1, 0.1], [1.0, 1.0], 1.0) == [0.0, 0.0]
+    assert not has_marks(cluster_ends([0.0, 0.0], [0, 0, 0], 1.0))
+    assert not has_marks(cluster_ends([-1.0], [1, 0], 1.0))
+    assert not has_marks(cluster_ends([-1.0, -1.0], [1, 0, 0], 1.0))
+    assert has_marks(cluster_ends([-1.0, 0.0], [1, 0, 0], 1.0))
+
+
+ONE_ON_FOUR = parse("""
+title = "Soft"
+[[lanes]]
+beads = [1, 3]
+contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
+velocity = 1.0
+""")
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return scene_motions(ONE_ON_FOUR, 40.0)[0]
+
+
+def test_free_flight_before_the_start(motion):
+    early = motion.time < 0.0
+    assert early.any()
+    assert motion.position[early, 0] == pytest.approx(motion.time[early])
+    assert (motion.position[early, 1:] == 0.0).all()
+    assert (motion.force[early] == 0.0).all()
+    assert motion.energy_error[early].max() == 0.0
+    chain = ONE_ON_FOUR.lanes[0].chain()
+    assert longest_lead(chain, np.array([1.0, 0.0, 0.0, 0.0])) == math.inf
+    assert longest_lead(chain, np.array([0.0, 0.0, 0.0, 1.0])) == 0.0
+
+
+def test_errors_are_those_of_the_motion(motion):
+    energy = motion.kinetic.sum(axis=1) + motion.stored
+    assert motion.energy_error[-1] == pytest.approx(np.abs(energy / energy[0] - 1.0).max())
+    slowed = replace(motion, rate=0.5 * motion.rate, anchor=motion.anchor * [1.0, 0.5])
+    assert slowed.momentum_error[-1] == pytest.approx(motion.momentum_error[-1], abs=1e-12)
+    assert slowed.energy_error[-1] > 0.1

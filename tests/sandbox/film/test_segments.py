@@ -115,10 +115,6 @@ def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
     assert (tmp_path / "quick.mp4").read_bytes() == (tmp_path / "plain.mp4").read_bytes()
 
 
-def test_repeats():
-    assert [film_encoder._repeats(found) for found in ([1], [1, 1], [1, 2], [1, 1, 2, 1], [1, 1, 1])] == [0, 1, 0, 1, 2]
-
-
 def test_players_may_begin_at_any_segment(tmp_path, monkeypatch):
     path = written(tmp_path / "film.mp4", 2, monkeypatch)
     with av.open(str(path)) as container:

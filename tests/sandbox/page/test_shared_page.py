@@ -71,11 +71,6 @@ def test_a_scene_with_forces_over_time_or_couplers_is_recorded_and_all_others_li
     assert can_be_computed(load_scene(name)) is not special
 
 
-def test_the_documentation_says_how_large_a_page_is(pages):
-    said = (ROOT / "docs" / "sharing.md").read_text(encoding="utf-8")
-    assert pages("one-on-four").size < 1000 * int(re.search(r"page\.html +# less than (\d+) kB", said)[1])
-
-
 def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(pages):
     report = pages("one-on-four", method="radau")
     text = report.output.read_text(encoding="utf-8")

@@ -68,22 +68,6 @@ def events_anew(session):
     return contact_events(session.history)
 
 
-def test_contact_events_of_a_dropped_branch_are_dropped():
-    session = Session(scenes.load("one-on-four"))
-    session.step_frames(FRAMES)
-    assert session.contact_events().closed.any()
-    session.scrub_frame(BLOCK_ROWS - 1)
-    session.apply(SetVelocity(0, None, -3.0))
-    session.step_frames(FRAMES)
-    known_events, fresh = session.contact_events(), events_anew(session)
-    for known, found in zip(known_events.columns(), fresh.columns(), strict=True):
-        assert (known == found).all()
-    session.scrub_frame(10)
-    session.apply(SetVelocity(0, None, 0.0))
-    session.step_frames(10)
-    assert len(session.contact_events().time) == 0
-
-
 def test_contact_events_read_all_along_are_those_found_at_the_end():
     session = Session(scenes.load("hertz-cradle"), memory=700_000)
     for edit in (SetMass(0, 0, math.inf), SetMass(0, 4, math.inf), SetSlow(1.0), SetVelocity(0, None, 0.0)):

@@ -1,12 +1,10 @@
 """Edits: what they change and, above all, what they leave unchanged."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Contact, draft_gear, hertz, power_law
-from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT
+from softcradle.physics import hertz
 from softcradle.sandbox.session import (
     AddBead,
     Drag,
@@ -26,7 +24,6 @@ from softcradle.sandbox.session import (
     SetVelocity,
 )
 from softcradle.sandbox.session.contact_conversion import kind_of
-from softcradle.sandbox.session.ledger import KINETIC
 from softcradle.sandbox.session.run_verdict import PASSED
 
 from softcradle import scenes
@@ -65,17 +62,6 @@ def test_a_new_heaviest_bead_moves_no_bead(bead):
     assert session.lanes[0].velocity == pytest.approx(velocity, abs=1e-15)
 
 
-def test_an_edit_is_booked_and_energy_is_conserved_after_it():
-    session = mid_collision()
-    session.apply(SetMass(0, 2, 4.0))
-    session.apply(SetContact(0, 1, power_law(3.0, 0.2)))
-    session.apply(SetVelocity(0, 4, -1.0))
-    assert session.health(0).energy_error < 1e-14
-    session.step_frames(600)
-    assert session.health(0).energy_error < 1e-12
-    assert session.health(0).momentum_error < 1e-12
-
-
 @pytest.mark.parametrize(
     "edit", [SetMass(0, 1, 4.0), SetContact(0, None, hertz(100.0)), SetVelocity(0, 0, 0.5), SetDrive(0, 0, 1.0)]
 )
@@ -87,55 +73,12 @@ def test_an_edit_acts_in_the_next_frame(edit):
     assert (plain.lanes[0].velocity != changed.lanes[0].velocity).any()
 
 
-def test_the_work_of_a_drive_is_booked():
-    session = Session(scenes.load("one-on-four"))
-    session.apply(SetDrive(0, 0, 0.7))
-    session.step_frames(500)
-    assert session.lanes[0].ledger[KINETIC] > 0.5, "the drive did work"
-    assert session.health(0).energy_error < 1e-12
-    assert session.health(0).momentum_error < 1e-12
-
-
-def test_friction_of_the_bed_brings_all_beads_to_rest():
-    """The energy it absorbs is booked, so no error shows; momentum has no error to show, for the bed takes it."""
-    session = mid_collision()
-    session.apply(SetFriction(0, 0.05))
-    session.step_frames(1200)
-    assert (session.lanes[0].velocity == 0.0).all()
-    assert session.health(0).energy_error < 1e-12
-    assert session.health(0).momentum_error is None
-    resting = session.lanes[0].position.copy()
-    session.step_frames(60)
-    assert (session.lanes[0].position == resting).all()
-
-
-def test_the_work_of_a_moving_wall_is_booked():
-    session = Session(scenes.load("hertz-cradle"))
-    session.apply(SetMass(0, 0, math.inf))
-    session.step_frames(900)
-    assert session.lanes[0].velocity[0] == 1.0
-    assert session.lanes[0].velocity.max() > 1.0, "the wall pushes the beads ahead of it"
-    health = session.health(0)
-    assert health.energy_error < 1e-12
-    assert health.momentum_error is None
-
-
 def test_walls_that_move_differently_leave_no_energy_error():
     session = Session(scenes.load("hertz-cradle"))
     session.apply(SetMass(0, 0, math.inf))
     session.apply(SetMass(0, 4, math.inf))
     session.step_frames(600)
     assert session.health(0).energy_error is None
-
-
-def test_a_bead_between_two_walls_stays_at_rest():
-    session = Session(scenes.load("one-on-four"))
-    session.apply(SetVelocity(0, None, 0.0))
-    for bead in (1, 3):
-        session.apply(SetMass(0, bead, math.inf))
-    session.step_frames(10)
-    assert session.lanes[0].velocity.tolist() == [0.0] * 5
-    assert session.failure == ""
 
 
 def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
@@ -281,27 +224,3 @@ def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
     assert frame_table(session) == before
     assert (session.frame, session.history.last, session.recording.inputs) == (5, 20, [])
     assert not session.undo()
-
-
-@pytest.mark.parametrize("exponent", [LEAST_EXPONENT, MOST_EXPONENT])
-def test_an_exponent_may_be_what_physics_takes(exponent):
-    session = Session(scenes.load("one-on-four"))
-    session.apply(SetContact(0, 0, Contact(0.0, 1.0, exponent)))
-    session.step_frames(20)
-    assert np.isfinite(session.lanes[0].state.velocity(session.lanes[0].chain)).all()
-    with pytest.raises(ValueError, match="contact exponent must be from 1e-06 to 10"):
-        replace(session.lanes[0].chain.power_laws[0], exponent=0.9 * LEAST_EXPONENT)
-
-
-def test_two_walls_side_by_side_are_refused():
-    session = Session(scenes.load("one-on-four"))
-    session.apply(SetMass(0, 4, math.inf))
-    with pytest.raises(ValueError, match="side by side"):
-        session.apply(AddBead(0, 5, math.inf))
-
-
-def test_a_typed_gear_has_exactly_the_typed_numbers():
-    session = Session(scenes.load("one-on-four"))
-    session.apply(SetContact(0, 2, draft_gear(2.0, 0.25)))
-    assert session.lanes[0].chain.contact[2] == Contact(0.5, 2.0, 1.0)
-    assert kind_of(session.lanes[0].chain.contact[2]) == "gear"

@@ -1,7 +1,10 @@
 """Exports of a session: scenes that read back equal, histories that other programs read."""
 
+from __future__ import annotations
+
 import csv
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -22,11 +25,14 @@ from softcradle.sandbox.session import (
     SetVelocity,
 )
 from softcradle.sandbox.session.history_slices import last_slice
+from softcradle.sandbox.session.values_table import bead_table, values_csv
 from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.plots.plot_kinds import Signal
 from softcradle.scenes import parse
 
 from softcradle import scenes
 from tests.helpers.scene_kinds import EVERY_SCENE
+from tests.helpers.sessions import opened
 
 
 @pytest.mark.parametrize("name", EVERY_SCENE)
@@ -161,3 +167,16 @@ def test_an_export_that_cannot_be_written_is_refused_in_a_sentence(tmp_path):
         session.export(tmp_path / "nowhere" / "history.csv")
     with pytest.raises(UserError, match="no folder"):
         session.save_scene(tmp_path / "nowhere" / "mine.toml")
+
+
+def test_beads_that_touch_are_a_length_apart():
+    """The position is a place on the line: beads side by side do not have the same one, and the striker is on the left."""
+    session = opened()
+    session.step_frames(400)  # contacts push
+    length = session.scene.view.length
+    places = [row[2] for row in bead_table(session, 0).rows]
+    overlap = session.lanes[0].state.overlap
+    assert [b - a for a, b in pairwise(places)] == pytest.approx((length - overlap).tolist())
+    assert Signal("x", 2).values(session.lanes[0].motion, length)[0] == places[2]
+    rows = [line.split(",") for line in values_csv(session).splitlines()]
+    assert [float(row[3]) for row in rows[2:7]] == places

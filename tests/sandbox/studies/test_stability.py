@@ -153,17 +153,6 @@ def test_conserving_warns_when_its_step_is_too_long_to_see_a_contact(contact):
     assert simulate(chain, [1, 0, 0], 3.0, "conserving", step=0.01).warnings == ()
 
 
-def test_scipy_is_expensive_where_contacts_are_soft():
-    """The reference: at alpha = 1/14 it takes more evaluations than radau, each of a whole Jacobian, and errs by more."""
-    chain, velocity = one_on(5, power_law(1.0, 1 / 14)), np.eye(1, 6)[0]
-    ours = simulate(chain, velocity, method="radau", tolerance=1e-5)
-    slow = simulate(chain, velocity, method="scipy", tolerance=1e-3)
-    assert slow.evaluations > 2.0 * ours.evaluations
-    truth = simulate(chain, velocity, method="radau", tolerance=1e-11).final_velocity
-    errors = [np.abs(found.final_velocity - truth).max() for found in (ours, slow)]
-    assert errors[0] < errors[1]
-
-
 def test_rigid_contacts_of_pymunk_are_no_cradle_of_soft_beads():
     """The energy of the cradle depends on the step, and one on four has the rigid-like outcome at none."""
     coarse, fine = rigid_cradle.remaining_energy(1 / 60), rigid_cradle.remaining_energy(1 / 600)

@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import ast
-from pathlib import Path
-
 import pygame
 import pytest
 from softcradle.sandbox.window.display import SMALLEST
-from softcradle.sandbox.window.keys import bindings
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
-from softcradle.sandbox.window.scene.toolbar import MENUS
 
-from softcradle import scenes
-from tests.helpers.paths import ROOT
 from tests.helpers.windows import Driver
 
 CTRL = pygame.KMOD_CTRL
-WINDOW = ROOT / "sandbox" / "window"
-SMALL = [WINDOW / "app.py", ROOT / "sandbox" / "cli" / "commands" / "play.py", *sorted(WINDOW.rglob("*_page.py"))]
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 
@@ -61,21 +51,3 @@ def test_a_message_takes_the_place_of_one_on_the_same_subject(driver):
     assert driver.messages == ["scale 144 %: there is no room for more in this window"]
     driver.key(pygame.K_0, CTRL)
     assert driver.messages == ["scale 100 %"]
-
-
-@pytest.mark.parametrize("path", SMALL, ids=lambda path: path.name)
-def test_the_window_does_not_grow_by_special_cases(path: Path) -> None:
-    """Pages, tools and plots are entries of tables: neither the application nor a page knows a scene or a plot by name."""
-    source = path.read_text(encoding="utf-8")
-    assert len(source.splitlines()) <= 500
-    tree = ast.parse(source)
-    lengths = [(node.end_lineno or 0) - node.lineno for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    assert max(lengths) < 60
-    words = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    assert not words & {*scenes.names(), *PLOT_KINDS}
-
-
-def test_pages_plots_and_tools_are_tables() -> None:
-    assert {name for names in MENUS.values() for name in names} <= {binding.action for binding in bindings()}
-    assert len(PLOT_KINDS) >= 8
-    assert len(SMALL) >= 5

@@ -51,25 +51,6 @@ def test_a_refusal_is_one_sentence_without_names_of_python(driver: Driver) -> No
         driver.app.messages.visible.clear()
 
 
-@pytest.mark.parametrize(
-    "text", ["", "title = 3", 'title = "a"\n[[lanes]]\nbeads = 3', "title = ", "a\0b", '[[lanes]]\nmass = "x"']
-)
-def test_a_file_that_cannot_be_opened_is_told_likewise(driver: Driver, tmp_path: Path, text: str) -> None:
-    (tmp_path / "bad.toml").write_text(text)
-    driver.drop_file(tmp_path / "bad.toml")
-    (message,) = driver.messages
-    assert "bad.toml" in message
-    assert not PYTHON.search(message.replace(str(tmp_path), "")), message
-
-
-def test_a_message_says_the_full_folder(driver: Driver, tmp_path: Path) -> None:
-    (tmp_path / "deep").mkdir()
-    driver.page.dialogs.save("save_scene", "deep/mine")
-    assert driver.messages == [f"saved {tmp_path.resolve() / 'deep' / 'mine.toml'}"]
-    driver.key(pygame.K_F12)
-    assert driver.messages[-1] == f"saved {tmp_path.resolve() / 'one-bead-on-four.png'}"
-
-
 def test_text_that_is_dropped_opens_as_a_scene(driver: Driver, tmp_path: Path) -> None:
     from softcradle.sandbox.session.shared_text import shared_text
 

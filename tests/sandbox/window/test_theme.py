@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, LIGHT, THEMES, luminance, mix, text_on, use_theme
+from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, luminance, mix, text_on, use_theme
 from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
-from softcradle.sandbox.window.theme import colour_code
 
 from tests.helpers.windows import Driver
 
@@ -35,11 +34,6 @@ def test_text_can_be_read_in_every_theme(name):
     for colour in BEAD_COLOURS:
         bead = mix(colour, (255, 255, 255), tones.lift)
         assert contrast(text_on(bead), bead) > 3.0, colour
-
-
-def test_numerals_on_yellow_and_orange_are_dark():
-    assert text_on((230, 159, 0)) == text_on((190, 200, 50)) == LIGHT.foreground
-    assert text_on((0, 114, 178)) == LIGHT.background
 
 
 def mean_luminance(driver: Driver) -> float:
@@ -76,13 +70,6 @@ def test_settings_that_cannot_be_read_are_the_usual_ones():
     for text in ("", "[]", '{"theme": "pink", "recent": 7}', '{"theme": 3}', '{"recent": [1, 2]}'):
         settings_path().write_text(text)
         assert Settings.load().theme == "light"
-
-
-def test_colours_of_widgets_are_mixed_of_tones():
-    assert colour_code("accent") == "#2d343e"
-    assert colour_code("background 50 shadow") == "#{:02x}{:02x}{:02x}".format(
-        *mix(LIGHT.background, LIGHT.shadow, 0.5)
-    )
 
 
 def test_the_open_dialog_offers_the_files_of_before(tmp_path: Path):

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import one_on, power_law
-from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.physics.analysis.ringing import turning_points
 from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands import claims
@@ -17,7 +15,6 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.claims import claim_list
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
-from softcradle.sandbox.studies.claims.collision_claims import rise_of_spread
 from softcradle.sandbox.studies.claims.driven_claims import driven_returns
 from softcradle.sandbox.studies.claims.variant_claims import misplaced
 from softcradle.sandbox.studies.paper import (
@@ -29,7 +26,6 @@ from softcradle.sandbox.studies.paper import (
     NotSolvedError,
     chain_of,
     full_motion,
-    spread,
     start,
     while_struck,
 )
@@ -113,10 +109,6 @@ def test_the_counter_example_of_random_chains_is_that_of_the_nearest_load():
         assert found.counter_example.variable == min(case.variable for case in cases if case.variable > 0.9)
 
 
-def test_claims_that_could_not_fail_are_gone():
-    assert not {"artefacts", "waves", "non-potential", "depth-bound", "exchanged", "velocity-scales-out"} & set(NAMES)
-
-
 def test_the_driven_mode_is_read_at_its_own_returns():
     """Five periods of the model end before the fifth return: there psi is 2.4 % of its amplitude, at the return nothing."""
     for solver in (MEASURING, FINE):
@@ -171,23 +163,6 @@ def test_what_disorder_misplaces_is_less_in_soft_chains():
     measure = claim_named("in-contrast").measure
     assert measure({"width": 2.0, "1/alpha": 10.0}, MEASURING) < 0.1
     assert misplaced(2.0, 1.5, MEASURING) > 3.0 * misplaced(1.0, 1.5, MEASURING)
-
-
-def test_the_spread_is_not_monotone_in_alpha():
-    """At 1/alpha = 15.4, 16, 17, 18 it is .0074, .061, .015, .048: three picked values prove nothing."""
-    spreads = [spread({"n": 4.0, "1/alpha": inverse}, MEASURING) for inverse in (15.4, 16.0, 17.0, 18.0)]
-    assert spreads == pytest.approx([0.0074, 0.061, 0.015, 0.048], rel=0.05)
-    assert rise_of_spread({"n": 4.0, "1/alpha": 15.75}, MEASURING) > 0.0
-
-
-def test_spreads_collapse_on_the_scaling_variable():
-    """At fixed n alpha = 1/4 the spread grows without bound; where the scaling variable is equal the spread is."""
-    few, many = (spread({"n": float(n), "1/alpha": 4.0 * n}, MEASURING) for n in (3, 32))
-    assert (few, many) == pytest.approx((0.046, 2.83), rel=0.02)
-    variable = spread_variable(4, 0.1)
-    alike = [{"n": float(n), "1/alpha": 2.0 * n * math.log((n + 1) / variable)} for n in (4, 6, 10, 16, 24)]
-    spreads = [spread(case, MEASURING) for case in alike]
-    assert spreads == pytest.approx([spreads[0]] * 5, rel=0.15)
 
 
 def test_a_hooke_interface_needs_an_inner_force_below_f0():
@@ -251,14 +226,6 @@ def test_draft_gears_fail_above_the_critical_speed_alone():
         below, above = (claim.measure({"strikers": strikers, "V/v_c": x}, MEASURING) for x in (0.99, 1.1))
         assert below < 1e-9
         assert above > claim.allowed
-
-
-def test_the_velocity_only_sets_the_unit_of_time():
-    """An identity of Eq. (3) for uniform power laws, and so no claim."""
-    chain = one_on(4, power_law(1.0, 0.1))
-    one, slow, fast = (MEASURING.motion(chain, start(chain, speed=v)).final_velocity / v for v in (1.0, 1e-3, 30.0))
-    assert slow == pytest.approx(one, abs=1e-7)
-    assert fast == pytest.approx(one, abs=1e-7)
 
 
 @pytest.fixture(scope="module")

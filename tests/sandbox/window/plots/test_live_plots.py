@@ -7,6 +7,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.session.history_slices import slice_at
+from softcradle.sandbox.window.plots.live_plots import TimeSpan
 from softcradle.sandbox.window.plots.plot_shapes import StackedPlot
 
 from tests.helpers.windows import Driver
@@ -104,3 +105,14 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     assert np.allclose(differences[0].values_at(driver.session.frame), second.velocity - first.velocity)
     assert differences[0].span is driver.page.board.plots[0].span
     driver.close()
+
+
+def test_the_time_axis_scrolls_only_when_it_must():
+    span = TimeSpan(8.0, 400)
+    span.follow(7.0)
+    assert span.left == 0
+    span.follow(9.0)
+    assert span.x(9.0) == pytest.approx(0.92 * 400, abs=1.0)
+    assert span.time(span.x(9.0)) == pytest.approx(9.0)
+    span.follow(0.0)
+    assert span.left == 0

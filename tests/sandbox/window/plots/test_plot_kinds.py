@@ -9,7 +9,6 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.curve_panels import linear_axis
-from softcradle.sandbox.window.keys import action_of, groups
 from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
 from softcradle.sandbox.window.plots.live_scales import estimated_scales
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
@@ -49,12 +48,6 @@ def test_a_plot_in_the_table_has_its_key_and_its_place_on_the_board(monkeypatch:
     driver.key(pygame.K_8)
     assert plots_of_momentum(driver) == []
     driver.close()
-
-
-def test_a_plot_in_the_table_has_its_line_of_help(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
-    assert action_of(pygame.K_8, 0) == "momentum"
-    assert "momentum of each bead" in [binding.text for binding in groups()["Plots"]]
 
 
 def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -38,22 +38,6 @@ def test_a_bead_is_pulled_and_thrown_while_running(driver: Driver) -> None:
     assert driver.session.health(0).level == "good"  # the work of the spring is booked
 
 
-def test_a_bead_dragged_through_another_is_told(driver: Driver) -> None:
-    """Bead 0 is pulled far to the other side of the cluster, through all of it."""
-    driver.key(pygame.K_SPACE)
-    driver.frames(2)
-    x, y = driver.bead(0)
-    far = (driver.bead(4)[0] + 250, y)
-    driver.drag((x, y), far, steps=10)
-    for _ in range(200):
-        driver.move(far, (1, 0, 0))
-    assert driver.session.lanes[0].position[0] > driver.session.lanes[0].position[1]
-    driver.release(far)
-    level, sentence = driver.session.verdict()
-    assert level == "bad"
-    assert "passed through each other" in sentence
-
-
 def test_beads_are_added_and_removed(driver: Driver) -> None:
     driver.click(driver.bead(4))
     driver.key(pygame.K_a)

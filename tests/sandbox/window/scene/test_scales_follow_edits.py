@@ -49,17 +49,6 @@ def test_the_badge_goes_to_the_fault_of_the_run() -> None:
     driver.close()
 
 
-def test_marks_of_rigid_clusters_stay_those_of_the_collision(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(240)
-    driver.key(pygame.K_SPACE)
-    ends = driver.page.view.lanes[0].drawing.ends
-    assert ends == (True, False, False, False)
-    driver.key(pygame.K_4)
-    driver.key(pygame.K_4)
-    assert driver.page.view.lanes[0].drawing.ends == ends
-
-
 def test_fullscreen_gives_the_size_back(driver: Driver) -> None:
     driver.key(pygame.K_F11)
     driver.frames(2)

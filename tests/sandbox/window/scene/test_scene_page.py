@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from itertools import count
-
 import pygame
 import pytest
 from softcradle.physics.fixed_step.runner import TIERS
@@ -29,15 +26,6 @@ def test_space_plays_and_pauses_and_r_restarts(driver: Driver) -> None:
     assert driver.session.time == stopped
     driver.key(pygame.K_r)
     assert driver.session.time == 0.0
-
-
-def test_keys_step_frames_forward_and_back(driver: Driver) -> None:
-    for _ in range(3):
-        driver.key(pygame.K_PERIOD)
-    assert driver.session.frame == 3
-    driver.key(pygame.K_COMMA)
-    assert driver.session.frame == 2
-    assert driver.session.history.last == 3
 
 
 def test_the_timeline_scrubs_and_playing_on_starts_a_new_branch(driver: Driver) -> None:
@@ -78,29 +66,6 @@ def test_another_slow_motion_while_scrubbed_drops_no_frame(driver: Driver) -> No
     assert driver.session.history.last == last
     driver.key(pygame.K_SPACE)
     assert driver.session.slow == 5.0
-
-
-def test_late_physics_slows_the_clock_and_is_shown(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.session.pacer.clock = count(0.0, 1.0).__next__  # a second passes from one reading to the next
-    driver.frames(60)
-    assert driver.session.pacer.clock_ratio < 0.95
-    assert math.isfinite(driver.session.time)
-
-
-def test_sound_is_off_until_it_is_turned_on(driver: Driver) -> None:
-    assert driver.page.sound.clicks is None
-    assert pygame.mixer.get_init() is None
-    driver.key(pygame.K_n)
-    if driver.page.sound.clicks is None:
-        assert any("no sound" in text for text in driver.messages)
-        return
-    driver.key(pygame.K_SPACE)
-    driver.frames(150)
-    driver.key(pygame.K_n)  # and tones of the forces
-    assert pygame.mixer.get_init() is not None
-    driver.key(pygame.K_n)
-    assert pygame.mixer.get_init() is None
 
 
 def test_a_key_scrubs_to_the_next_contact_event(driver: Driver) -> None:
