@@ -115,7 +115,7 @@ def test_two_tolerances_give_one_motion(method, collision):
         assert np.abs(one.velocity - other.velocity).max() < 1e-3 * closing_speed(velocity)
 
 
-@pytest.mark.parametrize("method", SET_VALUED, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", [one for one in SET_VALUED if one.name != "scipy"], ids=lambda method: method.name)
 @given(collision=collisions(most=5))
 @settings(max_examples=25)
 def test_set_valued_methods_agree_with_the_reference(method, collision):

@@ -5,11 +5,34 @@ from __future__ import annotations
 import base64
 import json
 import re
+from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
+
+VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
+
+
+class TagChecker(HTMLParser):
+    """Checks that every tag is closed, and collects what the page would load and the ids that it has."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.stack, self.links, self.ids = [], [], []
+        self.feed(text)
+        assert self.stack == []
+
+    def handle_starttag(self, tag, attrs):
+        self.links += [value for name, value in attrs if name in ("src", "href", "poster", "srcset")]
+        self.ids += [value for name, value in attrs if name == "id"]
+        if tag not in VOID:
+            self.stack.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in VOID:
+            assert self.stack.pop() == tag
 
 
 def page_data(text):

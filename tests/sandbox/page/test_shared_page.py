@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 import tomllib
-from html.parser import HTMLParser
 from importlib.metadata import packages_distributions
 from itertools import chain
 
@@ -22,30 +21,9 @@ from softcradle.scenes.catalogue import parse
 
 from softcradle import power_law, scenes, simulate
 from tests.helpers.paths import ROOT
-from tests.sandbox.page.conftest import page_data
+from tests.sandbox.page.conftest import TagChecker, page_data
 
-VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 MOST, MOST_COMPRESSED = 150_000, 60_000  # bytes of a page in which five beads live
-
-
-class TagChecker(HTMLParser):
-    """Checks that every tag is closed, and collects what the page would load and the ids that it has."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.stack, self.links, self.ids = [], [], []
-        self.feed(text)
-        assert self.stack == []
-
-    def handle_starttag(self, tag, attrs):
-        self.links += [value for name, value in attrs if name in ("src", "href", "poster", "srcset")]
-        self.ids += [value for name, value in attrs if name == "id"]
-        if tag not in VOID:
-            self.stack.append(tag)
-
-    def handle_endtag(self, tag):
-        if tag not in VOID:
-            assert self.stack.pop() == tag
 
 
 def test_the_page_closes_its_tags_and_loads_nothing(pages):

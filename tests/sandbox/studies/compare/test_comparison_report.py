@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from html.parser import HTMLParser
 
 import av
 import numpy as np
@@ -20,6 +19,7 @@ from softcradle.sandbox.user_error import UserError
 
 from tests.helpers.browser import Browser, found
 from tests.helpers.drawn_text import colliding, film_texts
+from tests.sandbox.page.conftest import TagChecker
 
 
 @pytest.fixture(scope="module")
@@ -32,31 +32,9 @@ def page(tmp_path_factory):
     return path, path.read_text(encoding="utf-8"), results
 
 
-class TagChecker(HTMLParser):
-    """Checks that every tag is closed, and collects what the page would load."""
-
-    VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.stack: list[str] = []
-        self.links: list[str] = []
-
-    def handle_starttag(self, tag, attrs):
-        self.links += [value for name, value in attrs if name in ("src", "href", "poster")]
-        if tag not in self.VOID:
-            self.stack.append(tag)
-
-    def handle_endtag(self, tag):
-        if tag not in self.VOID:
-            assert self.stack.pop() == tag
-
-
 def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
     _, text, results = page
-    checker = TagChecker()
-    checker.feed(text)
-    assert checker.stack == []
+    checker = TagChecker(text)
     assert checker.links
     assert all(link.startswith("data:") for link in checker.links)
     for result in results:
