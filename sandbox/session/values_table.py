@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from softcradle.sandbox.languages import NP_
-from softcradle.sandbox.motion import Array
 from softcradle.sandbox.quantities import (
+    BEAD,
+    CONTACT,
     FORCE,
     KINETIC,
     MASS,
@@ -24,14 +25,17 @@ from softcradle.sandbox.quantities import (
     STORED,
     TIME,
     VELOCITY,
-    Quantity,
 )
+from softcradle.sandbox.session.editable_numbers import NUMBERS
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 
 OF_BEADS, OF_CONTACTS = (MASS, POSITION, VELOCITY, MOMENTUM, KINETIC), (OVERLAP, RATE, FORCE)
 BEAD_COLUMNS = (NP_("column", "bead"), *(one.column for one in OF_BEADS))
 CONTACT_COLUMNS = (NP_("column", "contact"), *(one.column for one in OF_CONTACTS), STORED.column)
+SET_COLUMNS = tuple(
+    number.column for number in NUMBERS if number.column not in (*BEAD_COLUMNS, *CONTACT_COLUMNS)
+)  # that do not move of themselves
 
 
 @dataclass(frozen=True)
@@ -42,40 +46,29 @@ class ValuesTable:
     rows: list[tuple[float, ...]]
 
 
-def bead_table(session: Session, lane: int) -> ValuesTable:
-    """The beads of a lane."""
+def columns_of(live: LiveLane, kind: str) -> tuple[str, ...]:
+    """The headers of the beads or contacts of a lane: what moves, and what is set and not 0 for all."""
+    return (*(BEAD_COLUMNS if kind == BEAD else CONTACT_COLUMNS), *_set_numbers(live, kind))
+
+
+def values_table(session: Session, lane: int, kind: str) -> ValuesTable:
+    """The beads or contacts of a lane; contact k is between beads k and k + 1."""
     live = session.lanes[lane]
-    columns = _columns(live, OF_BEADS)
-    for inertia in columns[3:]:  # a wall has no momentum or energy of its own
-        inertia[np.isinf(live.chain.mass)] = np.nan
+    columns = [one.values(live.motion, live.setup.length)[0] for one in (OF_BEADS if kind == BEAD else OF_CONTACTS)]
+    if kind == BEAD:
+        for inertia in columns[3:]:  # a wall has no momentum or energy of its own
+            inertia[np.isinf(live.chain.mass)] = np.nan
+    else:
+        columns.append(live.chain.stored_energy(live.state.overlap))
+    columns += map(np.array, _set_numbers(live, kind).values())
     rows = zip(*(column.tolist() for column in columns), strict=True)
-    return ValuesTable(BEAD_COLUMNS, [(float(bead), *row) for bead, row in enumerate(rows)])
+    return ValuesTable(columns_of(live, kind), [(float(k), *row) for k, row in enumerate(rows)])
 
 
-def _columns(live: LiveLane, quantities: Sequence[Quantity]) -> list[Array]:
-    """The values (k,) of quantities at the frame shown."""
-    motion = live.motion
-    return [quantity.values(motion, live.setup.length)[0] for quantity in quantities]
-
-
-def middles(live: LiveLane) -> Array:
-    """(n+1,) places of the middles of the beads [m]."""
-    places: Array = live.motion.middles(live.setup.length)[0]
-    return places
-
-
-def contact_table(session: Session, lane: int) -> ValuesTable:
-    """The contacts of a lane; contact k is between beads k and k + 1."""
-    live = session.lanes[lane]
-    stored = live.chain.stored_energy(live.state.overlap)
-    columns = [column.tolist() for column in (*_columns(live, OF_CONTACTS), stored)]
-    return ValuesTable(CONTACT_COLUMNS, [(float(k), *row) for k, row in enumerate(zip(*columns, strict=True))])
-
-
-def value_of(session: Session, lane: int, kind: str, index: int, column: str) -> float:
-    """The number in one column of a bead or contact."""
-    table = (bead_table if kind == "bead" else contact_table)(session, lane)
-    return table.rows[index][table.columns.index(column)]
+def _set_numbers(live: LiveLane, kind: str) -> dict[str, Sequence[float]]:
+    """The numbers that a person sets and no motion changes, by their columns, without those that are 0 or missing for all."""
+    found = {one.column: one.values(live) for one in NUMBERS if one.owner == kind and one.column in SET_COLUMNS}
+    return {column: values for column, values in found.items() if np.nan_to_num(values).any()}
 
 
 def values_csv(session: Session) -> str:
@@ -84,7 +77,7 @@ def values_csv(session: Session) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow((TIME.column, repr(session.time)))
     for lane in range(len(session.lanes)):
-        for table in (bead_table(session, lane), contact_table(session, lane)):
+        for table in (values_table(session, lane, BEAD), values_table(session, lane, CONTACT)):
             writer.writerow(("lane", *table.columns))
             writer.writerows((session.label(lane) or lane, int(row[0]), *map(repr, row[1:])) for row in table.rows)
     return text.getvalue()

@@ -14,16 +14,16 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
+from softcradle.sandbox.session.editable_numbers import MOST_SPEED, Parameter
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
 from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.window.plots.plot_kinds import FORCES
-from softcradle.sandbox.window.scene.editable_parameters import MOST_SPEED, Control, Parameter, parameter_control
 from softcradle.sandbox.window.scene.inspector import ROW, Inspector, paint_about
 from softcradle.sandbox.window.scene.scene_editor import SceneEditor
-from softcradle.sandbox.window.widgets import write_wrapped
+from softcradle.sandbox.window.widgets import Control, parameter_control, write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 LEAST_ALPHA, MOST_ALPHA = 1 / 30, 1.5

@@ -15,19 +15,13 @@ from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
 from softcradle.sandbox.session.contact_conversion import kind_of
+from softcradle.sandbox.session.editable_numbers import Parameter, parameters
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.scene.editable_parameters import (
-    Control,
-    Parameter,
-    number,
-    parameter_control,
-    parameters,
-)
 from softcradle.sandbox.window.scene.scene_editor import PREPARING, Pick, SceneEditor, pick_title
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
-from softcradle.sandbox.window.widgets import fits, split, write_wrapped
+from softcradle.sandbox.window.widgets import Control, fits, number, parameter_control, split, write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses.")
@@ -128,7 +122,7 @@ class Inspector:
 
     def _parameters(self) -> list[Parameter]:
         """The parameters that there are controls for."""
-        return [] if self.pick is None else parameters(self.session, self.pick)
+        return [] if self.pick is None else parameters(self.session, self.pick.lane, self.pick.kind, self.pick.index)
 
     def _make_kinds(self, pick: Pick, y: float) -> None:
         """Three buttons: a power law below 1, a draft gear, and a power law from 1 on, which is stiff where it was another."""
@@ -191,7 +185,7 @@ class Inspector:
         if self.editor.preparing:
             self.host.messages.show(_(PREPARING))
             return
-        found = parameters(self.session, self.pick)
+        found = parameters(self.session, self.pick.lane, self.pick.kind, self.pick.index)
         wanted = key or self._last
         parameter = next((one for one in found if one.key == wanted), found[0])
 

@@ -12,13 +12,12 @@ from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _, error_words
-from softcradle.sandbox.session.live_sweep import Variant, variants
+from softcradle.sandbox.session.editable_numbers import Parameter, Variant, variants
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import Overlay, paint_box
 from softcradle.sandbox.window.plots.live_scales import motions_ahead
-from softcradle.sandbox.window.scene.editable_parameters import Parameter, number_text
 from softcradle.sandbox.window.scene.scene_editor import Pick
-from softcradle.sandbox.window.widgets import split, stack, write_wrapped
+from softcradle.sandbox.window.widgets import number_text, split, stack, write_wrapped
 from softcradle.sandbox.window.window_page import Host
 
 COLUMNS, ROWS = 3, 3

@@ -11,15 +11,10 @@ from softcradle.sandbox.draw.number_format import MINUS, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import _, pgettext
-from softcradle.sandbox.quantities import KINETIC, MASS, MOMENTUM, RATE, STORED
+from softcradle.sandbox.quantities import BEAD, CONTACT, KINETIC, MASS, MOMENTUM, RATE, STORED
+from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.session.values_table import (
-    BEAD_COLUMNS,
-    CONTACT_COLUMNS,
-    ValuesTable,
-    bead_table,
-    contact_table,
-)
+from softcradle.sandbox.session.values_table import SET_COLUMNS, ValuesTable, columns_of, values_table
 from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
 from softcradle.sandbox.window.window_page import Host
 
@@ -33,7 +28,7 @@ BEADS_SHARE = 0.55  # of the width, for the table of beads
 HEAD, BODY = 13.0, 13.0  # sizes of text, design pixels
 MOST_DIGITS, LEAST_DIGITS = 3, 2  # after the first, of a number
 # Columns that are left out where there is no room, the first of these first; their values are copied with the others.
-LESS_NEEDED = tuple(quantity.column for quantity in (KINETIC, STORED, MOMENTUM, RATE, MASS))
+LESS_NEEDED = (*reversed(SET_COLUMNS), *(quantity.column for quantity in (KINETIC, STORED, MOMENTUM, RATE, MASS)))
 
 
 @dataclass(frozen=True)
@@ -121,21 +116,21 @@ class TablePlace:
 
 
 def table_places(
-    contacts: Sequence[int], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
+    lanes: Sequence[LiveLane], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
 ) -> list[TablePlace]:
-    """The tables of lanes with so many contacts, beads and contacts of each side by side; `first` says where they begin.
+    """The tables of lanes, beads and contacts of each side by side; `first` says where they begin.
 
     Where there is no room for all lanes, that of the `chosen` one.
     """
-    places, roomy = [], area.height >= len(contacts) * (HEADING + 2.0 * LINE) * unit
-    for lane, count in enumerate(contacts) if roomy else [(chosen, contacts[chosen])]:
-        height = area.height // (len(contacts) if roomy else 1)
+    places, roomy = [], area.height >= len(lanes) * (HEADING + 2.0 * LINE) * unit
+    for lane, live in enumerate(lanes) if roomy else [(chosen, lanes[chosen])]:
+        height = area.height // (len(lanes) if roomy else 1)
         rect = pygame.Rect(area.left, area.top + (lane * height if roomy else 0), area.width, height)
         half = round(BEADS_SHARE * rect.width)
         left = pygame.Rect(rect.left, rect.top, half - round(BETWEEN * unit), rect.height)
         right = pygame.Rect(rect.left + half, rect.top, rect.width - half, rect.height)
-        places.append(_place(Pick(lane, "bead", count + 1), left, BEAD_COLUMNS, unit, first))
-        places.append(_place(Pick(lane, "contact", count), right, CONTACT_COLUMNS, unit, first))
+        for kind, count, side in ((BEAD, live.chain.contacts + 1, left), (CONTACT, live.chain.contacts, right)):
+            places.append(_place(Pick(lane, kind, count), side, columns_of(live, kind), unit, first))
     return places
 
 
@@ -168,10 +163,11 @@ class ValuesBoard:
 
     def arrange(self) -> None:
         """Find the places of the tables; the row that is selected comes into view."""
-        area, contacts = self.area(), [lane.chain.contacts for lane in self.session.lanes]
-        pick = self.editor.selection
+        area, pick = self.area(), self.editor.selection
         chosen = 0 if pick is None else pick.lane
-        self.places = [] if area is None else table_places(contacts, area, self.host.unit, self._first, chosen)
+        self.places = (
+            [] if area is None else table_places(self.session.lanes, area, self.host.unit, self._first, chosen)
+        )
         if pick != self._seen and self.places:
             self._seen = pick
             self.bring_into_view(pick)
@@ -219,8 +215,7 @@ class ValuesBoard:
         """Draw the tables."""
         surface.fill(tones.background, area)
         for place in self.places:
-            table = (bead_table if place.kind == "bead" else contact_table)(self.session, place.lane)
-            self._table(surface, place, table)
+            self._table(surface, place, values_table(self.session, place.lane, place.kind))
 
     def _table(self, surface: pygame.Surface, place: TablePlace, table: ValuesTable) -> None:
         unit, columns = self.host.unit, place.columns
@@ -248,5 +243,5 @@ class ValuesBoard:
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:
     """The cells of a row; its first number is that of the bead or contact."""
     first = int(numbers[0])
-    name = str(first) if kind == "bead" else f"{first}-{first + 1}"
-    return [name, *(scientific(value, digits) if math.isfinite(value) else _("wall") for value in numbers[1:])]
+    name, none = (str(first), _("wall")) if kind == BEAD else (f"{first}-{first + 1}", MINUS)
+    return [name, *(scientific(value, digits) if math.isfinite(value) else none for value in numbers[1:])]

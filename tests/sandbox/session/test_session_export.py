@@ -25,7 +25,7 @@ from softcradle.sandbox.session import (
     SetVelocity,
 )
 from softcradle.sandbox.session.history_slices import last_slice
-from softcradle.sandbox.session.values_table import bead_table, values_csv
+from softcradle.sandbox.session.values_table import values_csv, values_table
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.plot_kinds import Signal
 from softcradle.scenes import parse
@@ -174,7 +174,7 @@ def test_beads_that_touch_are_a_length_apart():
     session = opened()
     session.step_frames(400)  # contacts push
     length = session.scene.view.length
-    places = [row[2] for row in bead_table(session, 0).rows]
+    places = [row[2] for row in values_table(session, 0, "bead").rows]
     overlap = session.lanes[0].state.overlap
     assert [b - a for a, b in pairwise(places)] == pytest.approx((length - overlap).tolist())
     assert Signal("x", 2).values(session.lanes[0].motion, length)[0] == places[2]

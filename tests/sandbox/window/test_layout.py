@@ -9,10 +9,10 @@ import pygame
 import pytest
 from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.session.editable_numbers import parameters
 from softcradle.sandbox.window.app import page_of
 from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
 from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
-from softcradle.sandbox.window.scene.editable_parameters import parameters
 from softcradle.sandbox.window.scene.scene_editor import Pick
 
 from tests.helpers.drawn_text import colliding, drawn_texts
@@ -133,7 +133,7 @@ def faults_of_scene(driver: Driver) -> list[str]:
     pick = page.editor.selection
     if pick is None:
         return found
-    wanted = {parameter.key for parameter in parameters(page.session, pick)}
+    wanted = {parameter.key for parameter in parameters(page.session, pick.lane, pick.kind, pick.index)}
     if set(inspector.controls) != wanted:
         found.append(f"no room for {wanted - set(inspector.controls)}")
     for control in inspector.controls.values():

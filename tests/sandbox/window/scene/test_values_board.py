@@ -8,17 +8,19 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.text import width
-from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS
+from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, SET_COLUMNS
 from softcradle.sandbox.window.scene.scene_editor import Pick
 from softcradle.sandbox.window.scene.values_board import BODY, HEAD, LESS_NEEDED, MOST_DIGITS, fitting
 
 from tests.helpers.windows import Driver
 
+ALL_COLUMNS = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
+
 NUMBERS = (0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8)
 
 
 def test_no_number_covers_another():
-    for names, unit, room in product((BEAD_COLUMNS, CONTACT_COLUMNS), (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
+    for names, unit, room in product(ALL_COLUMNS, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
         columns = fitting(names, room, unit)
         assert columns.shown[0] == 0
         assert set(names) - {names[k] for k in columns.shown} <= set(LESS_NEEDED)

@@ -1,0 +1,268 @@
+"""The table of editable numbers: each is declared once, and is then in the inspector, the table of values and sweeps of a slider.
+
+Undo, recordings and replay follow from the edit that sets it, the scene file from the lane that the edit changes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+from softcradle.physics.chain import Joint
+from softcradle.physics.contact import Contact
+from softcradle.physics.scales import contact_scales
+from softcradle.sandbox.languages import N_, NP_
+from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.quantities import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
+from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
+from softcradle.sandbox.session.live_lane import LiveLane
+from softcradle.sandbox.session.session import Session
+from softcradle.scenes import Scene
+
+DECADES = 2.0  # of a logarithmic slider on either side of the scene's own value
+MOST_SPEED = 3.0  # of the slider, relative to the scene's closing speed
+MOST_LOSS = 0.95  # of the slider; draft gears absorb 0.8 and more
+MOST_FRICTION = 1.0  # of the slider
+MOST_GAP = 2.0  # of the slider, in lengths of a bead
+EXPONENTS = 0.01, 3.0  # of the slider
+LEAST = 1e-6  # half the range of a slider whose values are all 0
+
+Ends = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Owner:
+    """One bead or contact of a session: number `index` of those of a lane."""
+
+    session: Session
+    lane: int
+    index: int
+
+    @property
+    def live(self) -> LiveLane:
+        """Its lane."""
+        return self.session.lanes[self.lane]
+
+    @property
+    def impact_force(self) -> float:
+        """Force [N] of the contact, or of the one beside the bead, that is struck at the scene's speed."""
+        live = self.live
+        contact = min(self.index, live.chain.contacts - 1)
+        depth = contact_scales(live.chain, [0.0] * live.chain.contacts + [live.setup.speed])[0][contact]
+        return float(live.chain.contact[contact].force(float(depth)))
+
+
+class EditableNumber(NamedTuple):
+    """A number of every bead or contact that a person can change.
+
+    Attributes:
+        key: name of its widgets.
+        owner: whose it is, 'bead' or 'contact'.
+        name, unit: written beside its slider; marked for translation.
+        column: its name and unit above a column of the table of values; marked in the context "column".
+        values: of all beads or contacts of a lane, nan where one has no such number.
+        ends: of its slider, for the present value; a typed number may be beyond.
+        edit: the input that sets it; ValueError where it cannot be.
+        logarithmic: whether the slider changes it by factors.
+    """
+
+    key: str
+    owner: str
+    name: str
+    unit: str
+    column: str
+    values: Callable[[LiveLane], Sequence[float]]
+    ends: Callable[[Owner, float], Ends]
+    edit: Callable[[Owner, float], Input]
+    logarithmic: bool = False
+
+
+def _decades_around(value: float) -> Ends:
+    return value * 10**-DECADES, value * 10**DECADES
+
+
+def _masses(live: LiveLane) -> list[float]:
+    return [mass if math.isfinite(mass) else math.nan for mass in live.chain.mass]
+
+
+def _mass_ends(owner: Owner, _: float) -> Ends:
+    masses = owner.session.scene.lanes[owner.lane].chain().mass
+    return _decades_around(next((mass for mass in masses if math.isfinite(mass)), 1.0))
+
+
+def _velocity_ends(owner: Owner, _: float) -> Ends:
+    most = MOST_SPEED * max(owner.live.setup.speed, LEAST)
+    return -most, most
+
+
+def _drives(live: LiveLane) -> Sequence[float]:
+    return live.chain.drive or (0.0,) * len(live.chain.mass)
+
+
+def _drive_ends(owner: Owner, _: float) -> Ends:
+    drives = owner.session.scene.lanes[owner.lane].chain().drive, owner.live.chain.drive
+    given = max(abs(force) for drive in drives for force in drive or (0.0,))
+    most = 2.0 * (given or max(LEAST, owner.impact_force))
+    return -most, most
+
+
+def _stiffness_ends(owner: Owner, present: float) -> Ends:
+    """Around the scene's own, and wide enough for the present one."""
+    laws = owner.session.scene.lanes[owner.lane].chain().contact
+    law = laws[min(owner.index, len(laws) - 1)]
+    low, high = _decades_around((law.stiffness if isinstance(law, Contact) else 0.0) or present)
+    return min(low, present), max(high, present)
+
+
+def _of_law(field: str, has: Callable[[Contact], bool]) -> Callable[[LiveLane], list[float]]:
+    def values(live: LiveLane) -> list[float]:
+        return [
+            getattr(law, field) if isinstance(law, Contact) and has(law) else math.nan for law in live.chain.contact
+        ]
+
+    return values
+
+
+def _set_law(field: str) -> Callable[[Owner, float], Input]:
+    def edit(owner: Owner, value: float) -> Input:
+        law: Joint = owner.live.chain.contact[owner.index]
+        return SetContact(owner.lane, owner.index, replace(law, **{field: value}))  # type: ignore[arg-type]
+
+    return edit
+
+
+def _is_power(law: Contact) -> bool:
+    return law.stiffness > 0.0 and law.preload == 0.0
+
+
+def _is_gear(law: Contact) -> bool:
+    return law.stiffness > 0.0 and law.preload > 0.0
+
+
+def _is_spring_gear(law: Contact) -> bool:
+    return _is_gear(law) and law.exponent == 1.0
+
+
+NUMBERS = (
+    EditableNumber(
+        "mass", BEAD, MASS.name, MASS.unit, MASS.column,
+        _masses, _mass_ends, lambda at, value: SetMass(at.lane, at.index, value), logarithmic=True,
+    ),
+    EditableNumber(
+        "velocity", BEAD, VELOCITY.name, VELOCITY.unit, VELOCITY.column,
+        lambda live: live.velocity.tolist(), _velocity_ends, lambda at, value: SetVelocity(at.lane, at.index, value),
+    ),
+    EditableNumber(
+        "drive", BEAD, N_("steady force"), "N", NP_("column", "steady force (N)"),
+        _drives, _drive_ends, lambda at, value: SetDrive(at.lane, at.index, value),
+    ),
+    EditableNumber(
+        "friction", BEAD, N_("friction of the bed"), "", NP_("column", "friction"),
+        lambda live: [live.chain.friction] * len(live.chain.mass),
+        lambda at, present: (0.0, max(MOST_FRICTION, present)), lambda at, value: SetFriction(at.lane, value),
+    ),
+    EditableNumber(
+        "stiffness", CONTACT, N_("f0 (stiffness)"), "N/m^a", NP_("column", "f0 (N/m^a)"),
+        _of_law("stiffness", lambda law: law.stiffness > 0.0 and not _is_spring_gear(law)),
+        _stiffness_ends, _set_law("stiffness"), logarithmic=True,
+    ),
+    EditableNumber(
+        "stiffness", CONTACT, N_("stiffness k"), "N/m", NP_("column", "k (N/m)"),
+        _of_law("stiffness", _is_spring_gear), _stiffness_ends, _set_law("stiffness"), logarithmic=True,
+    ),
+    EditableNumber(
+        "exponent", CONTACT, N_("alpha (exponent)"), "", NP_("column", "alpha"),
+        _of_law("exponent", _is_power), lambda at, _: EXPONENTS, _set_law("exponent"), logarithmic=True,
+    ),
+    EditableNumber(
+        "exponent", CONTACT, N_("exponent (1: spring)"), "", NP_("column", "exponent"),
+        _of_law("exponent", _is_gear), lambda at, _: EXPONENTS, _set_law("exponent"), logarithmic=True,
+    ),
+    EditableNumber(
+        "preload", CONTACT, N_("preload"), "N", NP_("column", "preload (N)"),
+        _of_law("preload", lambda law: True),
+        lambda at, present: (0.0, max(2.0 * present, 2.0 * at.impact_force)), _set_law("preload"),
+    ),
+    EditableNumber(
+        "loss", CONTACT, N_("loss (0: elastic)"), "", NP_("column", "loss"),
+        _of_law("loss", lambda law: True), lambda at, _: (0.0, MOST_LOSS), _set_law("loss"),
+    ),
+    EditableNumber(
+        "gap", CONTACT, N_("gap to the next bead"), "m", OVERLAP.column,
+        lambda live: (0.0 - live.state.overlap).tolist(),
+        lambda at, _: (0.0, MOST_GAP * at.session.scene.view.length), lambda at, value: SetGap(at.lane, at.index, value),
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An editable number of one bead or contact, with its value at present; see EditableNumber."""
+
+    key: str
+    name: str
+    unit: str
+    low: float
+    high: float
+    logarithmic: bool
+    value: float
+    edit: Callable[[float], Input]
+
+    def share(self) -> float:
+        """Place of the value on the slider, from 0 to 1."""
+        if not math.isfinite(self.value):
+            return 1.0
+        low, high, value = self.low, self.high, self.value
+        if self.logarithmic:
+            low, high, value = (math.log(max(number, 1e-300)) for number in (low, high, value))
+        return min(max((value - low) / (high - low), 0.0), 1.0)
+
+    def at(self, share: float) -> float:
+        """The number at that place of the slider, to four digits: no slider is finer."""
+        low, high = self.low, self.high
+        value = low * (high / low) ** share if self.logarithmic else low + share * (high - low)
+        span = self.high - self.low
+        return 0.0 if not self.logarithmic and abs(value) < 1e-3 * span else float(f"{value:.4g}")
+
+
+def parameters(session: Session, lane: int, kind: str, index: int) -> list[Parameter]:
+    """The editable numbers that a bead or contact, as `kind` says, has."""
+    owner, found = Owner(session, lane, index), []
+    for number in NUMBERS:
+        value = number.values(owner.live)[index] if number.owner == kind else math.nan
+        if not math.isnan(value):
+            low, high = number.ends(owner, value)
+            edit = partial(number.edit, owner)
+            found.append(Parameter(number.key, number.name, number.unit, low, high, number.logarithmic, value, edit))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """The scene with one value of a parameter; `motion` is that of the lane, None where it could not be computed."""
+
+    value: float
+    motion: Motion | None
+    problem: str = ""
+
+
+def variants(
+    scene: Scene,
+    lane: int,
+    values: Sequence[float],
+    edit: Callable[[float], Input],
+    motions: Callable[[Scene], list[Motion]],
+) -> list[Variant]:
+    """The scene with each of the `values`, set by `edit` at its start; `motions` computes those of all lanes of a scene."""
+    found = []
+    for value in values:
+        session = Session(scene)
+        try:
+            session.apply(edit(value))
+            found.append(Variant(value, motions(session.to_scene())[lane]))
+        except (ValueError, RuntimeError, ArithmeticError) as error:
+            found.append(Variant(value, None, str(error)))
+    return found
