@@ -1,4 +1,4 @@
-// Scripts of pages are joined in the order of sandbox/page/page_document.py and share their names.
+// Scripts of pages are joined in the order of sandbox/page/document.py and share their names.
 import js from "@eslint/js";
 import globals from "globals";
 import { readFileSync, readdirSync } from "node:fs";

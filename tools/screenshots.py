@@ -19,10 +19,10 @@ from softcradle.sandbox.languages import ENGLISH, LANGUAGES, language
 from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.plots.live_scales import motions_ahead
-from softcradle.sandbox.window.scene.scene_editor import Pick
-from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.gallery.page import GalleryPage
+from softcradle.sandbox.window.plots.scales import motions_ahead
+from softcradle.sandbox.window.scene.editor import Pick
+from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
 
 from softcradle import scenes

@@ -177,7 +177,7 @@ def play(scene: Scene | str, size: tuple[int, int] = (1280, 720)) -> list[Trajec
         from softcradle.sandbox.session.session import Session
         from softcradle.sandbox.window.app import App
         from softcradle.sandbox.window.display import require_display
-        from softcradle.sandbox.window.scene.scene_page import ScenePage
+        from softcradle.sandbox.window.scene.page import ScenePage
     require_display()
     session = Session(shown)
     app = App(size)

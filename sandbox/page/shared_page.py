@@ -12,12 +12,12 @@ from typing import Any
 
 from softcradle.physics import Trajectory
 from softcradle.sandbox.output_files import output_file
-from softcradle.sandbox.page.page_controls import heading, keys, numbers, player
-from softcradle.sandbox.page.page_data import can_be_computed, page_data
-from softcradle.sandbox.page.page_document import document, footer, paragraph, question
-from softcradle.sandbox.page.page_tables import result_notes, result_tables
+from softcradle.sandbox.page.controls import heading, keys, numbers, player
+from softcradle.sandbox.page.data import can_be_computed, page_data
+from softcradle.sandbox.page.document import document, footer, paragraph, question
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion
 from softcradle.sandbox.page.recorded_scene import recorded, recorded_coarsely
+from softcradle.sandbox.page.tables import result_notes, result_tables
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 

@@ -23,15 +23,15 @@ from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.dialog import Choices, Dialog, EntryDialog, FileChooser, Overlay
 from softcradle.sandbox.window.display import not_too_small, open_display, toggle_fullscreen
 from softcradle.sandbox.window.event_router import NOWHERE, EventRouter, KeyboardFocus
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.hanging.page import HANGING_NAME, HangingPage
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
+from softcradle.sandbox.window.page import Page
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
 from softcradle.sandbox.window.settings import Settings, forget_unsaved, system_language, unsaved_path
 from softcradle.sandbox.window.theme import collect_garbage
-from softcradle.sandbox.window.window_page import Page
 from softcradle.scenes import SceneError, load, names, parse
 
 STANDARD_INPUT = "-"
@@ -388,7 +388,7 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
         return HangingPage(host, leave)
     from softcradle.sandbox.session.replay import Replay
     from softcradle.sandbox.session.session import Session
-    from softcradle.sandbox.window.scene.scene_page import ScenePage
+    from softcradle.sandbox.window.scene.page import ScenePage
 
     wanted = name_or_path if name_or_path in names() else str(Path(os.path.expanduser(name_or_path)))
     text = sys.stdin.read() if name_or_path == STANDARD_INPUT else name_or_path

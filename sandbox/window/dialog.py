@@ -19,8 +19,8 @@ from softcradle.sandbox.draw.text import width, wrapped, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.keys import hint
+from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import TextEntry
-from softcradle.sandbox.window.window_page import Host
 
 POINTER_EVENTS = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION, pygame.MOUSEWHEEL)
 KEY_EVENTS = (pygame.KEYDOWN, pygame.KEYUP, pygame.TEXTINPUT)

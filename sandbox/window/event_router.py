@@ -11,8 +11,8 @@ from pygame_gui.core import UIElement
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.window.keys import REPEATED, action_of
+from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import KEYS, Slider
-from softcradle.sandbox.window.window_page import Host
 
 NEAR = 3.0  # pixels: a control that is made anew has its middle so near to the old one
 PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)

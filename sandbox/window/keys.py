@@ -9,7 +9,7 @@ from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 
 CTRL, SHIFT, PLAIN = pygame.KMOD_CTRL, pygame.KMOD_SHIFT, 0
 _NAMES = {

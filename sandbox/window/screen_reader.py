@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import pygame
 from pygame_gui.core import UIElement
 from softcradle.sandbox.window.dialog import Dialog
+from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import Slider, TextEntry
-from softcradle.sandbox.window.window_page import Host
 
 ROOT, STATUS, CONTROL = 1, 2, 3  # numbers of the nodes: the window, what is said, the control that has the focus
 

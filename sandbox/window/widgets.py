@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.surface_cache import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, localized
 from softcradle.sandbox.session.editable_numbers import Parameter
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
 
 STEP = 0.01  # of the range, for an arrow key
 PAGE = 0.1  # of the range, for Page Up and Page Down

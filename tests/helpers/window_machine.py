@@ -33,7 +33,7 @@ from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window import app
 from softcradle.sandbox.window.dialog import EntryDialog
 from softcradle.sandbox.window.keys import CTRL, SHIFT, Key, bindings
-from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes

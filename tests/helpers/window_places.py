@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from hypothesis import strategies as st
-from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.scene.page import ScenePage
 
 from tests.helpers.window_layout import widgets
 from tests.helpers.windows import Driver

@@ -13,7 +13,7 @@ os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
 import pygame
 from softcradle.sandbox.window.app import App
-from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.scene.page import ScenePage
 
 LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0

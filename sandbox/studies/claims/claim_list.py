@@ -9,13 +9,13 @@ from time import process_time
 from typing import Any
 
 from softcradle.sandbox.studies.claims import (
-    collision_claims,
-    driven_claims,
-    experiment_claims,
-    hypothesis_claims,
-    limit_claims,
-    model_claims,
-    variant_claims,
+    collision,
+    driven,
+    experiment,
+    hypothesis,
+    limit,
+    model,
+    variant,
 )
 from softcradle.sandbox.studies.claims.claim import Case, Claim, JudgedClaim
 from softcradle.sandbox.sweeps import listed
@@ -23,13 +23,13 @@ from softcradle.sandbox.sweeps.chunk_work import Outcome
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 CLAIMS: tuple[Claim, ...] = (
-    *collision_claims.CLAIMS,
-    *model_claims.CLAIMS,
-    *limit_claims.CLAIMS,
-    *driven_claims.CLAIMS,
-    *hypothesis_claims.CLAIMS,
-    *variant_claims.CLAIMS,
-    *experiment_claims.CLAIMS,
+    *collision.CLAIMS,
+    *model.CLAIMS,
+    *limit.CLAIMS,
+    *driven.CLAIMS,
+    *hypothesis.CLAIMS,
+    *variant.CLAIMS,
+    *experiment.CLAIMS,
 )
 
 LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")  # a tenth of all each: measured first,

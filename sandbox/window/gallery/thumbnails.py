@@ -15,7 +15,7 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
 from softcradle.sandbox.motion import Motion
-from softcradle.sandbox.window.plots import live_scales
+from softcradle.sandbox.window.plots import scales
 from softcradle.scenes import Scene
 
 PICTURES = Path(__file__).parent / "pictures"  # made by `make screenshots`
@@ -26,7 +26,7 @@ SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
 def _sources() -> tuple[Path, ...]:
     """The source files that a thumbnail depends on."""
     drawing = Path(lane_drawing.__file__).parent
-    return (*PHYSICS.rglob("*.py"), *drawing.glob("*.py"), Path(live_scales.__file__), Path(__file__))
+    return (*PHYSICS.rglob("*.py"), *drawing.glob("*.py"), Path(scales.__file__), Path(__file__))
 
 
 def cache_folder() -> Path:

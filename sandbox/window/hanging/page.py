@@ -27,12 +27,12 @@ from softcradle.sandbox.window.hanging.cradle import (
     anchors,
     start_places,
 )
+from softcradle.sandbox.window.page import Actions, Host, Page
 from softcradle.sandbox.window.page_geometry import MARGIN, geometry
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm
 from softcradle.sandbox.window.scene.time_controls import TimeControls
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.widgets import write_wrapped
-from softcradle.sandbox.window.window_page import Actions, Host, Page
 
 HANGING_NAME = "hanging-cradle"
 HANGING_TITLE = N_("Newton's cradle, hanging, in pymunk")

@@ -15,7 +15,7 @@ from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.measured_data import MeasuredData
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window.plots.live_plots import Plot
+from softcradle.sandbox.window.plots.curves import Plot
 
 TABLES = (".csv", ".tsv", ".txt")
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")

@@ -13,6 +13,8 @@ from softcradle.sandbox.languages import _, localized, ngettext
 from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.curves import Plot
 from softcradle.sandbox.window.plots.data_overlay import (
     PICTURES,
     TABLES,
@@ -21,11 +23,9 @@ from softcradle.sandbox.window.plots.data_overlay import (
     edges_of,
     load_picture,
 )
-from softcradle.sandbox.window.plots.live_plots import Plot
-from softcradle.sandbox.window.plots.plot_kinds import KEY, KYMOGRAPH, OWN, VELOCITIES, pair_of
+from softcradle.sandbox.window.plots.kinds import KEY, KYMOGRAPH, OWN, VELOCITIES, pair_of
 from softcradle.sandbox.window.scene.save_dialogs import shown_path
-from softcradle.sandbox.window.scene.scene_view import SceneView
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.scene.view import SceneView
 
 
 class DataTool:

@@ -20,11 +20,11 @@ from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetCon
 from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
-from softcradle.sandbox.window.plots.plot_kinds import FORCES
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.kinds import FORCES
+from softcradle.sandbox.window.scene.editor import SceneEditor
 from softcradle.sandbox.window.scene.inspector import ROW, Inspector, paint_about
-from softcradle.sandbox.window.scene.scene_editor import SceneEditor
 from softcradle.sandbox.window.widgets import Control, parameter_control, write_wrapped
-from softcradle.sandbox.window.window_page import Host
 
 LEAST_ALPHA, MOST_ALPHA = 1 / 30, 1.5
 MOST_BEADS = 12  # that can be chosen here

@@ -19,10 +19,10 @@ from softcradle.sandbox.session.editable_numbers import Parameter, parameters
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.scene.scene_editor import PREPARING, Pick, SceneEditor, pick_title
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.scene.editor import PREPARING, Pick, SceneEditor, pick_title
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
 from softcradle.sandbox.window.widgets import Control, fits, number, parameter_control, split, write_wrapped
-from softcradle.sandbox.window.window_page import Host
 
 TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses.")
 CHANGED = N_("You have changed this scene: its text was written for other numbers. Play it and see.")

@@ -18,9 +18,9 @@ from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.session.run_verdict import Finding, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
-from softcradle.sandbox.window.scene.scene_editor import AUTO
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.scene.editor import AUTO
 from softcradle.sandbox.window.widgets import write_wrapped
-from softcradle.sandbox.window.window_page import Host
 
 HEIGHT = 246.0  # design pixels of the only card
 HEIGHT_COMPACT = 84.0  # design pixels of a card without numbers, as each of two is

@@ -17,7 +17,7 @@ from softcradle.sandbox.draw.shared_scales import Scales, left_edges
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.scenes import View
 
 HANDLE = 7.0  # design pixels: half the diagonal of the handle of a contact

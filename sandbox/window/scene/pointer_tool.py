@@ -10,9 +10,9 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
-from softcradle.sandbox.window.scene.scene_view import SceneView
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
+from softcradle.sandbox.window.scene.view import SceneView
 
 REACH = 8.0  # design pixels about an end of the ruler that take it
 

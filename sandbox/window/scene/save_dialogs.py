@@ -20,7 +20,7 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError, reason
 from softcradle.sandbox.window.dialog import MARGIN, WIDTH, shortened_path
 from softcradle.sandbox.window.messages import Messages
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
 
 LONGEST_STEM = 40  # characters of a file name that is made from a title
 LONGEST_SHOWN = 60  # characters of a name that no file can have

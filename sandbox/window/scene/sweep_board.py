@@ -15,10 +15,10 @@ from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, variants
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import Overlay, paint_box
-from softcradle.sandbox.window.plots.live_scales import motions_ahead
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.scales import motions_ahead
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.widgets import number_text, split, stack, write_wrapped
-from softcradle.sandbox.window.window_page import Host
 
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS

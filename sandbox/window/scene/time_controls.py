@@ -15,9 +15,9 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.widgets import Slider, draw_icon
-from softcradle.sandbox.window.window_page import Host
 
 SLOWEST = 1000.0  # wall seconds for one second of the model
 FASTEST = 0.01  # wall seconds for one second of the model

@@ -13,9 +13,9 @@ from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.undo import UndoStack
 from softcradle.sandbox.window.dialog import Menu
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.save_dialogs import WindowFilm
-from softcradle.sandbox.window.window_page import Host
 
 # Text of each button on the right, by action or menu; those of the first level; the actions of each menu.
 BUTTONS = {

@@ -15,8 +15,8 @@ from softcradle.sandbox.quantities import BEAD, CONTACT, KINETIC, MASS, MOMENTUM
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import SET_COLUMNS, ValuesTable, columns_of, values_table
-from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 
 MARGIN = 6.0  # design pixels between a number and the right end of its cell
 ROWS_A_TURN = 3  # of a table, by which the wheel moves it

@@ -13,7 +13,7 @@ from itertools import chain
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.page import render_page, write_page
-from softcradle.sandbox.page.page_data import can_be_computed
+from softcradle.sandbox.page.data import can_be_computed
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.session import Session, SetContact
 from softcradle.sandbox.user_error import UserError

@@ -27,7 +27,7 @@ from softcradle.sandbox.session import (
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.values_table import values_csv, values_table
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window.plots.plot_kinds import Signal
+from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse
 
 from softcradle import scenes

@@ -7,7 +7,7 @@ import random
 import pygame
 import pytest
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.windows import FRAME, Driver
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.widgets import KEYS, Slider
 
 from tests.helpers.windows import Driver

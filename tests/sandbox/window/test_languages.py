@@ -16,11 +16,11 @@ from softcradle.sandbox.window import page_geometry
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.hanging import cradle, page
 from softcradle.sandbox.window.keys import bindings
-from softcradle.sandbox.window.lessons.lesson_runner import lessons
+from softcradle.sandbox.window.lessons.runner import lessons
 from softcradle.sandbox.window.plots.data_overlay import edges_of
-from softcradle.sandbox.window.plots.plot_kinds import pair_of
+from softcradle.sandbox.window.plots.kinds import pair_of
 from softcradle.sandbox.window.scene import inspector
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.settings import Settings, settings_path, system_language
 
 from tests.helpers.drawn_text import drawn_texts

@@ -11,9 +11,9 @@ from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.editable_numbers import parameters
 from softcradle.sandbox.window.app import page_of
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.gallery.page import GalleryPage
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
+from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.drawn_text import colliding, drawn_texts
 from tests.helpers.window_layout import faults, widget_name, widgets

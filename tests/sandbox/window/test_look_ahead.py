@@ -9,7 +9,7 @@ import pytest
 from softcradle.physics import METHODS
 from softcradle.sandbox.film.scene_motion import scene_motions, scene_motions_quietly
 from softcradle.sandbox.user_error import GaveUpError
-from softcradle.sandbox.window.plots.live_scales import MOST_AT_ONCE, MOST_BEHIND, motions_ahead
+from softcradle.sandbox.window.plots.scales import MOST_AT_ONCE, MOST_BEHIND, motions_ahead
 
 from softcradle import scenes
 from tests.helpers.scene_kinds import EVERY_SCENE

@@ -14,7 +14,7 @@ import pytest
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.window.app import App
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import unsaved_path
 
 from tests.helpers.windows import Driver

@@ -11,7 +11,7 @@ import pygame
 import pytest
 from pygame_gui.core.utility import translate
 from softcradle.sandbox.session.shared_text import shared_text
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.page import GalleryPage
 
 from softcradle import scenes
 from tests.helpers.windows import Driver

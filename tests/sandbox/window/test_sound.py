@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.window.scene.scene_sound import RATE, TONE_VOLUME, TONES, click, tone
+from softcradle.sandbox.window.scene.sound import RATE, TONE_VOLUME, TONES, click, tone
 
 from tests.helpers.windows import Driver
 

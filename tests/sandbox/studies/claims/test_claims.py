@@ -15,8 +15,8 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.claims import claim_list
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict
 from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
-from softcradle.sandbox.studies.claims.driven_claims import driven_returns
-from softcradle.sandbox.studies.claims.variant_claims import misplaced
+from softcradle.sandbox.studies.claims.driven import driven_returns
+from softcradle.sandbox.studies.claims.variant import misplaced
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,
     MEASURING,

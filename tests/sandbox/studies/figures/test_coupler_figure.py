@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
-from softcradle.sandbox.studies.figures import coupler_figure
+from softcradle.sandbox.studies.figures import coupler
 
 from softcradle import scenes, simulate
 
@@ -14,8 +14,8 @@ FULL = 2.54  # [m/s] at which one wagon on ten presses the first gear in by its 
 
 @pytest.fixture(scope="module")
 def stops():
-    table = coupler_figure.stops()
-    return {name: rows_where(table, train=number) for number, name in enumerate(coupler_figure.TRAINS)}
+    table = coupler.stops()
+    return {name: rows_where(table, train=number) for number, name in enumerate(coupler.TRAINS)}
 
 
 def test_the_stop_multiplies_the_force_beyond_the_speed_at_which_the_gear_is_full(stops):
@@ -51,7 +51,7 @@ def test_the_reference_finds_the_same_force_in_the_stop():
 
 
 def test_wagons_start_one_after_another():
-    table = coupler_figure.starting()
+    table = coupler.starting()
     wagons = [name for name in table if name not in ("t", "locomotive")]
     starts = [table["t"][np.argmax(table[name] > 0.01)] for name in wagons]
     gaps = np.diff(starts)

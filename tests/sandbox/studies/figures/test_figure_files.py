@@ -11,7 +11,7 @@ from PIL import Image
 from softcradle.sandbox.cli.commands.figures import KEPT
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.data_table import write_table
-from softcradle.sandbox.studies.figures import collision_figure, figure_list
+from softcradle.sandbox.studies.figures import collision, figure_list
 from softcradle.sandbox.studies.figures.figure_list import (
     FIGURES,
     compute_tables,
@@ -104,7 +104,7 @@ def test_a_figure_says_what_a_reader_would_ask(tables, name, words):
 
 
 def test_csv_reads_back_equal(tmp_path):
-    table = collision_figure.modes()
+    table = collision.modes()
     write_table(table, tmp_path / "modes.csv")
     with open(tmp_path / "modes.csv", newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
 from softcradle.sandbox.studies.figures import (
-    disorder_figure,
-    rigidity_figure,
-    scaling_figure,
-    train_figure,
-    variant_figure,
-    wave_figure,
+    disorder,
+    rigidity,
+    scaling,
+    train,
+    variant,
+    wave,
 )
 from softcradle.sandbox.studies.paper import DRIVE
 from softcradle.scenes import load
@@ -22,13 +22,11 @@ pytestmark = pytest.mark.slow  # tables of seconds to a minute
 
 
 def test_spread_vanishes_with_alpha(tables):
-    for n in rigidity_figure.SPREAD_SIZES:
+    for n in rigidity.SPREAD_SIZES:
         points = rows_where(tables["spread"], n=n)
         assert points["spread"][-1] > 0.5
         assert points["spread"][0] < 0.05
-        assert (points["v striker"][0], points["v last"][0]) == pytest.approx(
-            rigidity_figure.rigid_outcome(n), abs=0.01
-        )
+        assert (points["v striker"][0], points["v last"][0]) == pytest.approx(rigidity.rigid_outcome(n), abs=0.01)
 
 
 HALF_A_LINE = 0.005  # of velocities, in the figures of the spread and of softness; steps of 0.35 of 1/alpha miss more
@@ -43,10 +41,10 @@ def test_samples_are_dense_enough_where_curves_jag(tables, name, n, low, high):
     cases = np.unique(rows_where(table, n=n)["alpha"])[::-1]
     cases = cases[(1.0 / cases > low - 0.01) & (1.0 / cases < high + 0.01)]
     at = 1.0 / cases
-    drawn_velocity = np.array([rigidity_figure.outcome(n, alpha) for alpha in cases])
+    drawn_velocity = np.array([rigidity.outcome(n, alpha) for alpha in cases])
     between = 0.5 * (at[1:] + at[:-1])
     assert np.diff(at).max() < 0.11
-    true = np.array([rigidity_figure.outcome(n, 1.0 / x) for x in between])
+    true = np.array([rigidity.outcome(n, 1.0 / x) for x in between])
     missed = []
     for part in (1, 4):
         rows = between < at[::part][-1]
@@ -57,33 +55,33 @@ def test_samples_are_dense_enough_where_curves_jag(tables, name, n, low, high):
 
 def test_rigid_like_behaviour_ends(tables):
     table = tables["softness"]
-    cradle = rows_where(table, n=4, alpha=max(rigidity_figure.LOSS_ALPHAS))["v"]
+    cradle = rows_where(table, n=4, alpha=max(rigidity.LOSS_ALPHAS))["v"]
     assert cradle[-1] > 0.99
     assert np.abs(cradle[:-1]).max() < 0.1
-    last = [rows_where(table, n=n, alpha=0.1)["v over rigid"][-1] for n in rigidity_figure.LONG_SIZES]
+    last = [rows_where(table, n=n, alpha=0.1)["v over rigid"][-1] for n in rigidity.LONG_SIZES]
     assert (np.diff(last) > 0.0).all()
     assert last[-1] > 2.0
 
 
 def test_limits_of_small_alpha(tables):
-    for n in scaling_figure.SIZES:
+    for n in scaling.SIZES:
         points = rows_where(tables["scalings"], n=n)
         assert (np.diff(points["max psi"]) < 0.0).all()
-        assert points["contact time"][-1] == pytest.approx(scaling_figure.contact_time_limit(n), rel=0.02)
+        assert points["contact time"][-1] == pytest.approx(scaling.contact_time_limit(n), rel=0.02)
         assert np.isfinite(points["contact time"]).all()
-        assert 0.1 < points["max psi"][-1] / scaling_figure.psi_limit(n, 1 / 200) < 10.0  # over dozens of decades
+        assert 0.1 < points["max psi"][-1] / scaling.psi_limit(n, 1 / 200) < 10.0  # over dozens of decades
         decay = np.log(points["response time"][-2:] / np.sqrt(1.0 / points["alpha"][-2:]))
         rate = np.diff(decay)[0] / np.diff(0.5 / (n * points["alpha"][-2:]))[0]
         assert rate == pytest.approx(n * np.log((n - 1.0) / n), rel=0.05)  # -1, as Sec. IV (ii) has it, for many beads
 
 
 def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
-    table, coupling = tables["envelopes"], load(train_figure.SOLID).lanes[0].chain().contact[0]
+    table, coupling = tables["envelopes"], load(train.SOLID).lanes[0].chain().contact[0]
     for number, (struck, last) in enumerate(((1, 10), (5, 14))):
         blows = rows_where(table, train=number, coupling=struck)
         assert (np.diff(blows["force"]) > 0.0).all()
         assert (blows["travel"] <= 1e3 * coupling.travel).sum() == 5  # up to 2.5 m/s
-        for speed in train_figure.SPEEDS:
+        for speed in train.SPEEDS:
             behind = rows_where(table, train=number, speed=speed)["force"][struck - 1 : last]
             assert (np.diff(behind) <= 1e-9).all()
     forces = np.maximum(
@@ -94,11 +92,11 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
 
 def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     table = tables["driven"]
-    np.testing.assert_allclose(table["V"], DRIVE / wave_figure.SHOWN_BEADS * table["t"], atol=1e-9)
+    np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
     maxima = (np.diff(np.sign(np.diff(psi))) < 0).sum()
-    assert maxima == wave_figure.PERIODS
+    assert maxima == wave.PERIODS
     first, others = table["v1 - V"], np.column_stack([table[f"v{i} - V"] for i in (2, 3, 4)])
     assert np.corrcoef(first, others.mean(axis=1))[0, 1] < -0.99
     assert np.ptp(others, axis=1).max() < 0.1 * np.ptp(first)
@@ -117,13 +115,13 @@ def test_period_and_amplitude_of_the_driven_mode(tables):
 
 def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
     table = tables["collapse"]
-    thresholds = {n: scaling_figure.threshold(table, n, "n alpha") for n in scaling_figure.COLLAPSE_SIZES}
+    thresholds = {n: scaling.threshold(table, n, "n alpha") for n in scaling.COLLAPSE_SIZES}
     assert (np.diff(list(thresholds.values())) < 0.0).all()
     for n, found in thresholds.items():
-        assert found == pytest.approx(float(scaling_figure.threshold_law(np.array(n), 1.0 / 0.87)), rel=0.1)
+        assert found == pytest.approx(float(scaling.threshold_law(np.array(n), 1.0 / 0.87)), rel=0.1)
     above = {n: rows_where(table, n=n)["n alpha"] > 1.2 * found for n, found in thresholds.items()}
     for n, rows in above.items():
-        assert (rows_where(table, n=n)["spread"][rows] > scaling_figure.THRESHOLD).all()
+        assert (rows_where(table, n=n)["spread"][rows] > scaling.THRESHOLD).all()
 
 
 def test_inner_contacts_ring_at_the_frequency_of_their_branch(tables):
@@ -153,21 +151,19 @@ def test_spreads_say_by_how_much_finer_runs_disagree(tables):
 
 def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
     table = tables["disorder"]
-    load, spreads = disorder_figure.loads_and_spreads(table, disorder_figure.SOFT)
+    load, spreads = disorder.loads_and_spreads(table, disorder.SOFT)
     assert spreads[load < 0.84].max() < 0.01  # contacts that are strong enough: rigid-like
     assert spreads[load > 1.0].min() > 0.1  # and that are not
-    assert disorder_figure.loads_and_spreads(table, disorder_figure.CRADLE)[1].min() > 0.5
-    homogeneous = rows_where(table, kind=disorder_figure.CRADLE, chain=0)["v"]
-    last = [
-        rows_where(table, kind=disorder_figure.CRADLE, chain=k)["v"][-1] for k in range(1, disorder_figure.CHAINS + 1)
-    ]
+    assert disorder.loads_and_spreads(table, disorder.CRADLE)[1].min() > 0.5
+    homogeneous = rows_where(table, kind=disorder.CRADLE, chain=0)["v"]
+    last = [rows_where(table, kind=disorder.CRADLE, chain=k)["v"][-1] for k in range(1, disorder.CHAINS + 1)]
     assert homogeneous[-1] > 0.98
     assert np.std(last) > 0.1
 
 
 def test_both_modes_of_cluster_on_cluster(tables):
     table = tables["clusters"]
-    count = variant_figure.STRIKERS + variant_figure.TARGETS - 1
+    count = variant.STRIKERS + variant.TARGETS - 1
     inside = (table["t"] > 0.1) & (table["t"] < 3.7)
     np.testing.assert_allclose(forces(table, "model", count)[inside], forces(table, "full", count)[inside], rtol=0.01)
 
@@ -187,11 +183,11 @@ def test_hooke_interface_opens_last_and_leaves_a_rigid_cluster(tables):
 
 def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slow_waves(tables):
     table = tables["roads"]
-    turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in wave_figure.STRUCK_CLUSTERS}
+    turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in wave.STRUCK_CLUSTERS}
     assert turns["soft"] <= 2
     assert turns["springs"] > 10
     assert turns["prestressed"] > 4
-    for kind, prestress in (("springs", wave_figure.SPRING_PRESTRESS), ("prestressed", wave_figure.SOFT_PRESTRESS)):
+    for kind, prestress in (("springs", wave.SPRING_PRESTRESS), ("prestressed", wave.SOFT_PRESTRESS)):
         assert all((table[f"f{i}{i + 1} {kind}"] > -prestress).all() for i in (1, 2, 3))  # no contact ever opens
     late = table["t springs"] > 2.0
     assert np.column_stack([table[f"v{i} springs"][late].mean() for i in range(1, 5)]) == pytest.approx(0.4, abs=0.02)
@@ -199,7 +195,7 @@ def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slo
 
 def test_pulse_has_the_speed_of_the_solitary_wave(tables):
     table = tables["pulse"]
-    velocity = columns(table, "v", wave_figure.PULSE_TARGETS + 1)
+    velocity = columns(table, "v", wave.PULSE_TARGETS + 1)
     arrival = table["t"][np.argmax(velocity, axis=0)]
     assert 10.0 / (arrival[22] - arrival[12]) == pytest.approx(0.840509, rel=5e-3)
     assert velocity[:, 15:25].max(axis=0) == pytest.approx(0.681631, rel=2e-3)

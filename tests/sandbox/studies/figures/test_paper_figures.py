@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
-from softcradle.sandbox.studies.figures import rigidity_figure
+from softcradle.sandbox.studies.figures import rigidity
 from softcradle.sandbox.studies.paper import full_one_on, opening_time
 
 from tests.helpers.figure_tables import columns, forces
@@ -91,10 +91,10 @@ def test_b_is_the_quadruple_precision_answer():
     np.testing.assert_allclose(found.overlap[:, 1:], case.overlap[rows][:, 1:], rtol=1e-6)
 
 
-@pytest.mark.parametrize("alpha", rigidity_figure.ALPHAS)
-@pytest.mark.parametrize("n", rigidity_figure.SIZES)
+@pytest.mark.parametrize("alpha", rigidity.ALPHAS)
+@pytest.mark.parametrize("n", rigidity.SIZES)
 def test_b_agrees_at_two_tolerances(n, alpha):
-    rough, fine = (rigidity_figure.discrepancy(n, alpha, FRACTIONS, tolerance)[1] for tolerance in (1e-8, 1e-10))
+    rough, fine = (rigidity.discrepancy(n, alpha, FRACTIONS, tolerance)[1] for tolerance in (1e-8, 1e-10))
     np.testing.assert_array_equal(np.isnan(rough), np.isnan(fine))
     loaded = np.isfinite(fine)
     np.testing.assert_allclose(1.0 + rough[loaded], 1.0 + fine[loaded], rtol=1e-5)
@@ -102,8 +102,8 @@ def test_b_agrees_at_two_tolerances(n, alpha):
 
 @pytest.mark.slow
 def test_b_changes_sign_upwards_and_grows_at_both_ends(tables):
-    for n in rigidity_figure.SIZES:
-        for alpha in rigidity_figure.ALPHAS:
+    for n in rigidity.SIZES:
+        for alpha in rigidity.ALPHAS:
             if (n, alpha) in ((3, 1 / 10), (3, 1 / 14)):
                 continue  # see the next test
             curve = rows_where(tables["B"], n=n, alpha=alpha, i=2)["discrepancy"]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pygame
 import pytest
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.gallery.sections import SECTIONS
 
 from softcradle import scenes

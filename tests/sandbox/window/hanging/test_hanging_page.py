@@ -7,7 +7,7 @@ import pygame_gui
 import pytest
 from softcradle.sandbox.window.hanging.cradle import LAWS, HangingModel
 from softcradle.sandbox.window.hanging.page import HangingPage, to_screen
-from softcradle.sandbox.window.scene.scene_page import ScenePage
+from softcradle.sandbox.window.scene.page import ScenePage
 
 from tests.helpers.windows import Driver
 

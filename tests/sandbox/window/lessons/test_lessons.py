@@ -9,8 +9,8 @@ import pygame
 import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.session.inputs import SetContact
-from softcradle.sandbox.window.lessons.lesson_runner import lessons
-from softcradle.sandbox.window.plots.live_scales import motions_ahead
+from softcradle.sandbox.window.lessons.runner import lessons
+from softcradle.sandbox.window.plots.scales import motions_ahead
 
 from softcradle import scenes
 from tests.helpers.drawn_text import drawn_texts, film_texts

@@ -7,8 +7,8 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.session.history_slices import slice_at
-from softcradle.sandbox.window.plots.live_plots import TimeSpan
-from softcradle.sandbox.window.plots.plot_shapes import StackedPlot
+from softcradle.sandbox.window.plots.curves import TimeSpan
+from softcradle.sandbox.window.plots.shapes import StackedPlot
 
 from tests.helpers.windows import Driver
 

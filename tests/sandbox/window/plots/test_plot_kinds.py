@@ -9,10 +9,10 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.curve_panels import linear_axis
-from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
-from softcradle.sandbox.window.plots.live_scales import estimated_scales
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS, PlotKind, PlotSetting
-from softcradle.sandbox.window.plots.plot_shapes import StripPlot
+from softcradle.sandbox.window.plots.curves import Plot, PlotContent
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotKind, PlotSetting
+from softcradle.sandbox.window.plots.scales import estimated_scales
+from softcradle.sandbox.window.plots.shapes import StripPlot
 
 from softcradle import scenes
 from tests.helpers.sessions import opened

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pygame
-from softcradle.sandbox.window.plots.live_plots import ScrollingSurface
+from softcradle.sandbox.window.plots.curves import ScrollingSurface
 
 
 class Columns:

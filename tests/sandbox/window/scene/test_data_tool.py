@@ -9,8 +9,8 @@ import pygame
 import pytest
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay, edges_of
-from softcradle.sandbox.window.plots.plot_kinds import QUANTITIES, Signal, pair_of, signal_of
-from softcradle.sandbox.window.plots.plot_shapes import PhasePlot
+from softcradle.sandbox.window.plots.kinds import QUANTITIES, Signal, pair_of, signal_of
+from softcradle.sandbox.window.plots.shapes import PhasePlot
 
 from tests.helpers.windows import Driver
 

@@ -9,7 +9,7 @@ import pygame
 import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.contact_conversion import impact_energy
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver

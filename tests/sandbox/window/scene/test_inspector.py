@@ -8,7 +8,7 @@ import pygame
 import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.inputs import SetContact
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.widgets import number
 
 from tests.helpers.windows import Driver

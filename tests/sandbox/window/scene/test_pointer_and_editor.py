@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.windows import Driver
 

@@ -10,7 +10,7 @@ import pygame
 import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session import SetContact
-from softcradle.sandbox.window.gallery.gallery_page import GalleryPage
+from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.scene.toolbar import MENUS
 
 from tests.helpers.windows import Driver

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pygame
 import pytest
 from softcradle.sandbox.session.inputs import SetContact, SetVelocity
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.windows import Driver
 

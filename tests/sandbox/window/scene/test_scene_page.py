@@ -7,7 +7,7 @@ import pytest
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.sandbox.session.inputs import SetFriction
 from softcradle.sandbox.window import kernel_warmup
-from softcradle.sandbox.window.scene.scene_page import joined
+from softcradle.sandbox.window.scene.page import joined
 
 from tests.helpers.windows import Driver
 

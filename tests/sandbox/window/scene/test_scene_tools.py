@@ -10,7 +10,7 @@ import pytest
 from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.session.shared_text import scene_from_text, shared_text
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.toolbar import MENUS
 
 from softcradle import scenes

@@ -10,8 +10,8 @@ import pytest
 from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
+from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.drawn_text import colliding, drawn_texts
 from tests.helpers.windows import Driver

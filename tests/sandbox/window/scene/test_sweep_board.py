@@ -5,7 +5,7 @@ from __future__ import annotations
 import pygame
 import pytest
 from softcradle.physics import one_on, power_law, simulate
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.sweep_board import COUNT, SweepBoard
 
 from tests.helpers.windows import Driver

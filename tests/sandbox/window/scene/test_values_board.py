@@ -9,7 +9,7 @@ import pytest
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, SET_COLUMNS
-from softcradle.sandbox.window.scene.scene_editor import Pick
+from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.values_board import BODY, HEAD, LESS_NEEDED, MOST_DIGITS, fitting
 
 from tests.helpers.windows import Driver

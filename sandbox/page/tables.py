@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics import Trajectory
 from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.page.page_document import note, table
+from softcradle.sandbox.page.document import note, table
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 from softcradle.scenes.contact_text import contact_text

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from html import escape
 
 from softcradle.physics.version import version
-from softcradle.sandbox.page.page_data import json_text
+from softcradle.sandbox.page.data import json_text
 from softcradle.sandbox.resources import resource
 
 SCRIPTS = (

@@ -10,11 +10,11 @@ from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
-from softcradle.sandbox.window.scene.scene_view import SceneView
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
 from softcradle.sandbox.window.scene.timeline import Timeline
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.scene.view import SceneView
 
 APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends
 LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has opened

@@ -13,15 +13,15 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.values_table import values_csv
-from softcradle.sandbox.window.plots.plot_board import PlotBoard
-from softcradle.sandbox.window.plots.plot_kinds import PLOT_KINDS
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.board import PlotBoard
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.data_tool import DataTool
+from softcradle.sandbox.window.scene.editor import SceneEditor
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import Ruler, Stopwatch
-from softcradle.sandbox.window.scene.scene_editor import SceneEditor
-from softcradle.sandbox.window.scene.scene_view import SceneView
 from softcradle.sandbox.window.scene.values_board import ValuesBoard
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.scene.view import SceneView
 from softcradle.scenes import Scene
 
 STEEL = N_("steel balls")

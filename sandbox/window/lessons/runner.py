@@ -14,8 +14,8 @@ from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
-from softcradle.sandbox.window.scene.scene_clock import SceneClock
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.scene.clock import SceneClock
 from softcradle.scenes import load
 
 FILE = Path(__file__).parent / "lessons.toml"

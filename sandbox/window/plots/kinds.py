@@ -15,8 +15,8 @@ from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import N_, NP_, _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import BEAD, CHAIN, CONTACT, FORCE, OVERLAP, QUANTITIES, VELOCITY, Quantity
-from softcradle.sandbox.window.plots.live_plots import Plot, PlotContent
-from softcradle.sandbox.window.plots.plot_shapes import DifferencePlot, KymographPlot, PhasePlot, StackedPlot, StripPlot
+from softcradle.sandbox.window.plots.curves import Plot, PlotContent
+from softcradle.sandbox.window.plots.shapes import DifferencePlot, KymographPlot, PhasePlot, StackedPlot, StripPlot
 
 KEY = N_(
     "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"

@@ -12,23 +12,23 @@ from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.lessons.lesson_runner import LessonRunner
-from softcradle.sandbox.window.plots.plot_board import PlotBoard
+from softcradle.sandbox.window.lessons.runner import LessonRunner
+from softcradle.sandbox.window.page import Actions, Host, Page
+from softcradle.sandbox.window.plots.board import PlotBoard
+from softcradle.sandbox.window.scene.clock import SceneClock
+from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.explore_panel import ExplorePanel, OutcomeCard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm, session_savings
-from softcradle.sandbox.window.scene.scene_clock import SceneClock
-from softcradle.sandbox.window.scene.scene_editor import PREPARING, SceneEditor
-from softcradle.sandbox.window.scene.scene_sound import SceneSound
-from softcradle.sandbox.window.scene.scene_tools import SceneTools, ViewKeys
-from softcradle.sandbox.window.scene.scene_view import SceneView
+from softcradle.sandbox.window.scene.sound import SceneSound
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
 from softcradle.sandbox.window.scene.timeline import Timeline
 from softcradle.sandbox.window.scene.toolbar import Toolbar
+from softcradle.sandbox.window.scene.tools import SceneTools, ViewKeys
+from softcradle.sandbox.window.scene.view import SceneView
 from softcradle.sandbox.window.settings import UnsavedScene, forget_unsaved
-from softcradle.sandbox.window.window_page import Actions, Host, Page
 from softcradle.scenes import Scene
 
 

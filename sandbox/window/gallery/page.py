@@ -21,9 +21,9 @@ from softcradle.sandbox.window.hanging.page import (
     HANGING_TITLE,
     hanging_thumbnail,
 )
-from softcradle.sandbox.window.plots.live_scales import motions_ahead
+from softcradle.sandbox.window.page import Host, Page
+from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.widgets import TextEntry
-from softcradle.sandbox.window.window_page import Host, Page
 from softcradle.scenes import SceneError, load, names
 
 MARGIN = 34.0  # design pixels on the left and right

@@ -15,9 +15,9 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import label_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.plots.curves import SECONDS, Plot, TimeSpan
 from softcradle.sandbox.window.plots.data_overlay import Overlaid
-from softcradle.sandbox.window.plots.live_plots import SECONDS, Plot, TimeSpan
-from softcradle.sandbox.window.plots.plot_kinds import PAIR, PLOT_KINDS, PlotSetting
+from softcradle.sandbox.window.plots.kinds import PAIR, PLOT_KINDS, PlotSetting
 
 MOST_CURVES = 10
 

@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
-from softcradle.sandbox.window.plots.live_plots import RIGHT, THICKNESS, Plot, draw_curves
+from softcradle.sandbox.window.plots.curves import RIGHT, THICKNESS, Plot, draw_curves
 
 
 class DifferencePlot(Plot):

@@ -16,7 +16,7 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
 from softcradle.scenes import Scene
 
 ROWS = 240  # of the motion, at least

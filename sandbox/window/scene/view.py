@@ -12,21 +12,21 @@ from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
-from softcradle.sandbox.window.plots.live_scales import METHOD as AHEAD
-from softcradle.sandbox.window.plots.live_scales import (
+from softcradle.sandbox.window.plots.board import PlotBoard
+from softcradle.sandbox.window.plots.kinds import VELOCITIES
+from softcradle.sandbox.window.plots.scales import METHOD as AHEAD
+from softcradle.sandbox.window.plots.scales import (
     MOST_AT_ONCE,
     EditFollower,
     LiveScales,
     estimated_scales,
     motions_ahead,
 )
-from softcradle.sandbox.window.plots.plot_board import PlotBoard
-from softcradle.sandbox.window.plots.plot_kinds import VELOCITIES
+from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
-from softcradle.sandbox.window.scene.scene_editor import Pick, SceneEditor
-from softcradle.sandbox.window.window_page import Host
 
 ZOOM = 1.25  # factor of one step
 MARGIN = 0.04  # of the width beyond the outermost beads, after it has framed them

@@ -8,7 +8,7 @@ import numpy as np
 import pygame
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
 
 RATE = 22050  # samples a second
 SECONDS = 0.06  # of a click

@@ -12,7 +12,7 @@ from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.window_page import Host
+from softcradle.sandbox.window.page import Host
 
 
 @dataclass(frozen=True)
