@@ -28,7 +28,7 @@ from softcradle.sandbox.studies.experiment import (
     friction_with_error,
     piston_deficits,
 )
-from softcradle.sandbox.studies.figures import train_figure
+from softcradle.sandbox.studies.figures import train
 from softcradle.sandbox.studies.plot_style import styled
 
 from softcradle import scenes
@@ -87,11 +87,11 @@ def test_draft_gears_of_the_train_have_the_data_of_railways(name):
 
 
 def test_figure_of_the_train():
-    table = train_figure.history()
+    table = train.history()
     assert table["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
     assert (table["one on ten: absorbed by gears"] >= -1e-9).all()
     with styled():
-        assert len(train_figure.draw_history(table).axes) == 2
+        assert len(train.draw_history(table).axes) == 2
 
 
 def test_caught_pistons_take_energy_and_no_momentum():
