@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from contextlib import nullcontext
 from time import process_time
+from typing import ClassVar
 from unittest.mock import patch
 
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
@@ -30,11 +31,14 @@ class Driver:
         time: of that clock [s].
     """
 
+    opened: ClassVar[list[Driver]] = []
+
     def __init__(
         self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True, lab: bool = True
     ) -> None:
         """`wait`: until all kernels are in memory; `lab`: with all controls."""
         self.time = 0.0
+        self.opened.append(self)
         self.app = App(size, start, lambda: self.time, lab)
         assert not wait or self.app.warmup.complete.wait(LONGEST)
         self.frames(2)
@@ -72,6 +76,12 @@ class Driver:
             if not most:
                 pygame.time.wait(2)
         self.frames()
+
+    def play(self, count: int) -> None:
+        """Play so many frames, and pause."""
+        self.key(pygame.K_SPACE)
+        self.frames(count)
+        self.key(pygame.K_SPACE)
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
         pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode=text, scancode=0))
@@ -124,3 +134,5 @@ class Driver:
 
     def close(self) -> None:
         self.app.close()
+        if self in self.opened:
+            self.opened.remove(self)

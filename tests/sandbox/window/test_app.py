@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import io
+import locale
+import os
+import sys
+from pathlib import Path
+
 import pygame
 import pytest
+from pygame_gui.core.utility import translate
+from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.window.display import SMALLEST
+from softcradle.sandbox.window.gallery.page import GalleryPage
+from softcradle.sandbox.window.settings import Settings, settings_path
 
+from softcradle import scenes
 from tests.helpers.windows import Driver
+from tools import screenshots
 
 CTRL = pygame.KMOD_CTRL
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def test_help_covers_the_page_and_is_closed_by_a_key(driver: Driver) -> None:
@@ -51,3 +62,54 @@ def test_a_message_takes_the_place_of_one_on_the_same_subject(driver):
     assert driver.messages == ["scale 144 %: there is no room for more in this window"]
     driver.key(pygame.K_0, CTRL)
     assert driver.messages == ["scale 100 %"]
+
+
+@pytest.mark.parametrize("form", ["text", "toml", "shared"])
+def test_a_scene_is_read_from_standard_input_or_the_command_line(form: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scenes.load("galilean")
+    text = scene.to_toml() if form == "toml" else shared_text(scene)
+    monkeypatch.setattr("sys.stdin", io.StringIO(text))
+    driver = Driver(text if form == "text" else "-")
+    assert driver.session.scene == scene
+
+
+def test_a_broken_file_is_a_message_in_the_gallery_at_once(tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text("title = 3")
+    driver = Driver(str(tmp_path / "bad.toml"))
+    assert isinstance(driver.app.page, GalleryPage)
+    assert any("bad.toml" in text for text in driver.messages)
+    assert not any("np." in text for text in driver.messages)
+
+
+def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LC_ALL", "xx_YY")
+    used = locale.setlocale(locale.LC_ALL)
+    driver = Driver()
+    driver.app.settings.language = "en"
+    driver.app.next_language()
+    driver.key(pygame.K_o, pygame.KMOD_CTRL)
+    driver.click(driver.app.dialog.buttons["Datei wählen ..."].rect.center)
+    driver.frames(2)
+    assert driver.app.dialog.window.cancel_button.text == "pygame-gui.Cancel"
+    assert translate("pygame-gui.Cancel") == "Abbrechen"
+    assert (locale.setlocale(locale.LC_ALL), os.environ["LC_ALL"]) == (used, "xx_YY")
+
+
+def test_a_person_s_settings_are_neither_shown_nor_changed(monkeypatch, tmp_path):
+    Settings(theme="dark", recent=["/a/scene.toml"]).save()
+    before, found = settings_path().read_bytes(), []
+
+    def save_all(folder):
+        found.append((folder, Settings.load(), settings_path()))
+        Settings(theme="dark").save()
+
+    monkeypatch.setattr(screenshots, "save_all", save_all)
+    monkeypatch.setattr(screenshots, "save_thumbnails", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["screenshots", str(tmp_path / "pictures")])
+    screenshots.main()
+    ((folder, settings, path),) = found
+    assert folder == tmp_path / "pictures"
+    assert settings == Settings()
+    assert path != settings_path()
+    assert not path.exists()
+    assert settings_path().read_bytes() == before

@@ -12,6 +12,7 @@ from softcradle.sandbox.session import Session
 from softcradle.sandbox.window.kernel_warmup import PLAIN_FRAME, KernelWarmup
 
 from softcradle import scenes
+from tests.helpers.paths import ROOT
 
 PLAYED = """
 from tests.helpers.windows import Driver
@@ -75,7 +76,7 @@ def test_a_scene_is_played_before_anything_is_compiled(tmp_path):
             PLAYED if more else PLAYED.replace("wait=False", "wait=True").replace("assert not driver.app", "driver.app")
         )
         done = subprocess.run(
-            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
+            [sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
         )
         return done.stdout.splitlines()[-1]
 

@@ -13,7 +13,6 @@ from softcradle.sandbox.window.widgets import KEYS, Slider
 from tests.helpers.windows import Driver
 
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def focus(driver: Driver, wanted) -> None:
@@ -68,7 +67,6 @@ def test_a_lesson_without_a_mouse(tmp_path: Path) -> None:
     for _ in range(4):
         driver.key(pygame.K_ESCAPE)
     assert isinstance(driver.app.page, GalleryPage)
-    driver.close()
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "hanging-cradle"])
@@ -85,7 +83,6 @@ def test_tab_reaches_every_control_and_comes_back(name: str) -> None:
     assert driver.app.focus.control is reached[-2]
     driver.click((400, 300))
     assert driver.app.focus.control is None
-    driver.close()
 
 
 @pytest.mark.parametrize(("key", "by"), KEYS.items(), ids=[pygame.key.name(key) for key in KEYS])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pygame
 import pytest
-from softcradle.sandbox.window.keys import CTRL, SHIFT, action_of, bindings
+from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.languages import LANGUAGES, gettext, use_language
+from softcradle.sandbox.window.keys import COLUMN, COLUMNS, CTRL, KEYS_ROOM, MOUSE, SHIFT, action_of, bindings, groups
 
 from tests.helpers.windows import Driver
 
@@ -17,7 +19,6 @@ def test_every_key_has_one_action_and_every_action_is_offered():
     driver.key(pygame.K_ESCAPE)
     offered |= set(driver.app.page.actions)
     assert {binding.action for binding in bindings()} == offered
-    driver.close()
 
 
 def test_modifiers_distinguish_keys():
@@ -50,7 +51,6 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual():
     assert len(driver.session.lanes[0].chain.mass) == beads + 1
     hold(pygame.K_SPACE, 4)
     assert driver.session.playing
-    driver.close()
 
 
 @pytest.mark.parametrize(
@@ -112,3 +112,18 @@ def test_bare_letters_edit_what_is_selected_alone(driver: Driver) -> None:
         driver.key(key)
     assert driver.session.setup is before
     assert any("select a bead" in text for text in driver.messages)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_every_text_fits_into_its_column(code):
+    use_language(code)
+    bindings = [binding for group in groups().values() for binding in group]
+    texts = [gettext(text) for text in [binding.text for binding in bindings] + [text for _, text in MOUSE]]
+    keys = [str(binding.keys[0]) for binding in bindings] + [gettext(what) for what, _ in MOUSE]
+    use_language("en")
+    assert not [text for text in texts if KEYS_ROOM + 2 + width(text, 13.0) > COLUMN + 15]
+    assert not [text for text in keys if width(text, 13.0, bold=True) + 10 > KEYS_ROOM]
+
+
+def test_every_group_is_shown():
+    assert sorted(name for column in COLUMNS for name in column) == sorted([*groups(), "Mouse"])

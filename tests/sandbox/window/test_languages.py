@@ -26,8 +26,6 @@ from softcradle.sandbox.window.settings import Settings, settings_path, system_l
 from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Driver) -> None:
     assert driver.page.toolbar.buttons["undo"].text == "Undo"

@@ -19,7 +19,7 @@ from tests.helpers.drawn_text import colliding, drawn_texts
 from tests.helpers.window_layout import faults, widget_name, widgets
 from tests.helpers.windows import Driver
 
-pytestmark = [pytest.mark.usefixtures("own_folder"), pytest.mark.slow]
+pytestmark = pytest.mark.slow
 
 SIZES = ((800, 600), (1000, 600), (1280, 720), (1366, 768), (1920, 1080), (2560, 1440))
 AMID = 60  # frames after which contacts of every scene here push: forces are written, plots have curves

@@ -20,7 +20,6 @@ from softcradle.sandbox.window.settings import unsaved_path
 from tests.helpers.windows import Driver
 
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def post(kind: int, **values: object) -> None:
@@ -64,9 +63,7 @@ def test_what_is_saved_or_undone_or_ended_by_hand_is_not_offered(driver: Driver)
 
 
 def test_keys_and_buttons_undo_and_redo_and_the_motion_stays(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
-    driver.key(pygame.K_SPACE)
+    driver.play(60)
     last = driver.session.history.last
     assert not driver.page.toolbar.buttons["undo"].is_enabled
     edited(driver)
@@ -264,7 +261,6 @@ def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pyt
     assert "film" not in page.toolbar.buttons
     assert "the film stopped: no room is left" in driver.messages
     assert any("second.mp4" in text for text in driver.messages)  # what there was until then
-    driver.close()
 
 
 @pytest.mark.parametrize("ending", ["gif", "webp"])

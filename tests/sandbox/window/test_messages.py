@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pygame
-import pytest
 from softcradle.sandbox.session.inputs import (
     Drag,
     Place,
@@ -21,8 +20,6 @@ from softcradle.sandbox.session.inputs import (
 )
 
 from tests.helpers.windows import Driver
-
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 NAN, FAR, NEGATIVE = np.float64("nan"), np.float64(1e13), np.float64(-1.0)
 REFUSED = (

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import itertools
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +13,9 @@ import pytest
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, luminance, mix, text_on, use_theme
 from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
+from softcradle.sandbox.window.theme import collect_garbage
 
 from tests.helpers.windows import Driver
-
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def contrast(one, other) -> float:
@@ -89,7 +90,6 @@ def test_the_open_dialog_offers_the_files_of_before(tmp_path: Path):
     assert not dialog.open
     assert driver.app.settings.recent[0].endswith(f"mine-{MOST_RECENT - 1}.toml")
     assert driver.session.scene.title == "One bead on four"
-    driver.close()
 
 
 def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog():
@@ -109,10 +109,36 @@ def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog():
     driver.app.act("lesson")
     driver.frames(3)
     assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
-    driver.close()
 
 
 def test_what_is_behind_a_dialog_is_dimmed(driver: Driver):
     before = mean_luminance(driver)
     driver.key(pygame.K_o, pygame.KMOD_CTRL)
     assert mean_luminance(driver) < 0.75 * before
+
+
+class Widget:
+    """Refers to itself, as widgets and containers refer to each other."""
+
+    def __init__(self) -> None:
+        self.container = self
+
+
+def test_cycles_are_freed() -> None:
+    widget = weakref.ref(Widget())
+    assert widget() is not None
+    collect_garbage()
+    assert widget() is None
+
+
+@pytest.mark.parametrize("refusal", [OSError, AttributeError, TypeError])
+def test_a_system_that_cannot_trim_the_heap_is_no_error(
+    refusal: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def library(name: None) -> None:
+        raise refusal
+
+    monkeypatch.setattr(ctypes, "CDLL", library)
+    widget = weakref.ref(Widget())
+    collect_garbage()
+    assert widget() is None

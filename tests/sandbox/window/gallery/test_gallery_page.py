@@ -17,7 +17,6 @@ from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
 UNDRAWN = ("one-on-four", "galilean")
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 @pytest.fixture
@@ -47,7 +46,6 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
     again = gallery.app.page
     assert isinstance(again, GalleryPage)
     assert len(again.pictures) == len(again.names)  # as it was left
-    gallery.close()
 
 
 def test_the_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
@@ -149,3 +147,19 @@ def test_a_caption_has_a_title_two_lines_and_a_source(gallery: Driver) -> None:
     counts = [sum(place.collidepoint(one.rect.center) for one in texts) for place in places]
     assert max(counts) == 4
     assert min(counts) >= 3  # of a text that is one line long
+
+
+def test_thumbnail_of_another_scene_has_another_file():
+    scene = scenes.load("one-on-four")
+    other = scene.model_copy(update={"title": "Another"})
+    assert thumbnails.cached_path(scene, "light") == thumbnails.cached_path(scenes.load("one-on-four"), "light")
+    assert len({thumbnails.cached_path(*each) for each in ((scene, "light"), (other, "light"), (scene, "dark"))}) == 3
+
+
+def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "file" / "cache"))
+    scene = scenes.load("one-on-four")
+    assert thumbnails.load(scene, "light") is None
+    thumbnails.save(scene, "light", pygame.Surface((4, 4)))
+    assert thumbnails.load(scene, "light") is None

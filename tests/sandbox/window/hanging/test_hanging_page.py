@@ -56,7 +56,6 @@ def test_the_hanging_page_is_driven_by_mouse_menus_and_keys():
     assert (page.model.rate, page.model.lifted, page.model.law) == (960, 2, "draft gear")
     driver.key(pygame.K_ESCAPE)
     assert not isinstance(driver.app.page, (HangingPage, ScenePage))
-    driver.close()
 
 
 def test_what_is_said_of_the_energy_is_what_became_of_it():

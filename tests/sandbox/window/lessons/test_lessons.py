@@ -16,7 +16,6 @@ from softcradle import scenes
 from tests.helpers.drawn_text import drawn_texts, film_texts
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
 ANSWERS = (1, 1, 0, 1, 0)
 
 
@@ -50,7 +49,6 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
     driver = Driver("mixed")
     driver.key(pygame.K_q)
     assert any("One bead on four" in text for text in driver.messages)
-    driver.close()
 
 
 def answered(driver: Driver) -> str:

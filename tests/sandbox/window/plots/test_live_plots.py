@@ -7,19 +7,15 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.session.history_slices import slice_at
-from softcradle.sandbox.window.plots.curves import TimeSpan
+from softcradle.sandbox.window.plots.curves import ScrollingSurface, TimeSpan
 from softcradle.sandbox.window.plots.shapes import StackedPlot
 
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 def test_the_energy_split_shows_beads_that_are_gone(driver: Driver) -> None:
     """A plot that opens after beads were removed also draws the layers of these beads."""
-    driver.key(pygame.K_SPACE)
-    driver.frames(90)
-    driver.key(pygame.K_SPACE)
+    driver.play(90)
     for bead in (4, 3):
         driver.click(driver.bead(bead))
         driver.key(pygame.K_DELETE)
@@ -56,9 +52,7 @@ def test_every_plot_can_be_hidden_and_shown(driver: Driver) -> None:
 
 def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     driver.key(pygame.K_7)
-    driver.key(pygame.K_SPACE)
-    driver.frames(150)
-    driver.key(pygame.K_SPACE)
+    driver.play(150)
     driver.frames(60)
     plot = next(plot for plot in driver.page.board.plots if plot.content.title.startswith("markers"))
     session = driver.session
@@ -104,7 +98,6 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     differences = [plot for plot in driver.page.board.plots if plot.content.title.startswith("second less first")]
     assert np.allclose(differences[0].values_at(driver.session.frame), second.velocity - first.velocity)
     assert differences[0].span is driver.page.board.plots[0].span
-    driver.close()
 
 
 def test_the_time_axis_scrolls_only_when_it_must():
@@ -116,3 +109,56 @@ def test_the_time_axis_scrolls_only_when_it_must():
     assert span.time(span.x(9.0)) == pytest.approx(9.0)
     span.follow(0.0)
     assert span.left == 0
+
+
+class Columns:
+    """Draws the number of each column into its pixels, and records which it drew."""
+
+    def __init__(self):
+        self.drawn = []
+
+    def __call__(self, first, last):
+        self.drawn += range(first, last)
+        made = pygame.Surface((last - first, 4), 0, 32)
+        for x in range(last - first):
+            made.fill(((first + x) % 256, 1, 0), (x, 0, 1, 4))
+        return made
+
+
+def pixels(surface):
+    return [tuple(surface.surface.get_at((x, 0)))[:2] for x in range(surface.width)]
+
+
+def test_every_column_is_in_its_place_after_any_scrolling():
+    ground = pygame.Surface((50, 4), 0, 32)
+    columns = Columns()
+    surface = ScrollingSurface(ground, columns)
+    for left, first, last in ((0, 0.0, 20.5), (0, 0.0, 49.9), (30, 0.0, 70.0), (10, 5.0, 70.0), (200, 150.0, 240.0)):
+        surface.scroll(left)
+        for _ in range(20):
+            surface.update(first, last, True, 10)
+        for x, pixel in enumerate(pixels(surface)):
+            column = left + x
+            assert pixel == ((column % 256, 1) if int(first) <= column <= int(last) else (0, 0))
+
+
+def test_an_update_stays_within_its_budget_and_draws_nothing_twice():
+    columns = Columns()
+    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
+    surface.update(0.0, 49.0, True, 10)
+    assert len(columns.drawn) <= 12
+    for _ in range(10):
+        surface.update(0.0, 49.0, False, 10)
+    columns.drawn.clear()
+    surface.update(0.0, 49.0, False, 10)
+    assert columns.drawn == []
+
+
+def test_columns_of_a_dropped_branch_are_cleared():
+    columns = Columns()
+    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
+    for _ in range(10):
+        surface.update(0.0, 40.0, True, 10)
+    surface.invalidate_from(20)
+    surface.update(0.0, 21.0, True, 10)
+    assert pixels(surface)[22:] == [(0, 0)] * 28

@@ -18,8 +18,6 @@ from softcradle import scenes
 from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 def momentum(setting: PlotSetting) -> PlotContent:
     axis = linear_axis("", *setting.scales.momentum)
@@ -47,7 +45,6 @@ def test_a_plot_in_the_table_has_its_key_and_its_place_on_the_board(monkeypatch:
     assert drawn.count() > 20
     driver.key(pygame.K_8)
     assert plots_of_momentum(driver) == []
-    driver.close()
 
 
 def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,7 +52,6 @@ def test_a_page_opens_with_the_plots_that_the_table_shows(monkeypatch: pytest.Mo
     driver = Driver("one-on-four")
     assert len(plots_of_momentum(driver)) == 1
     assert driver.page.board.shown == ["velocities", "forces", "overlaps", "momentum"]
-    driver.close()
 
 
 def test_the_choice_of_plots_is_remembered() -> None:

@@ -8,8 +8,6 @@ from softcradle.sandbox.session.inputs import SetVelocity
 
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 def in_sight(driver: Driver) -> bool:
     lane = driver.page.view.lanes[0]

@@ -14,8 +14,6 @@ from softcradle.sandbox.window.plots.shapes import PhasePlot
 
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 @pytest.fixture
 def played(driver: Driver) -> Driver:

@@ -14,7 +14,6 @@ from softcradle.sandbox.window.scene.editor import Pick
 from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
 MOST_CONTROLS = 16
 
 
@@ -141,4 +140,3 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
             made.app.paint()
         said = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
         assert ("rigid-like, not rigid" in said) == cut
-    made.close()

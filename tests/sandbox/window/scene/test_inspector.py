@@ -13,8 +13,6 @@ from softcradle.sandbox.window.widgets import number
 
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 SCENE = """
 title = "Friction, loss and drive"
 duration = 5.0
@@ -76,7 +74,6 @@ def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path:
     driver.key(pygame.K_SPACE)
     driver.frames(120)
     assert driver.session.health(0).energy_error < 1e-9
-    driver.close()
 
 
 def test_friction_and_drive_can_be_given_to_any_scene(driver: Driver) -> None:
@@ -117,9 +114,7 @@ def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
     assert control.parameter.value == -8.0
     assert control.slider.current_value == pytest.approx(control.parameter.share(), abs=0.01)
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
-    driver.key(pygame.K_SPACE)
-    driver.frames(300)
-    driver.key(pygame.K_SPACE)
+    driver.play(300)
     driver.frames(20)
     control = driver.page.inspector.controls["velocity"]
     assert control.parameter.value < 0.5
@@ -142,4 +137,3 @@ def test_a_coupler_is_of_none_of_the_kinds() -> None:
     driver.frames(2)
     assert driver.page.inspector.buttons
     assert not [button.text for button in driver.page.inspector.buttons if button.is_selected]
-    driver.close()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pygame
-import pytest
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.session.inputs import SetMass, SetMethod, SetStep
 from softcradle.sandbox.session.lane_setup import setup_of
@@ -13,7 +12,6 @@ from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
 CTRL = pygame.KMOD_CTRL
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def test_the_menu_switches_the_method_while_running(driver: Driver) -> None:
@@ -41,7 +39,6 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit() -> None:
     assert health.level == "bad"
     card = driver.page.cards.rects[0]
     assert driver.app.surface.get_at((card.centerx, card.top))[:3] == mix(tones.background, tones.bad, 0.12)
-    driver.close()
 
 
 def chosen(driver: Driver) -> str:

@@ -10,7 +10,6 @@ from softcradle.sandbox.window.scene.editor import Pick
 from tests.helpers.windows import Driver
 
 SHIFT = pygame.KMOD_SHIFT
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def test_a_bead_is_placed_while_paused(driver: Driver) -> None:

@@ -17,7 +17,6 @@ from tests.helpers.windows import Driver
 from tests.sandbox.page.conftest import page_data
 
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> None:
@@ -85,9 +84,7 @@ def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tm
 
 
 def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
-    driver.key(pygame.K_SPACE)
+    driver.play(60)
     driver.app.act("share")
     row = MENUS["share"].index("share_page")
     driver.click(driver.app.dialog.buttons[row].rect.center)

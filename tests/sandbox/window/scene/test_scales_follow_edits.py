@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
+import numpy as np
 import pygame
 import pytest
+from softcradle.physics import METHODS
+from softcradle.sandbox.film.scene_motion import scene_motions, scene_motions_quietly
 from softcradle.sandbox.session.inputs import SetContact, SetVelocity
+from softcradle.sandbox.user_error import GaveUpError
+from softcradle.sandbox.window.plots.scales import MOST_AT_ONCE, MOST_BEHIND, motions_ahead
 from softcradle.sandbox.window.scene.editor import Pick
 
+from softcradle import scenes
+from tests.helpers.scene_kinds import EVERY_SCENE
 from tests.helpers.windows import Driver
-
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def test_axes_and_loupes_follow_another_exponent(driver: Driver) -> None:
@@ -27,9 +33,7 @@ def test_axes_and_loupes_follow_another_exponent(driver: Driver) -> None:
 
 def test_the_badge_tells_the_error_of_velocities(driver: Driver) -> None:
     assert driver.page.cards.health[0].velocity_error is None
-    driver.key(pygame.K_SPACE)
-    driver.frames(330)
-    driver.key(pygame.K_SPACE)
+    driver.play(330)
     driver.until(lambda: driver.page.cards.health[0].velocity_error is not None)
     assert driver.page.cards.health[0].velocity_error < 1e-3
 
@@ -46,7 +50,6 @@ def test_the_badge_goes_to_the_fault_of_the_run() -> None:
     driver.frames(2)
     assert driver.session.scrubbed
     assert driver.session.frame == driver.session.findings(0)[0].first
-    driver.close()
 
 
 def test_fullscreen_gives_the_size_back(driver: Driver) -> None:
@@ -67,9 +70,7 @@ def settled(driver: Driver) -> object:
 
 def test_scales_of_an_edit_that_is_undone_go_with_it(driver: Driver) -> None:
     before = driver.page.view.scales.scales
-    driver.key(pygame.K_SPACE)
-    driver.frames(300)
-    driver.key(pygame.K_SPACE)
+    driver.play(300)
     driver.key(pygame.K_r)
     driver.page.editor.apply(SetVelocity(0, 0, -8.0))
     assert settled(driver).velocity[0] < -7.0
@@ -104,3 +105,47 @@ def test_the_smallest_overlap_stays_on_its_axis_after_beads_were_removed_and_bro
     while driver.session.undo_stack.done:
         driver.key(pygame.K_z, pygame.KMOD_CTRL)
     driver.until(lambda: driver.page.view.scales.scales.decades == before)
+
+
+def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
+    """It runs on a thread, and the filters are those of all threads. A film still warns of the same motion."""
+    scene = scenes.load("one-on-four").model_copy(update={"method": "euler", "step": 1e-3})
+    with pytest.warns(RuntimeWarning):
+        of_film = scene_motions(scene, 2000.0)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a thread used the warnings")
+
+    for name in ("catch_warnings", "simplefilter", "filterwarnings", "warn"):
+        monkeypatch.setattr(warnings, name, refuse)
+    motions, sentences = scene_motions_quietly(scene, 2000.0)
+    assert sentences
+    assert np.array_equal(motions[0].position, of_film[0].position)
+    assert motions_ahead(scene)
+
+
+@pytest.mark.parametrize("name", EVERY_SCENE)
+def test_the_window_sees_every_shipped_scene_ahead_at_once(name):
+    assert motions_ahead(scenes.load(name), MOST_AT_ONCE)
+
+
+@pytest.mark.parametrize("method", [method.name for method in METHODS])
+def test_a_run_ahead_is_none_of_a_method_in_python(method):
+    """A comparison by pymunk held the window up for more than ten minutes."""
+    motions = motions_ahead(scenes.load("one-on-four").model_copy(update={"method": method}), MOST_AT_ONCE)
+    assert motions[0].method.split(",")[0] == ("conserving" if method in ("pymunk", "scipy") else method)
+
+
+def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
+    """Its scales are estimated, and follow from a thread, which gives up as well where a step was mistyped."""
+    scene = scenes.load("one-on-four").model_copy(update={"method": "conserving", "step": 1e-9})
+    for most in (MOST_AT_ONCE, MOST_BEHIND):
+        with pytest.raises(GaveUpError):
+            motions_ahead(scene, most)
+    driver.page.show_scene(scene)
+    assert driver.page.view.follower.pending
+    slower = scenes.load("one-on-four").model_copy(update={"method": "conserving", "step": 2e-6})
+    driver.page.show_scene(slower)
+    assert driver.page.view.follower.pending
+    driver.until(lambda: not driver.page.view.follower.pending)
+    assert driver.page.view.scales.scales

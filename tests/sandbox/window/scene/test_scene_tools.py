@@ -18,7 +18,6 @@ from tests.helpers.scene_kinds import EVERY_SCENE
 from tests.helpers.windows import Driver
 
 CTRL = pygame.KMOD_CTRL
-pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 @pytest.fixture
@@ -31,9 +30,7 @@ def clipboard(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_arrows_show_what_is_chosen(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(260)
-    driver.key(pygame.K_SPACE)
+    driver.play(260)
     lane, seen = driver.page.view.lanes[0], {}
     for name in ARROWS:
         lane = driver.page.view.lanes[0]

@@ -16,8 +16,6 @@ from softcradle.sandbox.window.scene.editor import Pick
 from tests.helpers.drawn_text import colliding, drawn_texts
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 def texts_of(driver: Driver) -> list:
     """The texts of the window as it is now."""
@@ -57,9 +55,7 @@ def test_arrows_count_the_beads_outside(driver: Driver) -> None:
 
 
 def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(240)
-    driver.key(pygame.K_SPACE)
+    driver.play(240)
     assert len(driver.page.view.lanes[0].drawing.ends) == 4
     driver.page.editor.selection = Pick(0, "bead", 4)
     driver.key(pygame.K_DELETE)
@@ -93,7 +89,6 @@ def test_force_labels_of_a_train_have_prefixes_and_room(name: str) -> None:
         seen = max(seen, len(forces))
         assert not [pair for pair in colliding(texts) if {*pair} & {one.text for one in forces}]
     assert seen > 2
-    driver.close()
 
 
 def test_seven_plots_of_two_lanes_are_wide_and_scrolled_to() -> None:
@@ -118,7 +113,6 @@ def test_seven_plots_of_two_lanes_are_wide_and_scrolled_to() -> None:
         driver.frames(2)
         seen |= set(board.keys)
     assert seen == {(name, lane) for name in board.shown for lane in (0, 1)}
-    driver.close()
 
 
 def test_a_selection_has_the_shape_of_its_body() -> None:
@@ -140,7 +134,6 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
         (rect.centerx + radius * math.cos(turn), rect.centery + radius * math.sin(turn)) for turn in (-0.8, -1.6, -2.4)
     ]
     assert has_colour(driver, round_ones, tones.foreground)
-    driver.close()
 
 
 def test_a_wall_is_made_of_any_bead_and_freed_again(driver: Driver) -> None:

@@ -10,8 +10,6 @@ from softcradle.sandbox.window.scene.sweep_board import COUNT, SweepBoard
 
 from tests.helpers.windows import Driver
 
-pytestmark = pytest.mark.usefixtures("own_folder")
-
 
 def swept(driver: Driver) -> SweepBoard:
     """The board, when all is computed."""

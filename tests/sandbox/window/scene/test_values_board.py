@@ -39,7 +39,6 @@ def test_all_columns_are_there_where_there_is_room():
         assert columns.digits == MOST_DIGITS
 
 
-@pytest.mark.usefixtures("own_folder")
 def test_rows_are_selected_and_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> None:
     driver = Driver("one-on-ten")
     driver.key(pygame.K_t)
@@ -58,4 +57,3 @@ def test_rows_are_selected_and_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> N
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_LEFT)  # the selection comes into view
     assert values.places[0].first == 0
-    driver.close()
