@@ -5,8 +5,6 @@ python -m tests.load 5 --busy           # five times, beside a process for each 
 python -m tests.load 3 --run "make test-all"
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import shlex

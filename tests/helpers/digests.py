@@ -7,8 +7,6 @@ They hold on every machine: kernels have powers, exponentials and logarithms of 
 Only those of pymunk are its wheel's.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import json

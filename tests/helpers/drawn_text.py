@@ -1,7 +1,5 @@
 """What is written on the window and on films: every text with its place, taken from the one function that writes."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """What is wrong with the layout of a figure: small text, text on text, text on a curve, text beyond the edge."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from unittest.mock import patch
 

@@ -1,7 +1,5 @@
 """Columns of a figure's table that belong together."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """Tests in a process of their own, and what a test leaves behind: nothing that starts processes can fail another test."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

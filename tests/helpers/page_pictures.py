@@ -1,7 +1,5 @@
 """Pictures of a page on a desk and on a telephone, for the README: python -m tests.helpers.page_pictures FOLDER."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """Where the repository lies, and the source files in it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]

@@ -1,7 +1,5 @@
 """Kernels called one by one as plain Python: compiled, each would be compiled for its test alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, State

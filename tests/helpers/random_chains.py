@@ -1,7 +1,5 @@
 """Random chains with their start velocities, each from a seed: collisions without dissipation, and chains with both kinds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What holds for any motion of any chain, whatever the method: energies, momenta, order of the beads."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from typing import Any

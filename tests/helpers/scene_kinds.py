@@ -1,7 +1,5 @@
 """Scenes of the catalogue for tests that are not about scenes: four that differ in kind, the others in `make test-all`."""
 
-from __future__ import annotations
-
 import pytest
 
 from softcradle import scenes

@@ -1,7 +1,5 @@
 """Solvers and series of the work-precision chart, for tests that need few points or none measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from softcradle.sandbox.studies.precision.measurement import (

@@ -1,7 +1,5 @@
 """What holds in every session, whatever was done: edits go back and forth, and what was recorded runs again."""
 
-from __future__ import annotations
-
 import copy
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Inputs of a session as values that Hypothesis draws and shrinks."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Sessions for tests: their clock moves when the test moves it, so no frame is left out on a busy machine."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from softcradle.sandbox.session.frame_pacing import FrameClock

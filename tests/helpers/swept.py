@@ -1,7 +1,5 @@
 """Functions that tests sweep, in a module that other processes can import; each point leaves a line in a log."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,5 @@
 """The quadruple-precision answers of `data/truth.json` as chains and arrays."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from fractions import Fraction

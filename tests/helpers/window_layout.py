@@ -1,7 +1,5 @@
 """What is wrong with the layout of the window's widgets: one leaves the window, lies on another, or clips its text."""
 
-from __future__ import annotations
-
 import itertools
 
 import pygame

@@ -6,8 +6,6 @@ What goes wrong is printed as the shortest list of steps that was found, and the
 each other for so long.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import os

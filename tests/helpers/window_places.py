@@ -1,7 +1,5 @@
 """Places in the window that a pointer goes to, as values that Hypothesis draws and shrinks."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """The benchmarks: what they measure is what they say, and the command writes what it shows."""
 
-from __future__ import annotations
-
 import importlib
 import json
 

@@ -1,7 +1,5 @@
 """The scan of `conserving`: a part of it in every run of the tests."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Every example in a docstring runs, under the name that users import it by."""
 
-from __future__ import annotations
-
 import doctest
 from importlib import import_module
 

@@ -1,7 +1,5 @@
 """The documentation: its examples run, its commands and scenes exist, and it is built without a warning."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import re

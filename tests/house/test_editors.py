@@ -1,7 +1,5 @@
 """An editor, a type checker and ctags find a definition across the folders, by the links that set-up makes."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tomllib

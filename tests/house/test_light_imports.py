@@ -1,7 +1,5 @@
 """Imports are light: what a command or a script does not use is not loaded."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

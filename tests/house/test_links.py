@@ -3,8 +3,6 @@
 `make check` runs this file; links to other sites are asked by `make links`.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

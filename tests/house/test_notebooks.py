@@ -1,7 +1,5 @@
 """The example notebooks run from top to bottom, and are kept without their outputs."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,5 @@
 """The public names of softcradle: exactly these, importable, documented, the same from `softcradle.physics`."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import tomllib

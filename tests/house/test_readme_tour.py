@@ -1,7 +1,5 @@
 """Every command of the README, and what it leaves to the help, runs, and leaves nothing outside of out/, which git ignores."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The scan of random chains: what it draws, how it judges, and that it goes on where it stopped."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

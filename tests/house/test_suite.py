@@ -1,7 +1,5 @@
 """The suite itself: a test that leaves something fails, and no other; an order and an end of the time are kept."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

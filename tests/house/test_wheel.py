@@ -1,7 +1,5 @@
 """The wheel: one top-level name, all that softcradle needs, and it runs beside a stranger's folder `physics`."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Files of tests that run as plain Python are collected there alone, by `test_plain_kernels.py`; by name, anywhere."""
 
-from __future__ import annotations
-
 import os
 from importlib.util import find_spec
 

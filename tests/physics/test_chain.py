@@ -1,7 +1,5 @@
 """The chain: what it accepts, what it refuses, and the start that it gives a State."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import FrozenInstanceError
 

@@ -1,7 +1,5 @@
 """Samples of a run to its end are taken from its checkpoints: the same motion as with a known duration, and no second run."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import (

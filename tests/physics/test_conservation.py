@@ -1,7 +1,5 @@
 """Momentum to round-off in every method, energy bounded in all and exact where the method says so."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

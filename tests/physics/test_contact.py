@@ -1,7 +1,5 @@
 """The contact law: force is the slope of energy, overlap undoes force, and one overlap answers every push."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

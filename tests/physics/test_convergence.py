@@ -1,7 +1,5 @@
 """Orders of convergence, fitted over all fixed-step methods: on smooth motion their own, at a touch the force's."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, advance, draft_gear, hertz, hooke, power_law, simulate, step_force

@@ -1,7 +1,5 @@
 """Couplers: the solid stop and the run-out of slack against closed forms, every method against the reference, refusals."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Determinism: the same digits run for run and on every machine."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

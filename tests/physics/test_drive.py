@@ -1,7 +1,5 @@
 """A steady external force on beads: every method knows it, its work and impulse balance, and bad ones are refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What may not depend on the processor, on the functions of the C library, nor on compiled kernels: every digit."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

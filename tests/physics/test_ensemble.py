@@ -1,7 +1,5 @@
 """Many chains at once: the digits of one at a time, whatever the number of threads."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, ensemble, hertz, one_on, power_law, simulate

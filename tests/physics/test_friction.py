@@ -1,7 +1,5 @@
 """Bed friction and contacts with loss: closed forms, sticking, the end of a motion, refusals, live steps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Friction and loss in scenes, files and the session: kept, checked, and booked."""
 
-from __future__ import annotations
-
 import pytest
 from softcradle.physics import Trajectory, draft_gear, simulate
 from softcradle.sandbox.session import Session

@@ -1,7 +1,5 @@
 """Two tiers of kernels: the same digits, whichever runs, and nobody waits for what plain Python does at once."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A frame of live use has a budget: an adaptive method that is not through hands over to `conserving`, and it is said."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 

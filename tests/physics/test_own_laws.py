@@ -1,7 +1,5 @@
 """Laws of one's own: the same motions as power laws by the same force, conserved, checked against SciPy, refused."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from dataclasses import dataclass

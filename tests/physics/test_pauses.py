@@ -1,7 +1,5 @@
 """Long runs hand back now and then, so that signals are heard: their digits are those of a run that never pauses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, State, advance, draft_gear, hooke, one_on, power_law, simulate

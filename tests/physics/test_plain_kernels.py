@@ -1,7 +1,5 @@
 """Kernels one by one, as plain Python in a process of their own: compiled, each would be compiled for its test alone."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Contacts pressed from the start (a gap below 0): every method lets them go, or keeps them where they are at rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, hertz, hooke, one_on, power_law, simulate

@@ -1,7 +1,5 @@
 """Relations that hold on any chain: up to 40 contacts of any kind, masses over 4 decades, gaps, a wall, 3 clusters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scales of a chain: the range of speeds that is computed, and what is found once for a chain."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trajectories on disk: read back equal, readable without softcradle, whole or not at all."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Forces and brakes over time: every method against closed forms, their ledger, live frames, files and bad input."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

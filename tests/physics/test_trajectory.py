@@ -1,7 +1,5 @@
 """What `simulate` returns and `advance` does: samples, durations, gaps, events, and no memory taken a step."""
 
-from __future__ import annotations
-
 import gc
 import math
 import tracemalloc

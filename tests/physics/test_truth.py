@@ -1,7 +1,5 @@
 """Every method against answers in quadruple precision: what an explicit step must reach, what a tolerance promises."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

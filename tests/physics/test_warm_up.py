@@ -1,7 +1,5 @@
 """Compiling is told of, and can be done ahead: in processes of their own, with an empty cache."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

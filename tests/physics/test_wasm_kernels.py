@@ -1,7 +1,5 @@
 """The kernels for browsers: what the shipped file is made of, and its digits, which are those of plain Python."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Short motions through every kind of step, switch and rest: what must hold of each by any method, compiled or not."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

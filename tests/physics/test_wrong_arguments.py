@@ -1,7 +1,5 @@
 """Mistakes in Python: each is a ValueError of one sentence that names the argument, without names of internals."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable

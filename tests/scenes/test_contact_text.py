@@ -1,7 +1,5 @@
 """Contacts in a line of text: read, written back, refused in a sentence."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Couplers in scene files: read, written again, and refused in a sentence."""
 
-from __future__ import annotations
-
 import tomllib
 
 import pytest

@@ -1,7 +1,5 @@
 """Scenes: the catalogue agrees with its texts, a scene is written back equal, and nothing but scenes is accepted."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 

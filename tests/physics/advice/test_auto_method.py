@@ -1,7 +1,5 @@
 """Method auto: the wanted error holds, and the choice is said with its reason."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Failure is a value: what an explicit method cannot do is said by the trajectory, with what to use instead."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The closed forms against quadrature, the truth, and what the methods find."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

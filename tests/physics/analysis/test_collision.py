@@ -1,7 +1,5 @@
 """Measures of a collision: against the quadruple-precision answers, closed forms, and each other."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Matching: what is already of the family is found again, round trips, monotone facts, and honest distances."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

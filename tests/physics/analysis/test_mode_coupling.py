@@ -1,7 +1,5 @@
 """The mode-coupling model: its equations, its overlaps, its accuracy, and the cases it is exact for."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The ends of very many chains: to the last digit those of `simulate`."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

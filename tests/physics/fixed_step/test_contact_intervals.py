@@ -1,7 +1,5 @@
 """When contacts close and open under fixed steps: within a few steps of where the reference locates it, on random chains."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

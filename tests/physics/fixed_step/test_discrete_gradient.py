@@ -1,7 +1,5 @@
 """conserving: energy and momentum to round-off at any step in every scene, touching exact, the resolvent's identities."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

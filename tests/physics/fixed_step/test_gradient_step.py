@@ -1,7 +1,5 @@
 """One step of conserving, by the equations that define it: contacts, loss, friction, external forces, and what is absorbed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

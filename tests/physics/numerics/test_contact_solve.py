@@ -1,7 +1,5 @@
 """Pieces of the solver of contact forces: a resolvent without a guess, mean forces of short ways, the way to the next bend."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS

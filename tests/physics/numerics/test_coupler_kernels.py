@@ -1,7 +1,5 @@
 """Couplers one by one inside kernels: forces, their means and energies, the resolvent; nothing where a chain has none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke

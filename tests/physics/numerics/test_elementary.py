@@ -1,7 +1,5 @@
 """Powers, exponentials and logarithms of our own: errors against decimal arithmetic, edges, the same digits however they run."""
 
-from __future__ import annotations
-
 import decimal
 import math
 

@@ -1,7 +1,5 @@
 """Matrices of coefficients: rounded once, the same on every processor."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

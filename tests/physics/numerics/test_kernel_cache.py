@@ -1,7 +1,5 @@
 """The disk cache of compiled kernels: keyed by their sources, never stale, and the digits of plain Python."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The curve of a contact law for implicit steps: values, slopes, and Newton's moves along it, against what defines them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

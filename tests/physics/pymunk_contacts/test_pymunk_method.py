@@ -1,7 +1,5 @@
 """Method `pymunk`: the digits, steps and switches of `euler`, from bodies in a Space."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

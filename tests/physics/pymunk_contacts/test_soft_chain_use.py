@@ -1,7 +1,5 @@
 """SoftChain in a changing Space: bodies moved, contacts changed, joints, shapes, sleep."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 import math

@@ -1,7 +1,5 @@
 """SoftContacts in steps that are too long: a warning or little gain, substeps that avoid it, and the table of docs/games.md."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

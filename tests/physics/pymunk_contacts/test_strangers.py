@@ -1,7 +1,5 @@
 """Soft contacts as strangers use them: bodies removed, shared or static, laws that give no number: an error, or it works."""
 
-from __future__ import annotations
-
 import math
 
 import pymunk

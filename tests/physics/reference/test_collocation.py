@@ -1,7 +1,5 @@
 """Radau collocation in extended precision: what its coefficients integrate, and what its polynomials tell."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics.reference.collocation import EPSILON, Extended, tableau

@@ -1,7 +1,5 @@
 """The reference itself: contact modes, located switches, pushes, and every other method compared with it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

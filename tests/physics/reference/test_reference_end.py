@@ -1,7 +1,5 @@
 """The reference in extended precision: quadruple-precision truths, closed forms of every kind of switch, its own error."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

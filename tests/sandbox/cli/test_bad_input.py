@@ -1,7 +1,5 @@
 """Mistakes of users: one sentence, exit code 2, no file left, no traceback."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The command: its help, and what its subcommands print and write."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Without the packages of an extra: what needs them says how to get them, in a sentence; the rest works."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

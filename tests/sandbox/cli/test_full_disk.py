@@ -1,7 +1,5 @@
 """A full disk: every writer notices, says so in a sentence, and leaves nothing behind. Here files end after 400 bytes."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

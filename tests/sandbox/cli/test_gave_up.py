@@ -1,7 +1,5 @@
 """A run that gave up before its end: its last velocities are not called final, and the exit code is 3."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

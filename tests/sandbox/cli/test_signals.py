@@ -1,7 +1,5 @@
 """Ctrl+C and SIGTERM are heard by whatever takes long, compiled or compiling: one line, the right exit code, no traceback."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """`softcradle sweep`: studies from files, refusals in a sentence, what is missing, what is there already."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The command at a terminal: narrow ones, poor encodings, a full disk, no display; options that all commands have."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Films read back frame by frame, what is refused before any work, and files that are complete or not there."""
 
-from __future__ import annotations
-
 import math
 
 import av

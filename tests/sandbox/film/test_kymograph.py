@@ -1,7 +1,5 @@
 """Kymographs from camera frames agree with the motion to a pixel; scale bars; what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

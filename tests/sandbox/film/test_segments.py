@@ -1,7 +1,5 @@
 """Segments: a film encoded by several threads is the film that one would have encoded, on any machine."""
 
-from __future__ import annotations
-
 import threading
 
 import av

@@ -1,7 +1,5 @@
 """Translations at work: plural forms, forms of numbers, the locale, words of scenes, refusals of the physics."""
 
-from __future__ import annotations
-
 import math
 import string
 

@@ -1,7 +1,5 @@
 """What a notebook shows: short texts, tables with a picture, figures, films, tables of other libraries, and the window."""
 
-from __future__ import annotations
-
 import base64
 import math
 import re

@@ -1,7 +1,5 @@
 """What the tests of pages share: recorded scenes, the packed motion read back, and pages written once."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

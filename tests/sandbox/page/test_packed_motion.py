@@ -1,7 +1,5 @@
 """The packed motion: what the page plays is what was recorded."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The page in a real browser: beads thrown by mouse, finger and keys, wound back, compared, linked, without an error."""
 
-from __future__ import annotations
-
 import json
 import time
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """The page in Firefox, where it is installed: computed and drawn on a desk and on a telephone, without an error."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

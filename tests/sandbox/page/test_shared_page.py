@@ -1,7 +1,5 @@
 """The page as a file: everything is in it, it loads nothing, and what cannot be written leaves nothing behind."""
 
-from __future__ import annotations
-
 import gzip
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Whatever is edited, in any order: no exception, no NaN, bounded memory, a balanced ledger, the same digits again."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Editable numbers: each of the table is in the inspector, the table of values, undo, replay and the scene file."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

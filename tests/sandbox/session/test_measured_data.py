@@ -1,7 +1,5 @@
 """Measured data from CSV files: what is read, and how what cannot be read is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sessions: time, history, branches, the pointer spring. What is shown is the result of the physics."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Exports of a session: scenes that read back equal, histories that other programs read."""
 
-from __future__ import annotations
-
 import csv
 import math
 from itertools import pairwise

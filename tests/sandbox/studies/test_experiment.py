@@ -1,7 +1,5 @@
 """The paper's experiment on its bed, the locked pistons, and the train: the fit and the scenes."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Maps of rigid-like behaviour: a point is what `simulate` gives, and gears are rigid below the critical speed."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 

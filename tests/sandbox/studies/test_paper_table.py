@@ -1,7 +1,5 @@
 """The page that says where each part of the paper is: it names what exists, misses no claim, and lists all equations."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import subprocess

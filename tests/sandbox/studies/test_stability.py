@@ -1,7 +1,5 @@
 """The scans of failure: inside its limit a method holds its error; outside it fails as expected, with a warning."""
 
-from __future__ import annotations
-
 import csv
 import math
 from dataclasses import replace

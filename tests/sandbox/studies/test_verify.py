@@ -1,7 +1,5 @@
 """The verification: every number known from outside is met, and one that is not is said."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

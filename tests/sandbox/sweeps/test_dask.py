@@ -1,7 +1,5 @@
 """A sweep on a real Dask scheduler with real workers: killed, resumed, a worker and the scheduler killed."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

@@ -1,7 +1,5 @@
 """Sample points: each follows from its number alone, whatever the chunk; SciPy's samples; refusals."""
 
-from __future__ import annotations
-
 import itertools
 import pickle
 

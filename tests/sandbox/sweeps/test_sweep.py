@@ -1,7 +1,5 @@
 """`sweep`: the same Dataset bit for bit by any executor, chunking and resumption; what fails is marked; disks and files."""
 
-from __future__ import annotations
-
 import errno
 import os
 import signal

@@ -1,7 +1,5 @@
 """The claims: verdicts are reproduced by other methods on a sample, and what was generalised from one example is not."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

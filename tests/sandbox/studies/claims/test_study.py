@@ -1,7 +1,5 @@
 """Verdicts follow from cases and their error bars, and can come out each way."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What the tests of comparisons share: the command with its JSON, and its refusals."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

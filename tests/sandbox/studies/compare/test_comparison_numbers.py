@@ -1,7 +1,5 @@
 """`softcradle compare`: its numbers against the truth, the nearest contact, the names of sides, refusals."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.sandbox.draw.number_format import MINUS, number_text

@@ -1,7 +1,5 @@
 """The report of a comparison: the page as text, and in a real browser."""
 
-from __future__ import annotations
-
 import json
 
 import av

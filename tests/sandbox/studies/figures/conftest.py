@@ -1,7 +1,5 @@
 """The tables of all figures, each computed when a test first asks for it."""
 
-from __future__ import annotations
-
 import pytest
 from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.figures.figure_list import figures_named

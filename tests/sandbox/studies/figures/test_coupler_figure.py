@@ -1,7 +1,5 @@
 """What the figures of couplers show: force beyond the stop, stiffness of wagons, run-out of slack; by a second method, too."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where

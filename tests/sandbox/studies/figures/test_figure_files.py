@@ -1,7 +1,5 @@
 """The files of figures: whole, readable at the size at which they are printed, and written by the command."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What the captions of the other figures say is seen in their tables: limits, scans, variants, trains."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where

@@ -1,7 +1,5 @@
 """What the captions of the figures of the paper say is seen in their tables: Figs. 1 and 2, App. B."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where

@@ -1,7 +1,5 @@
 """The case that most tests of the work-precision chart use."""
 
-from __future__ import annotations
-
 import pytest
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 

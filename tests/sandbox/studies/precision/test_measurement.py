@@ -1,7 +1,5 @@
 """Measurement of our solvers: errors over start phases and samples, time limits, failures."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

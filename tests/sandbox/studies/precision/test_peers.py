@@ -1,7 +1,5 @@
 """The peers of the chart: other integrators, where they are installed."""
 
-from __future__ import annotations
-
 import os
 from importlib.util import find_spec
 

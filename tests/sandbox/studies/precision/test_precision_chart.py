@@ -1,7 +1,5 @@
 """The picture of the chart, and the command that makes it."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re
