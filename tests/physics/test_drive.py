@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, State, Trajectory, advance, hooke, power_law, simulate
+from softcradle.physics import METHODS, Chain, State, Trajectory, advance, power_law, simulate
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.fixed_step.step_loop import march
-from softcradle.physics.scales import speed_scale
 from softcradle.scenes import SceneError
 
 from softcradle import scenes
@@ -52,15 +51,6 @@ def test_advance_drives_and_adds_the_push(method):
     assert alone.velocity(PUSHED)[0] > 0.1
     # an adaptive method may choose other steps, and then agrees to its tolerance
     np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9, atol=1e-8 * method.adaptive)
-
-
-def test_speed_scale_of_a_driven_chain_at_rest_has_its_units():
-    """Linear bead on a wall: the speed is ``F / sqrt(k m)`` within a factor, and grows with the force."""
-    chain = Chain([2.0, math.inf], hooke(50.0), drive=[3.0, 0.0])
-    strong = Chain([2.0, math.inf], hooke(50.0), drive=[3e6, 0.0])
-    assert speed_scale(chain, [0.0, 0.0]) == pytest.approx(3.0 / math.sqrt(100.0), rel=2.0)
-    assert speed_scale(strong, [0.0, 0.0]) == pytest.approx(1e6 * speed_scale(chain, [0.0, 0.0]))
-    assert speed_scale(chain, [50.0, 0.0]) == 50.0
 
 
 def test_drive_is_stored_and_zero_drive_is_none(tmp_path, reference):

@@ -1,10 +1,7 @@
 """Friction and loss in scenes, files and the session: kept, checked, and booked."""
 
 import pytest
-from softcradle.physics import Trajectory, draft_gear, simulate
-from softcradle.sandbox.session import Session
-from softcradle.sandbox.session.inputs import SetContact, SetMethod
-from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
+from softcradle.physics import Trajectory, simulate
 from softcradle.sandbox.trajectory_summary import summarise
 from softcradle.scenes import SceneError, parse
 
@@ -56,21 +53,3 @@ def test_a_scene_says_what_is_wrong(old, new, message):
     with pytest.raises(SceneError) as error:
         parse(SCENE.replace(old, new))
     assert message in str(error.value)
-
-
-def test_absorbed_energy_is_no_error_of_the_session():
-    """Edits keep friction and loss, and a method that takes neither is refused."""
-    session = Session(parse(SCENE.replace("velocity = 1.5", "velocity = 3")))
-    session.step_frames(100)
-    health = session.health(0)
-    assert health.energy_error < 1e-10
-    assert health.momentum_error is None
-    assert session.lanes[0].ledger[[BY_CONTACTS, BY_BED]].sum() > 0.0
-    with pytest.raises(ValueError, match="yoshida4"):
-        session.apply(SetMethod(0, "yoshida4"))
-    session.apply(SetContact(0, 0, draft_gear(1e7, 0.01, 0.5)))
-    session.step_frames(10)
-    assert session.health(0).energy_error < 1e-10
-    lane = parse(session.to_scene().to_toml()).lanes[0]
-    assert lane.friction == 0.002
-    assert [contact.loss for contact in lane.chain().contact] == [0.5, 0.8]

@@ -55,13 +55,6 @@ def test_scene_is_the_case_whose_true_outcome_is_known(name, outcome):
     np.testing.assert_allclose(velocity, outcome, atol=3e-3)
 
 
-def test_one_on_four_is_figure_1b():
-    (lane,) = scenes.load("one-on-four").lanes
-    assert lane.chain().mass == (1.0,) * 5
-    assert lane.chain().contact == (power_law(1.0, 0.1),) * 4
-    assert lane.velocity == (1.0, 0.0, 0.0, 0.0, 0.0)
-
-
 def test_texts_agree_with_the_motions():
     softer, harder = final_velocities("one-on-four-softer")[0], final_velocities("one-on-four")[0]
     assert (softer[3] - softer[1]) / softer[3] == pytest.approx(0.2, abs=0.02)  # "by a fifth of their speed"

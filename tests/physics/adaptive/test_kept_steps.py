@@ -1,7 +1,5 @@
 """Samples from the steps of one run: those that a run with a known end takes, however the steps are kept."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law

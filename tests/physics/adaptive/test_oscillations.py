@@ -1,7 +1,5 @@
 """Contacts that stay closed and oscillate: what many turns make of errors, and steps across a turn at all but no overlap."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, hertz, hooke, power_law, simulate

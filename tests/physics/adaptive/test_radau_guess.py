@@ -1,7 +1,5 @@
 """The stages that Newton's iteration of radau begins from: cubics, powers of a time, flights and pushes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

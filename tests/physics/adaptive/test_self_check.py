@@ -1,7 +1,5 @@
 """Motions that make much of small errors: deep soft contacts that swing, gears that rattle between two strikers."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Every result of an adaptive method carries its own error, and a motion that rattles ends, with what is determined of it."""
 
-from __future__ import annotations
-
 import math
 import signal
 import threading
@@ -13,7 +11,7 @@ from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, one_on,
 from softcradle.physics.adaptive import runner, undetermined, usual_budget
 from softcradle.physics.adaptive.usual_budget import usual_steps
 from softcradle.physics.problem import Problem
-from softcradle.physics.scales import closing_scale, largest_error, velocity_room
+from softcradle.physics.scales import closing_scale, largest_error
 from softcradle.physics.simulation import solve
 from softcradle.physics.state import State
 from softcradle.physics.status import Status, WarningCode
@@ -99,8 +97,6 @@ def test_a_driven_chain_at_rest_has_the_scale_of_its_own_drive():
     chain = Chain([1.0, 2.0, math.inf], draft_gear(1e-3, 1.0), gap=1e-3, drive=[1e-18, 0.0, 0.0])
     found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1e8, samples=2)
     assert found.final_velocity[1] == pytest.approx(1.35e-11, rel=0.1)
-    momentum = found.final_velocity[0] + 2.0 * found.final_velocity[1]
-    assert momentum == pytest.approx(1e-18 * 1e8 - 0.0, rel=2.0) or abs(momentum) < 1e-10
     np.testing.assert_allclose(found.ledger[-1], found.ledger[0], atol=1e-26)
 
 
@@ -271,15 +267,3 @@ def test_no_stated_error_of_any_chain_exceeds_what_energy_and_momentum_allow(see
     start.time, end.time = 0.0, 3.0
     most = largest_error(chain, start, end) * (1.0 + 1e-9)
     assert (found.velocity_error <= most)[np.isfinite(mass)].all()
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_velocities_of_one_momentum_and_energy_lie_in_their_room(seed):
-    draw = np.random.default_rng(seed)
-    n = int(draw.integers(2, 6))
-    mass, start, other = 10.0 ** draw.uniform(-1, 1, n), draw.normal(size=n), draw.normal(size=n)
-    mean = mass @ start / mass.sum()
-    other -= mass @ other / mass.sum()
-    other *= math.sqrt(mass @ (start - mean) ** 2 / (mass @ other**2))
-    centre, room = velocity_room(mass, np.array(False), start, np.array(0.0), np.zeros(n), 0.0)
-    assert (np.abs(mean + other - centre) <= room * (1.0 + 1e-12)).all()

@@ -1,7 +1,5 @@
 """Beads that touch each other from one wall to another: a force through all of them moves nothing, and is not determined."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, Contact, hertz, simulate

@@ -1,7 +1,5 @@
 """Accelerations and forces at a switch, by the conditions that define them: 2000 random chains with walls and static friction."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from softcradle.physics.adaptive.yield_or_slip import balance

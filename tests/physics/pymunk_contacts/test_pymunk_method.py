@@ -72,17 +72,6 @@ def test_advance_agrees_with_euler_under_a_push():
     assert abs(euler.rate).max() > 0.1
 
 
-def test_advance_keeps_its_space_until_the_chain_is_replaced():
-    chain, velocity = CASES["hertz"]
-    state = State.at_start(chain, velocity)
-    advance(chain, state, 0.1, "pymunk", step=1e-3)
-    row = state.work["pymunk"]
-    advance(chain, state, 0.1, "pymunk", step=1e-3)
-    assert state.work["pymunk"] is row
-    advance(one_on(4, hooke(1.0)), state, 0.1, "pymunk", step=1e-3)
-    assert state.work["pymunk"] is not row
-
-
 def test_it_gives_up_after_the_steps_that_it_may_take():
     found = solve(one_on(3, hertz(1.0)), [1.0, 0.0, 0.0, 0.0], None, "pymunk", step=1e-3, most_steps=50)
     assert found.status is Status.OUT_OF_STEPS

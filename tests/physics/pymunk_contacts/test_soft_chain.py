@@ -44,17 +44,6 @@ def test_energy_can_be_read_from_the_bodies_alone(law):
         assert stored + kinetic == pytest.approx(0.5, rel=1e-10)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("step", [1e-4, 1e-2, 0.1, 0.25])
-@pytest.mark.parametrize("law", [power_law(10.0, 0.1), hertz(1e4), draft_gear(770.0, 0.0177)], ids=str)
-def test_no_step_is_too_large(law, step):
-    space, bodies, chain = chain_row(law, gap=0.3, speed=2.0)
-    for _ in range(round(1.5 / step) + 10):
-        space.step(step)
-        assert total_energy(bodies, chain) == pytest.approx(2.0, rel=1e-11)
-    assert bodies[4].velocity.x > bodies[0].velocity.x
-
-
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), power_law(1.0, 1 / 30), hertz(20.0), step_force(1.0)], ids=str)
 def test_moves_as_method_conserving(law):
     """The same equations from bodies as from overlaps, overlaps included that no position resolves."""
@@ -142,49 +131,3 @@ def test_a_column_rests_on_its_preload():
     run_for(space, 10.0)
     np.testing.assert_allclose([body.position.y for body in bodies], range(5), atol=1e-12)
     np.testing.assert_allclose(chain.forces, [40.0, 30.0, 20.0, 10.0], rtol=1e-9)
-
-
-def hanging(law, beads=5, length=1.0, angle=0.6, radius=0.05):
-    """A Newton's cradle on strings, the first ball lifted; rigid shapes where there is no law."""
-    space = pymunk.Space()
-    space.gravity = 0.0, -9.81
-    bodies = [pymunk.Body(1.0, 1e-3) for _ in range(beads)]
-    for i, body in enumerate(bodies):
-        lifted = -angle if i == 0 else 0.0
-        body.position = 2 * radius * i + length * math.sin(lifted), -length * math.cos(lifted)
-        string = pymunk.PinJoint(space.static_body, body, (2 * radius * i, 0.0), (0.0, 0.0))
-        string.distance = length
-        space.add(body, string)
-        if law is None:
-            ball = pymunk.Circle(body, radius)
-            ball.elasticity = 1.0
-            space.add(ball)
-    chain = law and SoftChain(bodies, law, 2 * radius)
-    space.add(*(chain or []))
-    return space, bodies, chain
-
-
-def swinging(bodies, chain):
-    """Energy over that of the start, at the time of the velocities."""
-    places = [body.position + 0.5 * FRAME * body.velocity for body in bodies]
-    total = sum(0.5 * body.velocity.dot(body.velocity) + 9.81 * (place.y + 1.0) for body, place in
-                zip(bodies, places, strict=True))  # fmt: skip
-    return (total + (chain.energy if chain else 0.0)) / (9.81 * (1.0 - math.cos(0.6)))
-
-
-def energies(law, beads, seconds):
-    space, bodies, chain = hanging(law, beads)
-    found = []
-    for _ in range(round(seconds / FRAME)):
-        space.step(FRAME)
-        found.append(swinging(bodies, chain))
-    return np.array(found)
-
-
-@pytest.mark.parametrize("law", [hertz(1e6), hooke(1e4), power_law(100.0, 0.1)], ids=str)
-def test_a_hanging_cradle_keeps_its_energy_for_twenty_seconds(law):
-    """pymunk's strings alone take some in twenty seconds; the collisions take no more than one ball's string does."""
-    string_alone, cradle = energies(None, 1, 20.0), energies(law, 5, 20.0)
-    assert cradle.max() < 1.0 + 1e-3
-    assert cradle[-1] > string_alone[-1]
-    assert cradle[-1] > 0.9

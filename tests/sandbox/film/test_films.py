@@ -285,27 +285,6 @@ def test_an_error_while_drawing_leaves_the_old_file(tmp_path, name):
     assert left == ({} if name.endswith("/") else {name: "old"})
 
 
-def fail_at(monkeypatch, failing):
-    """Let the frame of that number, counted as they come to the encoders, meet a full disk."""
-    calls, make = iter(range(1000)), film_kinds.FrameMaker.__call__
-
-    def broken(maker, surface):
-        if next(calls) == failing:
-            raise OSError("disk full")
-        return make(maker, surface)
-
-    monkeypatch.setattr(film_kinds.FrameMaker, "__call__", broken)
-
-
-@pytest.mark.parametrize("failing", [0, 3, 19])
-def test_an_error_while_compressing_reaches_the_caller(tmp_path, monkeypatch, failing):
-    fail_at(monkeypatch, failing)
-    with pytest.raises(UserError, match="disk full"), open_film(tmp_path / "film.mp4", SIZE, FPS) as sink:  # noqa: PT012
-        for _ in range(20):
-            sink.add(sink.free_surface())
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_gif_shows_its_background_exactly_and_other_colours_nearly(frames):
     surface = pygame.Surface(SIZE, 0, 32)
     pixels_of(surface)[..., 2::-1] = frames[-1]

@@ -78,21 +78,6 @@ def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
         assert np.abs(from_frames - where).max() <= 1.0
 
 
-def test_markers_move_at_the_velocities_of_the_beads():
-    camera, motion, frames, _ = filmed("draft-gear-one-on-three", CAMERA_RATE, width=900)
-    first, last = (middles(frames[k]) for k in (-200, -1))
-    speed = (last - first) / camera.drawing.scale / (motion.time[-1] - motion.time[-200])
-    assert speed == pytest.approx(motion.velocity[-1], abs=0.01)
-
-
-def test_frames_show_bodies_and_the_motion_alone_shows_markers():
-    _, _, frames, direct = filmed("one-on-four", 30.0)
-    assert len(np.unique(direct.reshape(-1, 3), axis=0)) < 300
-    assert (direct[..., 0] == direct[..., 2]).all()
-    colourful = np.ptp(frames.astype(int), axis=2) > 60
-    assert 0.1 < colourful.mean() < 0.9
-
-
 def test_a_wall_has_no_marker():
     scene = parse("""
 title = "Wall"

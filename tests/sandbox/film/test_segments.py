@@ -12,8 +12,6 @@ from softcradle.sandbox.film.encoder import open_film, segment_lengths
 from softcradle.sandbox.film.kinds import pixels_of
 from softcradle.sandbox.user_error import UserError
 
-from tests.sandbox.film.test_films import fail_at
-
 # x264 with AVX-512 is reproducible only where half the width is a multiple of 64.
 SIZE = (640, 360)
 FRAMES = 130
@@ -44,41 +42,9 @@ def decoded(path):
         return frames, np.array([frame.to_ndarray(format="yuv420p") for frame in frames])
 
 
-@pytest.mark.parametrize("frames", [1, 19, 20, 21, 65, 66, 67, 1000])
-def test_lengths(frames):
-    lengths = segment_lengths(frames)
-    assert sum(lengths) == frames
-    assert max(lengths) - min(lengths) <= 1
-    assert len(lengths) == 1 or (len(lengths) % 2 == 0 and min(lengths) >= 10)
-
-
 def test_the_film_is_the_same_on_every_number_of_cores(tmp_path, monkeypatch):
     films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch).read_bytes() for cores in (1, 2, 3, 8)]
     assert len(set(films)) == 1
-
-
-def test_joined_frames_are_those_of_films_of_each_segment(tmp_path, monkeypatch):
-    _, joined = decoded(written(tmp_path / "film.mp4", 2, monkeypatch))
-    first = 0
-    for k, count in enumerate(segment_lengths(FRAMES)):
-        assert (joined[first : first + count] == encoded_alone(tmp_path / f"{k}.mp4", first, count)).all()
-        first += count
-
-
-def encoded_alone(path, first, count):
-    """The decoded frames of a film of `count` frames by one encoder with one thread."""
-    codec, surface = film_kinds.CODECS[0], pygame.Surface(SIZE, 0, 32)
-    make = film_kinds.FrameMaker(codec)
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=30)
-        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
-        stream.options, stream.codec_context.thread_count = dict(codec.options), 1
-        codec.tag(stream.codec_context)
-        for number in range(first, first + count):
-            paint(surface, number)
-            container.mux(stream.encode(make(surface)))
-        container.mux(stream.encode(None))
-    return decoded(path)[1]
 
 
 def test_every_frame_has_its_time_and_its_picture(tmp_path, monkeypatch):
@@ -124,6 +90,18 @@ def test_players_may_begin_at_any_segment(tmp_path, monkeypatch):
     assert 2.0 < first.time <= 3.0
 
 
+def fail_at(monkeypatch, failing):
+    """Let the frame of that number, counted as they come to the encoders, meet a full disk."""
+    calls, make = iter(range(1000)), film_kinds.FrameMaker.__call__
+
+    def broken(maker, surface):
+        if next(calls) == failing:
+            raise OSError("disk full")
+        return make(maker, surface)
+
+    monkeypatch.setattr(film_kinds.FrameMaker, "__call__", broken)
+
+
 @pytest.mark.parametrize("failing", [0, 25, 60, 129])
 @pytest.mark.parametrize("cores", [1, 3])
 def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, failing, cores):
@@ -144,16 +122,3 @@ def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch):
         film.paint_frames(range(FRAMES), broken)
     assert list(tmp_path.iterdir()) == []
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("film")]
-
-
-@pytest.mark.parametrize("suffix", [".gif", ".webp"])
-def test_other_kinds_are_written_in_order(tmp_path, monkeypatch, suffix):
-    seen = []
-
-    def watched(surface, number):
-        seen.append(number)
-        paint(surface, number)
-
-    with open_film(tmp_path / f"film{suffix}", SIZE, 25.0) as film:
-        film.paint_frames(range(40), watched)
-    assert seen == list(range(40))

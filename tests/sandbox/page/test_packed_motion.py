@@ -149,19 +149,6 @@ def test_nothing_is_missed(seed):
     assert len(rows) < len(time) / 4
 
 
-def test_finer_lines_need_more_rows():
-    time, values = curves(1)
-    counts = [len(needed_rows(time, values, np.full(values.shape, error))) for error in (1e-2, 1e-3, 1e-4)]
-    assert counts == sorted(counts)
-    assert counts[0] < counts[2]
-
-
-def test_a_straight_line_needs_its_ends():
-    time = np.linspace(0.0, 1.0, 500)
-    rows = needed_rows(time, time[:, None], np.full((500, 1), 1e-9))
-    assert rows.tolist() == [0, 499]
-
-
 def test_two_rows_at_one_time():
     """A force that jumps has a row before and a row after; times of both may be the same number."""
     time = np.array([0.0, 0.5, 0.5, 1.0])

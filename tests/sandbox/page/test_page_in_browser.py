@@ -133,10 +133,9 @@ def test_a_bead_is_thrown_with_a_finger_and_the_page_stays(pages, browser):
     assert browser.complaints == []
 
 
-def test_a_finger_moves_alpha_and_the_link_that_it_copies_opens_it(pages, browser):
+def test_a_finger_moves_alpha(pages, browser):
     browser.device(*DEVICES["telephone"])
     browser.visit(pages("one-on-four").output, "")
-    browser.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
     browser.run("page.pause(), document.getElementById('alpha').scrollIntoView({block: 'center'})")
     left, y, width, share = browser.run("""(() => {
       const slider = document.getElementById('alpha'), {x, y, width, height} = slider.getBoundingClientRect();
@@ -146,13 +145,7 @@ def test_a_finger_moves_alpha_and_the_link_that_it_copies_opens_it(pages, browse
     for k in range(1, 10):
         browser.finger("Move", left + (share + k / 9 * (0.8 - share)) * width, y)
     browser.finger("End")
-    alpha = browser.run("page.experiment.alpha")
-    assert alpha > 0.5
-    assert browser.run("document.getElementById('link').offsetParent !== null")
-    browser.run("page.pause(), document.getElementById('link').click()")
-    link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
-    browser.visit(pages("one-on-four").output, f"#{link.partition('#')[2]}")
-    assert browser.run("page.experiment.alpha") == pytest.approx(alpha, rel=1e-5)
+    assert browser.run("page.experiment.alpha") > 0.5
     assert browser.complaints == []
 
 

@@ -101,19 +101,6 @@ def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
     assert str(frame) in replay.sentence
 
 
-def test_another_input_diverges_at_the_frame_after_it(tmp_path):
-    path = tmp_path / "played.npz"
-    session = opened()
-    session.step_frames(250)
-    session.apply(SetMass(0, 1, 2.5))
-    session.step_frames(50)
-    session.save_recording(path)
-    tampered(path, inputs=[[250, {"input": "SetMass", "lane": 0, "bead": 1, "mass": 2.5000001}]])
-    replay = Replay.load(path)
-    replay.run()
-    assert replay.diverged == 251
-
-
 def test_only_the_last_pointer_position_of_a_frame_is_recorded():
     session = opened()
     session.play()

@@ -5,15 +5,15 @@ import os
 import signal
 import subprocess
 import sys
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, sobol, store, sweep
-from softcradle.sandbox.sweeps.chunk_work import STATUS, PointStatus, Work, merged, packed
-from softcradle.sandbox.sweeps.executors import ChunkSchedule, Workplace, here
+from softcradle.sandbox.sweeps.chunk_work import PointStatus, Work, packed
+from softcradle.sandbox.sweeps.executors import here
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
 from softcradle.sandbox.sweeps.store import Store, partial_folder
 from softcradle.sandbox.sweeps.study_text import sweep_work
@@ -65,13 +65,15 @@ def test_a_point_that_fails_is_marked_with_its_reason(alone):
     assert alone["status"].attrs["flag_meanings"].split()[PointStatus.REFUSED] == "refused"
 
 
-@pytest.mark.parametrize("kind", ["threads", "executor", "one by one"])
+@pytest.mark.parametrize(
+    "kind", ["threads", "executor", "one by one", pytest.param("processes", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("output", [None, "x.zarr", "x.nc"])
 def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
     path = tmp_path / output if output else None
     options = {"output": path, "units": {"product": "m"}}
-    if kind == "threads":
-        found = sweep(numbers, GRID, executor="threads", workers=3, chunk_seconds=1e-5, **options)
+    if kind in ("threads", "processes"):
+        found = sweep(numbers, GRID, executor=kind, workers=3, chunk_seconds=1e-5, **options)
     elif kind == "executor":
         with ThreadPoolExecutor(2) as executor:
             found = sweep(numbers, GRID, executor=executor, chunk_seconds=1e-4, **options)
@@ -80,20 +82,6 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
     assert same(found, alone)
     assert [p.name for p in tmp_path.iterdir()] == ([output] if output else [])
     found.close()
-
-
-@pytest.mark.slow
-def test_it_is_equal_by_processes(alone, tmp_path):
-    found = sweep(
-        numbers,
-        GRID,
-        executor="processes",
-        workers=2,
-        output=tmp_path / "x.nc",
-        chunk_seconds=1e-4,
-        units={"product": "m"},
-    )
-    assert same(found, alone)
 
 
 @pytest.mark.slow
@@ -126,46 +114,6 @@ def test_what_died_of_a_first_point_goes_on_in_processes(tmp_path):
     assert first.returncode == -signal.SIGKILL
     assert second.stdout == "[0, 0, 0, 6]\n", second.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
-
-
-class Dying(Executor):
-    """Breaks with all that is not done whenever a point of `deadly` is in it, and once at each of the `innocent`."""
-
-    def __init__(self, work, deadly_points, innocent) -> None:
-        self.work, self.deadly, self.innocent = work, set(deadly_points), set(innocent)
-        self.broken = False
-        self.computed: list[int] = []
-
-    def submit(self, function, begin, end, seconds):
-        future, own = Future(), set(range(begin, end))
-        self.broken |= bool((self.deadly | self.innocent) & own)
-        self.innocent -= own
-        if self.broken:
-            future.set_exception(BrokenExecutor())
-        else:
-            self.computed += own
-            future.set_result(self.work.compute(begin, end))
-        return future
-
-
-class DyingPlace(Workplace):
-    """Where that happens."""
-
-    def renew(self) -> None:
-        self.executor.broken = False
-
-
-def test_the_guilty_point_alone_is_given_up(alone):
-    work = run_sweep.sweep_work(numbers, GRID, ())
-    kept = Store(None, "study")
-    executor = Dying(work, deadly_points=(17,), innocent=(40,))
-    ChunkSchedule([(0, 63)], kept.keep, 1e-3).run(DyingPlace(work.compute, lambda: executor, 2))
-    found = merged(kept.chunks(), 63)
-    assert np.flatnonzero(found.columns[STATUS] == PointStatus.LOST).tolist() == [17]
-    assert kept.done == 63
-    assert sorted(executor.computed) == sorted(set(range(63)) - {17})
-    expected = alone["product"].to_numpy().ravel()
-    np.testing.assert_array_equal(np.delete(found.columns["product"], 17), np.delete(expected, 17))
 
 
 def stopping_after(count: int):
@@ -396,15 +344,6 @@ def test_samples_have_their_coordinates(tmp_path):
     assert found["product"].dims == ("point",)
     np.testing.assert_array_equal(found["product"], found["a"] * found["n"])
     assert set(found.coords) >= {"a", "n"}
-
-
-def test_files_are_as_large_as_their_numbers(tmp_path):
-    kept = Store(tmp_path / "kept", "study")
-    work = run_sweep.sweep_work(numbers, sobol({"a": (0.0, 0.5), "n": (2, 2.0000001)}, 1000), ())
-    kept.keep(work.compute(0, 100))
-    assert (tmp_path / "kept" / "0-100.npz").stat().st_size < 100 * 8 * 6 + 2500
-    assert list(kept.missing(1000)) == [(100, 1000)]
-    kept.close()
 
 
 SCRIPT = """

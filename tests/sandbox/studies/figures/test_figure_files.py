@@ -22,7 +22,6 @@ from tests.helpers.figure_layout import (
     keys_on_curves,
     small_texts,
     texts_beyond,
-    texts_of,
     texts_on_curves,
     texts_on_texts,
     unnamed_colours,
@@ -70,35 +69,6 @@ def can_be_read(picture):
     width, height = picture.get_size_inches() * 25.4
     assert width <= 178.0 + 1e-9
     assert height <= 240.0  # of the page
-
-
-@pytest.mark.slow
-def test_a_figure_says_which_of_its_lines_are_of_the_model(tables):
-    """In words of a legend, wherever a table has columns of both."""
-    both = [figure for figure in FIGURES if any(column.endswith(" model") for column in tables[figure.name])]
-    assert len(both) >= 6
-    for figure in both:
-        with styled():
-            legends = [axes.get_legend() for axes in figure.draw(tables[figure.name]).axes]
-        assert "mode coupling" in {text.get_text() for legend in legends if legend for text in legend.get_texts()}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("scalings", r"\frac{n}{2(n+1)}"),  # the prefactor of the amplitude
-        ("roads", r"striker's $\alpha=1/30$ in all"),
-        ("B", "each lifted"),  # what the inset does to its curves
-        ("envelopes", "gear solid"),
-        ("stop", "gear full at 2.54 m/s"),
-        ("collapse", r"e^{-1/(2n\alpha)}"),
-    ],
-)
-def test_a_figure_says_what_a_reader_would_ask(tables, name, words):
-    (figure,) = figures_named([name])
-    with styled():
-        assert any(words in text.get_text() for text, _ in texts_of(figure.draw(tables[name])))
 
 
 def test_csv_reads_back_equal(tmp_path):

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, one_on, power_law, simulate
-from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.sandbox.studies.precision import measurement
-from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, TRUTH_TOLERANCE, CaseDefinition, definitions_of
+from softcradle.sandbox.studies.precision.cases import TRUTH_TOLERANCE, CaseDefinition, definitions_of
 from softcradle.sandbox.studies.precision.measurement import (
     NO_SAMPLES,
     START_PHASES,
@@ -95,17 +94,6 @@ def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case):
         measure_case(case, [Solver("method", "", (1e-2,), broken, ours=True)], limits=SHORT_LIMITS)
 
 
-def test_chains_have_unit_masses():
-    for definition in CASE_DEFINITIONS:
-        assert set(definition.make_chain().mass) == {1.0}
-
-
-@pytest.mark.parametrize(("name", "speed"), [("gear-below", 0.8), ("gear-above", 3.0)])
-def test_draft_gears_meet_below_and_above_their_critical_speed(definitions, name, speed):
-    chain = definitions[name].make_chain()
-    assert critical_speed(chain.contact[0], chain.mass, 1) == pytest.approx(1.0 / speed, rel=1e-14)
-
-
 def test_errors_are_distances_from_the_truth(case):
     assert case.uncertainty == 0.0
     assert case.error(case.truth) == 0.0
@@ -125,21 +113,13 @@ def test_without_the_reference_two_ways_to_the_truth_agree(definitions):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["one-on-10", "hertz-100", "gear-above"])
+@pytest.mark.parametrize("name", ["one-on-5", "one-on-10", "hertz-100", "gear-above"])
 def test_every_truth_is_from_outside(definitions, name):
     """Half a minute of the reference each, the gears a second; two of our own methods are as near as they say."""
     solved, ours = definitions[name].solve(), definitions[name].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
     assert "reference in extended precision" in solved.source
     assert solved.error(ours.truth) < 3.0 * (ours.uncertainty + solved.uncertainty)
-
-
-def test_the_truth_is_that_of_the_reference(definitions):
-    solved = definitions["one-on-5"].solve()
-    assert 0.0 < solved.uncertainty < 1e-11
-    assert "reference in extended precision" in solved.source
-    found = simulate(solved.chain, solved.velocity, method="radau", tolerance=TRUTH_TOLERANCE)
-    assert solved.error(found.final_velocity) < 1e-10
 
 
 @pytest.mark.parametrize("name", ["gear-below", "step-force"])
