@@ -1,5 +1,6 @@
 """A sweep on a real Dask scheduler with real workers: killed, resumed, a worker and the scheduler killed."""
 
+import json
 import os
 import signal
 import socket
@@ -14,7 +15,7 @@ from softcradle.sandbox.sweeps import executors, sobol, sweep
 from softcradle.sandbox.user_error import StudyError
 
 from tests.helpers.paths import ROOT
-from tests.helpers.swept import LOG, logged
+from tests.helpers.swept import HELD, LOG, logged
 
 pytest.importorskip("distributed")
 # Dask keeps threads and connections, which are cut on purpose; both end with the process.
@@ -40,12 +41,8 @@ class Cluster:
     """A scheduler on this machine and its workers, each a process."""
 
     def __init__(self, log: Path) -> None:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{self.port}"
         self._environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT), LOG: str(log)}
-        self._told = (log.parent / "told").open("wb")
+        self._told, self._place = (log.parent / "told").open("wb"), log.parent / "scheduler.json"
         self.processes: list[subprocess.Popen[bytes]] = []
         self.start_scheduler()
 
@@ -57,8 +54,10 @@ class Cluster:
         return started
 
     def start_scheduler(self) -> None:
-        place = ("--host", "127.0.0.1", "--port", str(self.port), "--no-dashboard")
-        self.scheduler = self.start("-m", "distributed.cli.dask_scheduler", *place)
+        """On a port that is free, which it writes into a file."""
+        self._place.unlink(missing_ok=True)
+        place = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(self._place))
+        self.start("-m", "distributed.cli.dask_scheduler", *place)
         until(self.answers)
         for _ in range(2):
             self.worker = self.start(
@@ -67,8 +66,11 @@ class Cluster:
             )  # fmt: skip
 
     def answers(self) -> bool:
-        with socket.socket() as asking:
-            return asking.connect_ex(("127.0.0.1", self.port)) == 0
+        try:
+            self.address = json.loads(self._place.read_text())["address"]
+        except (OSError, ValueError):  # not there, or not all of it
+            return False
+        return True
 
     def close(self) -> None:
         for process in self.processes:
@@ -82,7 +84,7 @@ def kill(process: subprocess.Popen[bytes]) -> None:
     process.wait()
 
 
-def until(condition: Callable[[], bool], seconds: float = 120.0) -> None:
+def until(condition: Callable[[], object], seconds: float = 120.0) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end
@@ -106,11 +108,13 @@ def lines(path: Path) -> list[str]:
 def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
     """The process that asks is killed; then a worker; then the scheduler with all of them; each time the same sweep goes on."""
     output, log, kept = tmp_path / "swept.zarr", tmp_path / "log", tmp_path / "swept.zarr.partial"
+    held = tmp_path / "held"  # so that it is not through before it is killed, however busy the machine is
+    held.touch()
     coordinator = cluster.start("-c", COORDINATOR, str(output), cluster.address)
-    until(lambda: len(lines(log)) > COUNT // 5 or coordinator.poll() is not None)
+    until(lambda: (len(lines(log)) >= HELD and list(kept.glob("[0-9]*.npz"))) or coordinator.poll() is not None)
     assert coordinator.poll() is None
     kill(coordinator)
-    assert kept.exists()
+    held.unlink()
     assert not output.exists()
     reached: list[int] = []
 
@@ -122,16 +126,16 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
             for process in cluster.processes:
                 kill(process)
 
-    options = {"output": output, "scheduler": cluster.address, "chunk_seconds": 0.05}
+    options = {"output": output, "chunk_seconds": 0.05}
     with pytest.raises(
         StudyError, match=rf"^lost the scheduler at {cluster.address}; \d+ points are kept in .*partial; the"
     ):
-        sweep(logged, POINTS, progress=strike, **options)
+        sweep(logged, POINTS, progress=strike, scheduler=cluster.address, **options)
     assert 0 < reached[0] < 0.6 * COUNT < reached[-1] < COUNT
     assert f"{reached[0]} of {COUNT} points are in {kept} and not computed again" in caplog.text
     cluster.start_scheduler()
     before = lines(log)
-    found = sweep(logged, POINTS, **options).load()
+    found = sweep(logged, POINTS, scheduler=cluster.address, **options).load()
     assert not kept.exists()
     assert len(set(lines(log)[len(before) :])) == COUNT - reached[-1]
     alone = sweep(logged, POINTS, executor="here")
