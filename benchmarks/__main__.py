@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from softcradle.sandbox.studies.machine_stamp import processor
+from softcradle.sandbox.studies.precision.measurement import processor
 
 from benchmarks.reports import Report, at_least, at_most
 

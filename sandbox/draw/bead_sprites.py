@@ -8,7 +8,7 @@ import pygame
 from softcradle.sandbox.draw.bodies import CYLINDER_HEIGHT, CYLINDER_LENGTH
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, make_sprites
-from softcradle.sandbox.draw.surface_cache import cached_surfaces
+from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import write
 
 BEAD_OPACITY = 212  # of 255: where two beads overlap, both outlines show and the lens between them is darker

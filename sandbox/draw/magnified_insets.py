@@ -11,7 +11,7 @@ from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import factor, round_down, scientific, subscript
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
-from softcradle.sandbox.draw.surface_cache import cached_surfaces
+from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import pygame
 from softcradle.sandbox.draw.palette import Colour, mix, tones
-from softcradle.sandbox.draw.surface_cache import cached_surfaces
+from softcradle.sandbox.draw.surfaces import cached_surfaces
 
 SUBPIXELS = 4  # factor of supersampling, and the number of positions within a pixel
 Point = tuple[float, float]

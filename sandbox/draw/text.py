@@ -7,8 +7,8 @@ from functools import lru_cache
 
 import pygame
 from softcradle.sandbox.draw.palette import Colour, tones
-from softcradle.sandbox.draw.surface_cache import cached_surfaces
-from softcradle.sandbox.resources import resource
+from softcradle.sandbox.draw.surfaces import cached_surfaces
+from softcradle.sandbox.files import resource
 
 _FONTS = {False: "Inter-Regular.otf", True: "Inter-SemiBold.otf"}
 

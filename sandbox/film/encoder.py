@@ -20,9 +20,9 @@ from typing import Any, Protocol
 import av
 import pygame
 from softcradle.physics.ensemble_runs import cores
-from softcradle.sandbox.draw.png_file import write_png
-from softcradle.sandbox.film.kinds import Codec, FrameMaker, Palette, check
-from softcradle.sandbox.output_files import output_file, output_folder
+from softcradle.sandbox.draw.surfaces import write_png
+from softcradle.sandbox.files import output_file, output_folder
+from softcradle.sandbox.film.formats import Codec, FrameMaker, Palette, check
 
 Packet = Any  # of PyAV, whose versions differ in the arguments of this type
 Paint = Callable[[pygame.Surface, Any], None]  # draws one of the pictures

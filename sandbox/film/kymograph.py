@@ -19,7 +19,7 @@ from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.film.encoder import open_film
-from softcradle.sandbox.film.kinds import check, pixels_of
+from softcradle.sandbox.film.formats import check, pixels_of
 from softcradle.sandbox.film.scene_film import RenderReport
 from softcradle.sandbox.film.scene_motion import AFTER, LEAD, motion_end, scene_motions
 from softcradle.sandbox.motion import Motion

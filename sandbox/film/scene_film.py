@@ -13,7 +13,7 @@ import pygame
 from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film.encoder import open_film
-from softcradle.sandbox.film.kinds import check
+from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions, strongest_row
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.user_error import UserError

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any
 
@@ -60,12 +59,6 @@ def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
         "own": {"pace": 1, "shown": SHOWN},
     }
     return data | (_experiment(scene) if computed else {})
-
-
-def json_text(content: Any) -> str:
-    """JSON inside a script element, in which no text may look like markup."""
-    text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
-    return text.replace("<", "\\u003c")
 
 
 def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:

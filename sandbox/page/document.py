@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import base64
 import gzip
+import json
 import re
 from collections.abc import Sequence
 from html import escape
+from typing import Any
 
 from softcradle.physics.version import version
-from softcradle.sandbox.page.data import json_text
-from softcradle.sandbox.resources import resource
+from softcradle.sandbox.files import resource
 
 SCRIPTS = (
     "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
@@ -88,3 +89,9 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
 def footer() -> str:
     """The last line of the page, with the version."""
     return f"<footer>{escape(f'made with softcradle {version()}')}</footer>"
+
+
+def json_text(content: Any) -> str:
+    """JSON inside a script element, in which no text may look like markup."""
+    text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return text.replace("<", "\\u003c")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Sequence
@@ -10,16 +11,27 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from softcradle.physics import Trajectory
-from softcradle.sandbox.output_files import output_file
+from softcradle.physics.default_step import default_step
+from softcradle.sandbox.files import output_file
+from softcradle.sandbox.film.scene_motion import quiet_end
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.page.controls import heading, keys, numbers, player
 from softcradle.sandbox.page.data import can_be_computed, page_data
 from softcradle.sandbox.page.document import document, footer, paragraph, question
-from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion
-from softcradle.sandbox.page.recorded_scene import recorded, recorded_coarsely
-from softcradle.sandbox.page.tables import result_notes, result_tables
+from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion, result_notes, result_tables
+from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
+
+COARSE = 16.0  # default steps to one of a page
+COARSE_SAMPLES = 401
+EVEN_SAMPLES = 2001  # over the whole motion, and again while contacts are closed
+ONSET_SAMPLES = 48  # after each switch, closer and closer to it: overlaps begin as powers of the time since
+SHORTEST_ONSET = 1e-9  # of the whole motion: the first of them
+LONGEST_ONSET = 1e-2  # of the whole motion: the last of them
+MOST_SWITCHES = 200  # with such samples; motions with more rattle, and their curves have no room for each
 
 
 @dataclass(frozen=True)
@@ -129,3 +141,49 @@ def _scene_file(played: PlayedMotion) -> str:
         "<details><summary>The scene as a file: softcradle play FILE lets you change it</summary>"
         f'<pre tabindex="0">{escape(played.scene.to_toml())}</pre></details>'
     )
+
+
+def recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
+    """The trajectory of every lane of `scene`; `settings` are keywords of `physics.simulate`, None takes the scene's.
+
+    Raises:
+        UserError: settings that the method does not take.
+    """
+    found, coarse = [], run_scene(scene, samples=2, **settings)
+    end, said = (math.inf, "") if scene.duration is not None else quiet_end(coarse)
+    if said:
+        warnings.warn(said, RuntimeWarning, stacklevel=2)
+    for lane, whole in zip(scene.lanes, coarse, strict=True):
+        cut = {"duration": end} if end < float(whole.time[-1]) else {}
+        alone = scene.model_copy(update={"lanes": (lane,), **cut})
+        found += run_scene(alone, samples=sample_times(whole, end), **settings)
+    return found
+
+
+def recorded_coarsely(scene: Scene) -> list[Trajectory]:
+    """The trajectory of every lane of `scene` in the steps that a page takes: for what it shows where it may not compute.
+
+    Raises:
+        UserError: the scene cannot be simulated.
+    """
+    steps = [COARSE * default_step(lane.chain(), lane.velocity) for lane in scene.lanes]
+    scene = scene.model_copy(update={"method": "conserving", "step": min(steps), "tolerance": None})
+    found = run_scene(scene, samples=COARSE_SAMPLES)
+    end = math.inf if scene.duration else quiet_end(found)[0]
+    late = any(trajectory.time[-1] > end for trajectory in found)
+    return run_scene(scene, samples=COARSE_SAMPLES, duration=end) if late else found
+
+
+def sample_times(trajectory: Trajectory, latest: float = math.inf) -> Array:
+    """(T,) sample times [s] up to `latest` for the motion of `trajectory`, of which switches and end are known."""
+    end = min(float(trajectory.time[-1]), latest)
+    found = {time for spans in trajectory.contact_intervals for span in spans for time in span}
+    switches = np.array(sorted(time for time in found if math.isfinite(time) and time <= end))
+    even = np.linspace(0.0, end, EVEN_SAMPLES)
+    if not switches.size:
+        return even
+    closed = np.linspace(switches[0], switches[-1], EVEN_SAMPLES)
+    onset = end * np.geomspace(SHORTEST_ONSET, LONGEST_ONSET, ONSET_SAMPLES)
+    near = switches[:MOST_SWITCHES, None] + np.concatenate(([-onset[0], 0.0], onset))
+    times: Array = np.unique(np.clip(np.concatenate((even, closed, near.ravel())), 0.0, end))
+    return times

@@ -1,8 +1,11 @@
-"""Export of a session: its start with all edits as a scene, and its history as a trajectory."""
+"""Export of a session: its start with all edits as a scene, also as one line of letters; its history as a trajectory."""
 
 from __future__ import annotations
 
+import base64
+import binascii
 import math
+import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from fractions import Fraction
@@ -15,16 +18,20 @@ from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
-from softcradle.scenes import Lane, Scene
+from softcradle.scenes import Lane, Scene, parse
 from softcradle.scenes.contact_table import table_of
 
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
 LARGEST_DENOMINATOR = 60  # of an exponent that is written as a fraction
+DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
+PREFIX = "softcradle:"
+MOST_BYTES = 2**20  # of a scene's text: more is no scene
 
 
 def lane_label(label: str, before: Chain, now: Chain) -> str:
@@ -60,9 +67,6 @@ def exponent_text(exponent: float) -> str:
     fraction = Fraction(exponent).limit_denominator(LARGEST_DENOMINATOR)
     simple = fraction.numerator in (1, 3) and abs(float(fraction) - exponent) < 1e-9 * exponent
     return str(fraction) if simple else f"{exponent:.3g}"
-
-
-DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 
 
 def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
@@ -155,3 +159,29 @@ def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interva
         openings = own.time[~own.closed].tolist()
         found.append(tuple(zip(closings, openings + [math.inf] * (len(closings) - len(openings)), strict=True)))
     return tuple(found)
+
+
+def shared_text(scene: Scene) -> str:
+    """The scene as text."""
+    packed = zlib.compress(scene.to_toml().encode(), 9)
+    return PREFIX + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def is_shared_text(text: str) -> bool:
+    """Whether `text` may be a shared scene."""
+    return text.strip().startswith(PREFIX)
+
+
+def scene_from_text(text: str) -> Scene:
+    """The scene that :func:`shared_text` wrote; spaces and line breaks in it do no harm. ValueError where it is none."""
+    letters = "".join(text.split()).removeprefix(PREFIX)
+    try:
+        packed = base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4))
+        unpacker = zlib.decompressobj()
+        toml = unpacker.decompress(packed, MOST_BYTES)
+        complete = unpacker.eof
+    except (binascii.Error, zlib.error, ValueError):
+        complete, toml = False, b""
+    if not complete:
+        raise ValueError(_("the text is not a whole scene: copy all of it, from 'softcradle:' to its end"))
+    return parse(toml.decode(errors="replace"), _("the pasted scene"))

@@ -13,8 +13,8 @@ from os import PathLike
 
 import numpy as np
 from softcradle.physics.trajectory_file import versions
+from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import _
-from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.snapshots import Snapshot, snapshot_from_table, snapshot_table
 from softcradle.sandbox.user_error import UserError

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from softcradle.physics.trajectory import Trajectory
+from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import BAD, LEVELS, Array
-from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.session.contact_events import ContactEvents, Impact, contact_events
 from softcradle.sandbox.session.export import lane_label, scene_of, trajectory_of
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices, last_slice

@@ -7,8 +7,8 @@ from functools import partial
 
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
-from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, seconds_in_words
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.trajectory_summary import clusters_in_words, hit_in_words, seconds_in_words
 
 
 def summary_text(session: Session) -> str:

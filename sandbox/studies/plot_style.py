@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.output_files import output_file
+from softcradle.sandbox.files import output_file
 from softcradle.sandbox.studies.data_table import Table, write_table
 
 if TYPE_CHECKING:

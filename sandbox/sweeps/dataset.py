@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.extras import needed_for
-from softcradle.sandbox.sweeps.chunk_work import REASON, STATUS, WARNED, Chunk, PointStatus
 from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
 from softcradle.sandbox.sweeps.sample_points import Points
+from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, Chunk, PointStatus
 from softcradle.sandbox.user_error import StudyError
 
 if TYPE_CHECKING:

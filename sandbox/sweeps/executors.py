@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from softcradle.physics.ensemble_runs import DaemonThreads, cores
 from softcradle.physics.extras import needed_for
-from softcradle.sandbox.sweeps.chunk_work import Chunk, Work, compute_checked, lost
+from softcradle.sandbox.sweeps.work import Chunk, Work, compute_checked, lost
 from softcradle.sandbox.user_error import StudyError
 
 if TYPE_CHECKING:

@@ -14,13 +14,23 @@ import numpy as np
 from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
-from softcradle.sandbox.sweeps.chunk_work import REASON, STATUS, WARNED, Chunk, Outcome, PointStatus, Work, merged
 from softcradle.sandbox.sweeps.dataset import checked_output, dataset_of, lost_points, opened_dataset, write_dataset
 from softcradle.sandbox.sweeps.executors import ChunkSchedule, Where, Workplace, here, place_of, processes_or_threads
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
-from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, partial_folder, study_in
-from softcradle.sandbox.sweeps.study_text import lanes_of, study_text, sweep_work
+from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, partial_folder, study_in, study_text
+from softcradle.sandbox.sweeps.work import (
+    REASON,
+    STATUS,
+    WARNED,
+    Chunk,
+    Outcome,
+    PointStatus,
+    Work,
+    lanes_of,
+    merged,
+    sweep_work,
+)
 from softcradle.sandbox.user_error import StudyError, reason
 
 if TYPE_CHECKING:

@@ -6,21 +6,27 @@ Each is renamed into place when it is whole and on the disk, so that a listing o
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from functools import partial
 from os import fsync
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 from zipfile import BadZipFile
 
 import numpy as np
 from softcradle.physics.atomic_files import output_file
-from softcradle.sandbox.sweeps.chunk_work import REASON, Chunk
+from softcradle.sandbox.sweeps.scene_points import ScenePoints
+from softcradle.sandbox.sweeps.work import REASON, Chunk, Work, function_name
 from softcradle.sandbox.user_error import StudyError, reason
 
 STUDY, LOCK, TRIED = "study.json", "lock", "tried"  # files beside the chunks
 COLUMN = "column "  # before the names of columns in an .npz: a measure may be called as an argument of NumPy's
+MOST_VALUES = 100  # of an axis that are written out
 
 
 def partial_folder(path: Path) -> Path:
@@ -173,3 +179,46 @@ def _read(folder: Path, begin: int, end: int) -> Chunk:
     except (OSError, ValueError, EOFError, KeyError, BadZipFile):
         raise StudyError(f"cannot read {path}: delete it, and the same sweep computes its points again") from None
     return Chunk(begin, end, columns)
+
+
+def study_text(work: Work, title: str) -> str:
+    """All that the numbers of a sweep follow from as one line of JSON; long lists of values as their digest."""
+    axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
+    source: Any = {"function": function_name(work.source), "code": _code_digest(work.source)}
+    if isinstance(work.source, ScenePoints):
+        source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})
+    found = {
+        "title": title,
+        "design": work.points.design,
+        "count": work.points.count,
+        "seed": work.points.seed,
+        "axes": axes,
+        "of": source,
+        "measures": [
+            item if isinstance(item, str) else [item.name, _code_digest(item.function)] for item in work.measures
+        ],
+        "versions": dict(work.versions),
+    }
+    return json.dumps(found, default=str)
+
+
+def _shortened(values: tuple[Any, ...]) -> Any:
+    if len(values) <= MOST_VALUES:
+        return list(values)
+    return {"number": len(values), "digest": hashlib.sha256(repr(values).encode()).hexdigest()[:16]}
+
+
+def _code_digest(function: Any) -> str:
+    """What tells one version of a function from another: its code, and what `partial` gave it. Not what it calls."""
+    told: list[Any] = []
+    if isinstance(function, partial):
+        told += [function.args, sorted(function.keywords.items())]
+        function = function.func
+    code = getattr(function, "__code__", None)
+    while code is not None:
+        inner = [constant for constant in code.co_consts if hasattr(constant, "co_code")]
+        told += [code.co_code, code.co_names, [c for c in code.co_consts if not hasattr(c, "co_code")]]
+        code = inner[0] if inner else None
+    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    told += [cell for cell in cells if isinstance(cell, (int, float, str, tuple, np.ndarray, Mapping))]
+    return hashlib.sha256(repr(told).encode()).hexdigest()[:16]

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, Strict, ValidationError, model_validator
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid, latin_hypercube, listed, sobol
 from softcradle.sandbox.sweeps.scene_points import replaced, validated
-from softcradle.sandbox.sweeps.study_text import checked_source, scene_of
+from softcradle.sandbox.sweeps.work import checked_source, scene_of
 from softcradle.sandbox.user_error import StudyError, reason
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error

@@ -15,9 +15,9 @@ from types import FrameType
 
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
-from softcradle.sandbox.draw.surface_cache import clear_cached_surfaces
+from softcradle.sandbox.draw.surfaces import clear_cached_surfaces
 from softcradle.sandbox.languages import ENGLISH, LANGUAGES, N_, _, language, scene_words, use_language
-from softcradle.sandbox.session.shared_text import is_shared_text, scene_from_text
+from softcradle.sandbox.session.export import is_shared_text, scene_from_text
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.dialog import Choices, Dialog, EntryDialog, FileChooser, Overlay

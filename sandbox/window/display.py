@@ -8,7 +8,7 @@ import sys
 import warnings
 
 import pygame
-from softcradle.sandbox.resources import resource
+from softcradle.sandbox.files import resource
 from softcradle.sandbox.user_error import UserError
 
 CHOSEN = ("SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")  # variables that choose a driver on purpose

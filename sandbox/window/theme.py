@@ -12,8 +12,8 @@ from typing import Any
 import pygame_gui
 from pygame_gui.core.utility import set_default_manager
 from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.files import resource
 from softcradle.sandbox.languages import language
-from softcradle.sandbox.resources import resource
 
 
 def collect_garbage() -> None:

@@ -10,7 +10,7 @@ import pygame
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import Colour
-from softcradle.sandbox.draw.surface_cache import cached_surfaces
+from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, localized
 from softcradle.sandbox.session.editable_numbers import Parameter

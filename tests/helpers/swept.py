@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from softcradle.sandbox.sweeps.chunk_work import Outcome
+from softcradle.sandbox.sweeps.work import Outcome
 
 LOG = "SWEPT_LOG"  # environment: the file of the log
 ONE_POINT = 0.004  # s

@@ -176,7 +176,7 @@ def test_the_script_runs(installed):
 
 
 def test_fonts_theme_and_report_are_found(installed):
-    program = f"from softcradle.sandbox.resources import resource\nfor name in {ASSETS}: print(resource(name))"
+    program = f"from softcradle.sandbox.files import resource\nfor name in {ASSETS}: print(resource(name))"
     files = [Path(line) for line in installed.run(installed.python, "-c", program).splitlines()]
     assert [file for file in files if not file.is_relative_to(installed.packages)] == []
 

@@ -60,7 +60,7 @@ def main(args: argparse.Namespace) -> int:
 
     require_matplotlib()
     definitions = _definitions(args.scenes)
-    from softcradle.sandbox.output_files import output_file
+    from softcradle.sandbox.files import output_file
 
     paths = [Path(args.output), *([Path(args.output).with_suffix(".csv")] if args.csv else [])]
     written = WrittenFiles(paths)
@@ -127,9 +127,9 @@ def _peers() -> ModuleType | None:
 
 
 def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
-    from softcradle.sandbox.studies.machine_stamp import machine_stamp
     from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.precision.chart import draw_chart
+    from softcradle.sandbox.studies.precision.measurement import machine_stamp
     from softcradle.sandbox.studies.precision.table import write_csv
 
     peers = _peers()

@@ -47,7 +47,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _measure_and_show(args: argparse.Namespace) -> None:
-    from softcradle.sandbox.output_files import filled_folder, output_file
+    from softcradle.sandbox.files import filled_folder, output_file
     from softcradle.sandbox.studies.claims.study_figure import markdown, write_studies
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.sweeps.run_sweep import drop_kept

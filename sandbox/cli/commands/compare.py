@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import WrittenFiles, add_method, add_open, picture_size, positive_number
-from softcradle.sandbox.output_files import make_folder
+from softcradle.sandbox.files import make_folder
 from softcradle.sandbox.user_error import GAVE_UP
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ def main(args: argparse.Namespace) -> int:
         _print_tables(fits, pistons, critical)
     if args.output is not None:
         from softcradle.sandbox.console import note
-        from softcradle.sandbox.output_files import output_file
+        from softcradle.sandbox.files import output_file
 
         with output_file(args.output) as temporary:
             temporary.write_text(_as_json(fits, pistons, critical) + "\n", encoding="utf-8")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, open_with_desktop
 from softcradle.sandbox.console import ProgressShown, console, print_table, table
-from softcradle.sandbox.output_files import filled_folder
+from softcradle.sandbox.files import filled_folder
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -38,7 +38,7 @@ def main(args: argparse.Namespace) -> int:
     """Compute the maps, draw them and write their numbers."""
     names = named("map", args.names, dict(zip(NAMES, NAMES, strict=True)))
     columns, rows = _points(args.points)
-    from softcradle.sandbox.output_files import filled_folder
+    from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.studies.rigidity_maps import rigidity_maps
     from softcradle.sandbox.sweeps.run_sweep import drop_kept

@@ -48,7 +48,7 @@ def main(args: argparse.Namespace) -> int:
 
 def _require_scene(wanted: str) -> None:
     """Raise UserError where there is nothing of that name; what is wrong with a file, the window says."""
-    from softcradle.sandbox.session.shared_text import is_shared_text
+    from softcradle.sandbox.session.export import is_shared_text
     from softcradle.sandbox.window.app import STANDARD_INPUT
     from softcradle.sandbox.window.hanging.page import HANGING_NAME
 

@@ -84,7 +84,7 @@ def _outputs(wanted: str, lanes: int) -> list[Path]:
 
 
 def _open(stack: ExitStack, path: Path) -> Path:
-    from softcradle.sandbox.output_files import output_file
+    from softcradle.sandbox.files import output_file
 
     return stack.enter_context(output_file(path))
 
@@ -120,7 +120,7 @@ def _print(scene: Scene, trajectories: list[Trajectory], as_json: bool) -> None:
 
 
 def _describe(scene: Scene, trajectories: list[Trajectory]) -> None:
-    from softcradle.sandbox.motion_words import describe
+    from softcradle.sandbox.trajectory_summary import describe
 
     print(scene.title if scene.title.endswith((".", "?", "!")) else f"{scene.title}.")
     for lane, found in zip(scene.lanes, trajectories, strict=True):

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the scans, draw the maps and print the summary."""
-    from softcradle.sandbox.output_files import output_file
+    from softcradle.sandbox.files import output_file
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.studies.stability import failure_scans
 

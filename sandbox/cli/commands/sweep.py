@@ -57,7 +57,7 @@ def main(args: argparse.Namespace) -> int:
 def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     """Compute the study and say what was found; the exit code says whether points are lost."""
     from softcradle.sandbox.console import ProgressShown, note
-    from softcradle.sandbox.output_files import make_folder
+    from softcradle.sandbox.files import make_folder
     from softcradle.sandbox.sweeps.dataset import lost_points
     from softcradle.sandbox.sweeps.run_sweep import sweep
 

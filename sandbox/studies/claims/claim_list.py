@@ -19,8 +19,8 @@ from softcradle.sandbox.studies.claims import (
 )
 from softcradle.sandbox.studies.claims.claim import Case, Claim, JudgedClaim
 from softcradle.sandbox.sweeps import listed
-from softcradle.sandbox.sweeps.chunk_work import Outcome
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
+from softcradle.sandbox.sweeps.work import Outcome
 
 CLAIMS: tuple[Claim, ...] = (
     *collision.CLAIMS,

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.film.kinds import check
+from softcradle.sandbox.files import output_file
+from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
-from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page.document import footer, note, table
-from softcradle.sandbox.page.played_motion import PlayedMotion
+from softcradle.sandbox.page.played_motion import PlayedMotion, result_notes
 from softcradle.sandbox.page.shared_page import recorded_page
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
-from softcradle.sandbox.page.tables import result_notes
 from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
     MeasureRow,

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 import os
+import platform
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -24,6 +27,7 @@ NO_SAMPLES = np.zeros(0)  # sample times of a run whose final velocities alone a
 FEWEST_STEPS = 30  # of the coarsest run of a fixed-step method
 MOST_STEPS = 8e6  # of the finest
 START_PHASES = 4  # lead times, evenly over one step, over which the error of a fixed step is averaged
+PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk")
 
 
 @dataclass(frozen=True)
@@ -288,3 +292,28 @@ def _silenced() -> Iterator[None]:
         for copy, descriptor in zip(copies, (1, 2), strict=True):
             os.dup2(copy, descriptor)
             os.close(copy)
+
+
+def machine_stamp(packages: Sequence[str] = ()) -> str:
+    """Processor and cores, system, Python and the versions of PACKAGES and `packages` as far as they are installed."""
+    found = [f"{name} {installed}" for name in (*PACKAGES, *packages) if (installed := _version(name))]
+    cores = os.cpu_count() or 1
+    hardware = f"{processor()}, {cores} core{'s' * (cores > 1)}"
+    return "; ".join([hardware, f"{platform.system()}, Python {platform.python_version()}", ", ".join(found)])
+
+
+def processor() -> str:
+    """Name of the processor; on Linux that of /proc/cpuinfo, for Python knows the architecture alone there."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(iter(names), "") or platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

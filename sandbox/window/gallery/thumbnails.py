@@ -12,8 +12,8 @@ from softcradle.physics.source_digest import PHYSICS, digest_of
 from softcradle.sandbox.draw import lane_drawing
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.png_file import write_png
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
+from softcradle.sandbox.draw.surfaces import write_png
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.window.plots import scales
 from softcradle.scenes import Scene

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import pygame
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.png_file import write_png
+from softcradle.sandbox.draw.surfaces import write_png
+from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import N_, _, english, error_words
-from softcradle.sandbox.output_files import output_file
 from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError, reason

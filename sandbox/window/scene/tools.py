@@ -8,9 +8,9 @@ from functools import partial
 import pygame
 from softcradle.sandbox.languages import N_, _, error_words, label_words, pgettext
 from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
+from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.session.shared_text import shared_text
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.values_table import values_csv
 from softcradle.sandbox.window.page import Host

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from softcradle.sandbox.output_files import filled_folder
+from softcradle.sandbox.files import filled_folder
 
 pytestmark = pytest.mark.slow  # every writer is a process of its own
 

@@ -7,9 +7,9 @@ import sys
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.sweeps import run_sweep
-from softcradle.sandbox.sweeps.chunk_work import Work, lost
 from softcradle.sandbox.sweeps.measure_table import MEASURES
 from softcradle.sandbox.sweeps.study_file import load_study
+from softcradle.sandbox.sweeps.work import Work, lost
 from softcradle.sandbox.user_error import POINTS_LOST
 
 from tests.helpers.paths import ROOT

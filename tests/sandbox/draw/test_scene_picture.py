@@ -14,8 +14,8 @@ from softcradle.sandbox.draw.curve_panels import ticks_apart
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
-from softcradle.sandbox.draw.surface_cache import cached_surfaces, clear_cached_surfaces
-from softcradle.sandbox.film.kinds import pixels_of
+from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
+from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.sandbox.label_places import spread
 from softcradle.scenes.catalogue import parse

@@ -9,10 +9,9 @@ import pytest
 from PIL import Image
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import Picture
-from softcradle.sandbox.film import kinds as film_kinds
-from softcradle.sandbox.film import scene_film, scene_motion
+from softcradle.sandbox.film import formats, scene_film, scene_motion
 from softcradle.sandbox.film.encoder import open_film
-from softcradle.sandbox.film.kinds import pixels_of
+from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.kymograph import render_kymograph
 from softcradle.sandbox.film.scene_film import LAST_FRAME_TIME, MOST_BEFORE_HIT, film_shots, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import (
@@ -24,7 +23,7 @@ from softcradle.sandbox.film.scene_motion import (
     scene_motions_quietly,
     strongest_row,
 )
-from softcradle.sandbox.page.recorded_scene import recorded
+from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 from softcradle.scenes.catalogue import parse
@@ -260,8 +259,8 @@ def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
 
 
 def test_a_missing_codec_is_refused(tmp_path, monkeypatch):
-    absent = tuple(film_kinds.replace(codec, name="no-such-codec") for codec in film_kinds.CODECS)
-    monkeypatch.setattr(film_kinds, "CODECS", absent)
+    absent = tuple(formats.replace(codec, name="no-such-codec") for codec in formats.CODECS)
+    monkeypatch.setattr(formats, "CODECS", absent)
     with pytest.raises(UserError, match="built without no-such-codec"):
         rendered(tmp_path / "film.mp4")
     assert list(tmp_path.iterdir()) == []
@@ -290,7 +289,7 @@ def test_a_gif_shows_its_background_exactly_and_other_colours_nearly(frames):
     pixels_of(surface)[..., 2::-1] = frames[-1]
     colours, counts = np.unique(frames[-1].reshape(-1, 3), axis=0, return_counts=True)
     background = colours[np.argmax(counts)]
-    found = film_kinds.Palette(surface).frame(surface).to_ndarray(format="rgb24")
+    found = formats.Palette(surface).frame(surface).to_ndarray(format="rgb24")
     assert (found == frames[-1])[(frames[-1] == background).all(axis=-1)].all()
     error = np.abs(found.astype(int) - frames[-1])
     assert error.mean() < 0.5

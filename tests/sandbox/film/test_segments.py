@@ -7,9 +7,9 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.film import encoder as film_encoder
-from softcradle.sandbox.film import kinds as film_kinds
+from softcradle.sandbox.film import formats
 from softcradle.sandbox.film.encoder import open_film, segment_lengths
-from softcradle.sandbox.film.kinds import pixels_of
+from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.user_error import UserError
 
 # x264 with AVX-512 is reproducible only where half the width is a multiple of 64.
@@ -92,14 +92,14 @@ def test_players_may_begin_at_any_segment(tmp_path, monkeypatch):
 
 def fail_at(monkeypatch, failing):
     """Let the frame of that number, counted as they come to the encoders, meet a full disk."""
-    calls, make = iter(range(1000)), film_kinds.FrameMaker.__call__
+    calls, make = iter(range(1000)), formats.FrameMaker.__call__
 
     def broken(maker, surface):
         if next(calls) == failing:
             raise OSError("disk full")
         return make(maker, surface)
 
-    monkeypatch.setattr(film_kinds.FrameMaker, "__call__", broken)
+    monkeypatch.setattr(formats.FrameMaker, "__call__", broken)
 
 
 @pytest.mark.parametrize("failing", [0, 25, 60, 129])

@@ -23,8 +23,8 @@ from softcradle.sandbox.languages import (
     use_language,
 )
 from softcradle.sandbox.languages.translation import catalogue_path
-from softcradle.sandbox.motion_words import clusters_in_words, hit_in_words, seconds_in_words
 from softcradle.sandbox.session.export import EDITED
+from softcradle.sandbox.trajectory_summary import clusters_in_words, hit_in_words, seconds_in_words
 from softcradle.scenes import load, parse
 
 from tools.update_catalogues import is_translated, main, read_catalogue, update

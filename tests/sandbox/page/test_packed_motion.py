@@ -5,10 +5,9 @@ import re
 import numpy as np
 import pytest
 from softcradle.physics.state import from_anchor
-from softcradle.sandbox.page.adaptive_samples import LINE_ERROR, SAME_DEPTH, needed_rows
-from softcradle.sandbox.page.packed_motion import packed_lanes
+from softcradle.sandbox.page.packed_motion import LINE_ERROR, SAME_DEPTH, needed_rows, packed_lanes
 from softcradle.sandbox.page.played_motion import played_motion
-from softcradle.sandbox.page.recorded_scene import recorded
+from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, axis_range, line_chart
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError

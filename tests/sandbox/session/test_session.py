@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from softcradle.physics import simulate
 from softcradle.physics.reference.extended_precision import ExtendedRun
-from softcradle.sandbox.motion_words import describe
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import RemoveBead, Session, SetMass, SetMethod, SetSlow, SetVelocity
 from softcradle.sandbox.session.frame_pacing import FrameClock
@@ -14,6 +13,7 @@ from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.live_lane import REFERENCE_WORK
 from softcradle.sandbox.session.summary_text import summary_text
+from softcradle.sandbox.trajectory_summary import describe
 
 from softcradle import scenes
 from tests.helpers.scene_kinds import EVERY_SCENE

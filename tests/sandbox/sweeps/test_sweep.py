@@ -12,11 +12,10 @@ import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, sobol, store, sweep
-from softcradle.sandbox.sweeps.chunk_work import PointStatus, Work, packed
 from softcradle.sandbox.sweeps.executors import here
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
 from softcradle.sandbox.sweeps.store import Store, partial_folder
-from softcradle.sandbox.sweeps.study_text import sweep_work
+from softcradle.sandbox.sweeps.work import PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import load
 

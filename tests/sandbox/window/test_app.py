@@ -11,7 +11,7 @@ from pathlib import Path
 import pygame
 import pytest
 from pygame_gui.core.utility import translate
-from softcradle.sandbox.session.shared_text import shared_text
+from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.window.display import SMALLEST
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import Settings, settings_path

@@ -49,7 +49,7 @@ def test_a_refusal_is_one_sentence_without_names_of_python(driver: Driver) -> No
 
 
 def test_text_that_is_dropped_opens_as_a_scene(driver: Driver, tmp_path: Path) -> None:
-    from softcradle.sandbox.session.shared_text import shared_text
+    from softcradle.sandbox.session.export import shared_text
 
     driver.session.apply(SetMass(0, 1, 2.5))
     text = shared_text(driver.session.to_scene())

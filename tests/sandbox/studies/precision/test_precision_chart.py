@@ -9,12 +9,11 @@ import pytest
 from softcradle.physics import METHODS, one_on, power_law
 from softcradle.physics.version import version
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.machine_stamp import machine_stamp
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.precision import measurement
 from softcradle.sandbox.studies.precision.cases import CaseDefinition
 from softcradle.sandbox.studies.precision.chart import draw_chart
-from softcradle.sandbox.studies.precision.measurement import TimeLimits, measure_series
+from softcradle.sandbox.studies.precision.measurement import TimeLimits, machine_stamp, measure_series
 from softcradle.sandbox.studies.precision.table import (
     MeasuredCase,
     auto_sentence,

@@ -8,8 +8,8 @@ import io
 import pygame
 import pytest
 from softcradle.sandbox.draw.lane_drawing import ARROWS
+from softcradle.sandbox.session.export import scene_from_text, shared_text
 from softcradle.sandbox.session.inputs import SetMass
-from softcradle.sandbox.session.shared_text import scene_from_text, shared_text
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.toolbar import MENUS
 

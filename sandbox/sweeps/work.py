@@ -1,4 +1,4 @@
-"""The work of a sweep: what every process that takes part in it computes, one chunk of points at a time."""
+"""The work of a sweep: what is swept, checked, and what every process that takes part computes, one chunk of points at a time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import IntEnum
-from functools import lru_cache
+from functools import lru_cache, partial
 from time import perf_counter
 from typing import Any
 
@@ -20,6 +20,8 @@ from softcradle.sandbox.sweeps.measure_table import OF_ENDS, Measure, Run, Value
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.sweeps.scene_points import LaneStart, ScenePoints
 from softcradle.sandbox.user_error import StudyError
+from softcradle.scenes import Scene, load
+from softcradle.scenes.scene_errors import SceneError
 
 Array = NDArray[np.float64]
 
@@ -28,6 +30,7 @@ TRIED = 8  # points of a chunk that run side by side, and as many alone, before 
 AT_ONCE = 64  # points that run side by side between two looks at the clock
 STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
+TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")  # names that parameters cannot have
 
 
 class PointStatus(IntEnum):
@@ -266,3 +269,63 @@ def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
                 f"a worker has {name} {own[name]}, but the sweep was begun with {wanted}: install the same there"
             )
     return work.compute(begin, end, seconds)
+
+
+def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]) -> Work:
+    """The Work of a sweep. Raises StudyError."""
+    return Work(points, checked_source(what, points, measures), tuple(measures), current_versions())
+
+
+def checked_source(
+    what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]
+) -> ScenePoints | Callable[..., Any]:
+    """What is swept; all that can be checked before the work begins is. Raises StudyError."""
+    names = [find_measure(item).name if isinstance(item, str) else item.name for item in measures]
+    for name in [axis.coordinate for axis in points.axes]:
+        if name in (*TAKEN, *names) or set(name) & set(" /"):
+            raise StudyError(f"a parameter cannot be called {name!r}: give it another name")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise StudyError(f"measure {twice!r} is given twice")
+    if callable(what) and not isinstance(what, Scene):
+        source: ScenePoints | Callable[..., Any] = what
+    else:
+        scene = what if isinstance(what, Scene) else scene_of(str(what))
+        if not measures:
+            raise StudyError("a sweep of a scene needs at least one measure")
+        source = ScenePoints(scene)
+        _check(source, points)
+    return source
+
+
+def scene_of(name_or_path: str) -> Scene:
+    """The scene of that name or in that file. Raises StudyError with what is wrong with it."""
+    try:
+        return load(name_or_path)
+    except SceneError as error:
+        raise StudyError(str(error)) from None
+
+
+def _check(source: ScenePoints, points: Points) -> None:
+    """Refuse a path that is not there, and first or last values that cannot be."""
+    first = {axis.path: axis.ends()[0] for axis in points.axes}
+    for changed in [first, *(first | {axis.path: axis.ends()[1]} for axis in points.axes)]:
+        try:
+            source.checked(changed)
+        except SceneError as error:
+            raise StudyError(str(error).removeprefix("the scene: ")) from None
+
+
+def lanes_of(work: Work) -> tuple[tuple[str, ...], str]:
+    """The labels of the lanes, numbers where there are none, and the title of the scene or function."""
+    if isinstance(work.source, ScenePoints):
+        scene = work.source.scene
+        return tuple(lane.label or str(k) for k, lane in enumerate(scene.lanes)), scene.title
+    return ("",), function_name(work.source)
+
+
+def function_name(function: Any) -> str:
+    """The name of a function, with its module."""
+    if isinstance(function, partial):
+        return f"partial({function_name(function.func)})"
+    return f"{getattr(function, '__module__', '?')}.{getattr(function, '__qualname__', type(function).__name__)}"

@@ -1,4 +1,4 @@
-"""The kinds of film: which file is encoded how and what its codec cannot do, and how a surface becomes a frame."""
+"""The formats of films: which file is encoded how and what its codec cannot do, and how a surface becomes a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files and folders that the commands write: complete or not at all, with a UserError where they cannot be written."""
+"""Files: assets of the package; what commands write, complete or not at all, with a UserError where that cannot be."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from softcradle.physics import atomic_files
 from softcradle.sandbox.user_error import UserError, reason
 
 Name = str | os.PathLike[str]
+_PACKAGE = Path(__file__).parent
 
 
 def output_file(path: Name) -> AbstractContextManager[Path]:
@@ -55,3 +56,11 @@ def make_folder(path: Name) -> Path:
         told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
         raise UserError(f"cannot write to {path}: {told}") from None
     return folder
+
+
+def resource(name: str) -> Path:
+    """Path of the file `name` under assets/. Raises FileNotFoundError where the installation is incomplete."""
+    for folder in (_PACKAGE / "assets", _PACKAGE.parent / "assets"):
+        if (folder / name).is_file():
+            return folder / name
+    raise FileNotFoundError(f"{name} is missing from softcradle's assets: install softcradle again")

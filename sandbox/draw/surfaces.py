@@ -1,10 +1,12 @@
-"""A cache of drawn surfaces, bounded by the memory of their pixels: zooming makes surfaces of new sizes all the time."""
+"""Surfaces: a cache of drawn ones, bounded by the memory of their pixels, for zooming makes new sizes all the time; PNG files."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable
 from functools import wraps
+from io import BytesIO
+from pathlib import Path
 from typing import Any, TypeVar
 
 import pygame
@@ -58,3 +60,15 @@ def _memory(drawing: pygame.Surface | tuple[pygame.Surface, ...]) -> int:
     if isinstance(drawing, tuple):
         return sum(_memory(surface) for surface in drawing)
     return drawing.get_pitch() * drawing.get_height() + SURFACE_BYTES
+
+
+def png_bytes(surface: pygame.Surface) -> bytes:
+    """The surface as a PNG file."""
+    encoded = BytesIO()
+    pygame.image.save(surface, encoded, "picture.png")
+    return encoded.getvalue()
+
+
+def write_png(surface: pygame.Surface, path: Path) -> None:
+    """Write the surface to `path`. Raises OSError where the disk is full."""
+    path.write_bytes(png_bytes(surface))
