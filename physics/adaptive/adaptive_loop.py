@@ -11,11 +11,11 @@ from softcradle.physics.adaptive.constants import (
     FEW_TRIES,
     NEWTON_PART,
     ROUND_OFF,
-    SHRINK,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.event_location import SLIPS, acceleration_of, bead_acceleration
+from softcradle.physics.adaptive.crossing import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
+from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
 from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
 from softcradle.physics.adaptive.step import find_step
 from softcradle.physics.adaptive.step_control import first_step, propose_step, restart_control, update_control
@@ -32,17 +32,7 @@ from softcradle.physics.adaptive.step_records import (
     Steps,
     Trial,
 )
-from softcradle.physics.adaptive.stick_slip_friction import put_drive
 from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
-from softcradle.physics.adaptive.switching import (
-    begin,
-    fall_back,
-    fly_to_event,
-    open_passed,
-    pass_knot,
-    slip_by,
-    switch,
-)
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.knots import BESIDE, next_knot
 from softcradle.physics.numerics.meeting import meets_again
@@ -169,22 +159,16 @@ def integrate(
             restart_control(control, first_step(chain, motion, scale))
         kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
         past_step = control[PAST_STEP]
-        h, error, row, event, rejected = find_step(
+        h, error, row, side, rejected = find_step(
             time, proposed, kind, allowed == DOP853, chain, regime, motion, wanted, slow, past_step, trial, scratch, log,
             most_steps,
         )  # fmt: skip
-        if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * motion.mode.size:
+        if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * (motion.mode.size + regime.bed.size):
             control[AT_ONCE] += 1.0
-            switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
-            if event == SLIPS and regime.slide[row] == 0:
-                slip_by(row, proposed, trial.force[2], chain, regime, motion, slow, scratch)
+            cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
             continue
         if h == 0.0:
-            if counter[STEP] + counter[REJECTED] >= most_steps:
-                return OUT_OF_STEPS, time
-            h = SHRINK * proposed
-            time += fall_back(h, time, chain, regime, motion, wanted, slow, trial, scratch, log)
-            continue
+            return OUT_OF_STEPS, time
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)
         control[AT_ONCE] = 0.0
         control[LOCAL_SQUARE] += error * error
@@ -198,12 +182,12 @@ def integrate(
             acts = put_drive(time if time < until else before + (1.0 - BESIDE) * (time - before), chain, regime)
         control[PAST_STEP] = h if kind == RADAU else 0.0
         counter[STEP] += 1
-        if open_passed(row, event, chain, regime, motion, slow):
+        if open_passed(row, chain, regime, motion, slow):
             control[LAST] = 0.0
         log_switches(before, time, motion, wanted, scratch, log)
-        grow_errors(row, event, chain, motion, wanted, scratch)
+        grow_errors(row, side, chain, motion, wanted, scratch)
         if row >= 0:
-            switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
+            cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
 
 
 @inlined

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import ROUND_OFF
-from softcradle.physics.adaptive.event_location import CLOSES, NOTHING, STOPS
-from softcradle.physics.adaptive.stick_slip_friction import bead_push
+from softcradle.physics.adaptive.row_graphs import bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 
 @piece
@@ -64,13 +63,13 @@ def bend_of(chain, i):
 
 @inlined
 def next_flight_event(chain, regime, motion, negligible, velocity):
-    """(time, row, kind) of the first closing or stop of a bead; `velocity` (n+1,) is scratch memory."""
-    flight, row, kind = math.inf, NO_CONTACT, NOTHING
+    """(time, row) of the first closing or stop of a bead; `velocity` (n+1,) is scratch memory."""
+    flight, row = math.inf, NO_CONTACT
     for i in range(motion.mode.size):
         if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
             time = closing_time(motion.overlap[i], motion.rate[i], bend_of(chain, i))
             if time < flight:
-                flight, row, kind = max(time, 0.0), i, CLOSES
+                flight, row = max(time, 0.0), ZERO + i
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(regime.bed.size):
@@ -79,17 +78,17 @@ def next_flight_event(chain, regime, motion, negligible, velocity):
                 if a * regime.slide[j] < 0.0:
                     time = max(-velocity[j] / a, 0.0)
                     if time < flight:
-                        flight, row, kind = time, j, STOPS
-    return flight, row, kind
+                        flight, row = time, ZERO + motion.mode.size + j
+    return flight, row
 
 
 @piece
 def next_event(time, end, chain, regime, motion, negligible, velocity):
-    """Until when free flight lasts, to the first event or to `end`; row and kind of the event (-1: none before `end`)."""
-    flight, row, kind = next_flight_event(chain, regime, motion, negligible, velocity)
+    """Until when free flight lasts, to the first corner or to `end`; and the row of the corner (-1: none before `end`)."""
+    flight, row = next_flight_event(chain, regime, motion, negligible, velocity)
     if time + flight > end or time + flight == math.inf:
-        return end, NO_CONTACT, NOTHING
-    return time + flight, row, kind
+        return end, NO_CONTACT
+    return time + flight, row
 
 
 @piece

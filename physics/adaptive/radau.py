@@ -20,25 +20,42 @@ from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 
 @inlined
+def direction(law, mode, weight, overlap, force):
+    """Direction (dd, df) = (along, across) z of the curve of a contact, scaled so that d + `weight` f moves by z."""
+    if mode in (OPEN, FROZEN):
+        return 1.0, 0.0
+    slope = slope_at(law[0], law[1], law[2], overlap, force) if mode == LOADED else math.inf
+    if slope > HUGE:
+        return 0.0, 1.0 / weight
+    along = 1.0 / (1.0 + weight * slope)
+    return along, slope * along
+
+
+@inlined
 def directions(h, chain, mode, trial, scratch):
-    """Direction (dd, df) = (along, across) z of the curve at every stage, scaled so that both terms of a row are alike."""
-    law, inverse_mass, along, across = chain.law, chain.inverse_mass, scratch.along, scratch.across
-    stage_overlap, stage_force = trial.overlap, trial.force
-    n = mode.size
-    for i in range(n):
-        weight = h * h * (inverse_mass[i] + inverse_mass[i + 1])
+    """The direction of every contact at every stage."""
+    for i in range(mode.size):
+        weight = h * h * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
         for k in range(3):
-            if mode[i] == OPEN or mode[i] == FROZEN:
-                along[k, i], across[k, i] = 1.0, 0.0
-                continue
-            slope = math.inf
-            if mode[i] == LOADED:
-                slope = slope_at(law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i])
-            if slope > HUGE:
-                along[k, i], across[k, i] = 0.0, 1.0 / weight
-            else:
-                along[k, i] = 1.0 / (1.0 + weight * slope)
-                across[k, i] = slope * along[k, i]
+            scratch.along[k, i], scratch.across[k, i] = direction(
+                chain.law[i], mode[i], weight, trial.overlap[k, i], trial.force[k, i]
+            )
+
+
+@inlined
+def move_stage(k, i, weight, change, chain, mode, trial, scratch):
+    """Move contact i at stage k along its curve by the Newton change; (|dd|, |df|), what was asked for where that is more."""
+    law, d, f = chain.law, trial.overlap[k, i], trial.force[k, i]
+    by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
+    if mode[i] == LOADED:
+        end, pushes = move_along(law[i, 0], law[i, 1], law[i, 2], weight, d, f, by_overlap, by_force)
+        trial.overlap[k, i], trial.force[k, i] = end, pushes
+        return max(abs(end - d), abs(by_overlap)), max(abs(pushes - f), abs(by_force))
+    if mode[i] == OPEN or mode[i] == FROZEN:
+        trial.overlap[k, i] += by_overlap
+    else:
+        trial.force[k, i] += by_force
+    return abs(by_overlap), abs(by_force)
 
 
 @inlined
@@ -114,8 +131,6 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     the curve makes shorter counts in full. Returns the iterations used, 0 where they did not converge.
     """
     law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
-    stage_overlap, stage_force = trial.overlap, trial.force
-    along, across, z = scratch.along, scratch.across, scratch.correction
     n = mode.size
     before, strongest = math.inf, 0.0
     for i in range(n):
@@ -131,26 +146,15 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             changed, largest = 0.0, max(force[i], FORCE_PRECISION * strongest) if deep else strongest
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
-                by_overlap, by_force = along[k, i] * z[k, i], across[k, i] * z[k, i]
-                asked_overlap, asked_force = abs(by_overlap), abs(by_force)
-                if not math.isfinite(by_overlap) or not math.isfinite(by_force):
+                if not math.isfinite(scratch.correction[k, i]):
                     return 0
-                if mode[i] == LOADED:
-                    d, f = move_along(
-                        law[i, 0], law[i, 1], law[i, 2], h * h * weight,
-                        stage_overlap[k, i], stage_force[k, i], by_overlap, by_force,
-                    )  # fmt: skip
-                    by_overlap, by_force = d - stage_overlap[k, i], f - stage_force[k, i]
-                    stage_overlap[k, i], stage_force[k, i] = d, f
-                elif mode[i] == OPEN or mode[i] == FROZEN:
-                    stage_overlap[k, i] += by_overlap
-                else:
-                    stage_force[k, i] += by_force
-                if not abs(stage_overlap[k, i]) < HUGE:
+                by_overlap, by_force = move_stage(
+                    k, i, h * h * weight, scratch.correction[k, i], chain, mode, trial, scratch
+                )
+                if not abs(trial.overlap[k, i]) < HUGE:
                     return 0
-                by_overlap, by_force = max(abs(by_overlap), asked_overlap), max(abs(by_force), asked_force)
                 size = max(size, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
-                changed, largest = max(changed, by_force), max(largest, abs(stage_force[k, i]))
+                changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
             settled &= changed <= FORCE_PRECISION * largest
             strongest = max(strongest, largest)
         if settled and (
@@ -159,6 +163,51 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             return iteration + 1
         before = size
     return 0
+
+
+@inlined
+def euler_change(k, time, chain, motion, trial, scratch):
+    """Newton change of stage k as an implicit Euler step of that `time`: d - d0 - t w0 + t² (L f - e) = 0, tridiagonal."""
+    inverse_mass, along, across, z = chain.inverse_mass, scratch.along[k], scratch.across[k], scratch.correction[k]
+    n, square, upper = motion.mode.size, time * time, scratch.block
+    for i in range(n):
+        left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
+        d, f = trial.overlap[k, i], trial.force[k, i]
+        along[i], across[i] = direction(chain.law[i], motion.mode[i], left + right, d, f)
+        flow = flow_into(i, inverse_mass, trial.force[k]) - drive_at(chain, i, time)
+        z[i] = motion.overlap[i] + time * motion.rate[i] - d - square * flow
+        pivot = along[i] + (left + right) * across[i]
+        if i > 0:
+            pivot -= left * across[i - 1] * upper[i - 1, 0]
+            z[i] += left * across[i - 1] * z[i - 1]
+        free = pivot <= ROUND_OFF * (left + right) * across[i]  # from wall to wall: not determined
+        z[i] = 0.0 if free else z[i] / pivot
+        upper[i, 0] = 0.0 if free or i == n - 1 else right * across[i + 1] / pivot
+    for i in range(n - 2, -1, -1):
+        z[i] += upper[i, 0] * z[i + 1]
+
+
+@piece
+def euler_stages(h, chain, motion, trial, scratch):
+    """Put first stages into `trial`: an implicit Euler step to each node, which has one solution, whatever the laws.
+
+    Collocation of three stages is not monotone where the slopes of the stages differ by much: Newton's iteration may go astray.
+    """
+    for k in range(3):
+        time = h * NODES[k]
+        for i in range(motion.mode.size):
+            trial.overlap[k, i], trial.force[k, i] = motion.overlap[i], motion.force[i]
+        for _ in range(MOST_TRIES * MOST_TRIES):
+            euler_change(k, time, chain, motion, trial, scratch)
+            changed, largest = 0.0, 0.0
+            for i in range(motion.mode.size):
+                weight = time * time * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
+                if not math.isfinite(scratch.correction[k, i]):
+                    return
+                _, by_force = move_stage(k, i, weight, scratch.correction[k, i], chain, motion.mode, trial, scratch)
+                changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
+            if changed <= FORCE_PRECISION * largest:
+                break
 
 
 @inlined
@@ -216,13 +265,18 @@ def move_anchor(h, chain, anchor, trial):
 
 @piece
 def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
-    """One step into `trial`; `past_step` is the length of the one before, or NO_GUESS; for `origin` see `first_guess`.
+    """One step into `trial`; `past_step` is the length of the one before; for `origin` see `first_guess`.
 
-    Returns the iterations used, 0 where the stages did not converge.
+    Returns the iterations used, 0 where the stages did not converge, and how many were tried.
     """
     first_guess(h, chain, motion, past_step, origin, scratch.past, trial)
     used = solve_stages(h, chain, motion, precision, trial, scratch)
+    tried = used
+    if used == 0:
+        euler_stages(h, chain, motion, trial, scratch)
+        used = solve_stages(h, chain, motion, precision, trial, scratch)
+        tried = MOST_TRIES + (used if used > 0 else MOST_TRIES)
     if used > 0:
         stage_rates(h, chain, motion, trial)
         move_anchor(h, chain, motion.anchor, trial)
-    return used
+    return used, tried

@@ -9,7 +9,6 @@ from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, cubic, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
-NO_GUESS = -1.0  # in place of the length of the step before: nothing of it is used
 AFTER, INSIDE = 1.0, 0.0  # where a step begins in the one whose cubics it is guessed by, as part of it
 
 
@@ -18,8 +17,8 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
     """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
 
     `past` (8, n): force at the start and stages of that step, then the overlaps; `origin` says whether the new one begins AFTER
-    it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), or keep their
-    force where `past_step` is NO_GUESS; others keep their rate.
+    it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others keep
+    their rate.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
@@ -43,11 +42,7 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                 stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
                 own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
                 time = overlap[i] / rate[i] if own else since
-                if (
-                    past_step >= 0.0
-                    and (not follows or (origin == AFTER and h > SUDDEN * abs(time)))
-                    and overlap[i] > SMALLEST
-                ):
+                if (not follows or (origin == AFTER and h > SUDDEN * abs(time))) and overlap[i] > SMALLEST:
                     growth = log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
                     if own and flown <= 0.0 and preload == 0.0:
                         stage_overlap[k, i], stage_force[k, i] = flown, 0.0

@@ -6,12 +6,11 @@ A run keeps its steps, for without a duration it does not know before its end wh
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
-from softcradle.physics.adaptive.event_location import bead_acceleration
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau_guess import INSIDE
+from softcradle.physics.adaptive.row_graphs import bead_acceleration, put_drive
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
-from softcradle.physics.adaptive.stick_slip_friction import put_drive
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_kernels import energy

@@ -15,23 +15,15 @@ from softcradle.physics.adaptive.constants import (
     SHRINK,
     TOLERANCE_PART,
 )
+from softcradle.physics.adaptive.corners import first_corner, first_root, is_continued, stage_cubic
 from softcradle.physics.adaptive.dop853 import dop853_step
-from softcradle.physics.adaptive.event_location import (
-    CLOSES,
-    NOTHING,
-    find_event,
-    guard_at_end,
-    is_continued,
-    near_switch,
-)
-from softcradle.physics.adaptive.first_root import first_root, stage_cubic
 from softcradle.physics.adaptive.radau import radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
-from softcradle.physics.adaptive.radau_guess import AFTER, NO_GUESS
+from softcradle.physics.adaptive.radau_guess import AFTER
 from softcradle.physics.adaptive.step_records import DOP853, ERROR_EXPONENT, TRY_EVALUATIONS
-from softcradle.physics.numerics.elementary import power
+from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, REJECTED, STEP
+from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, ZERO
 
 
 @piece
@@ -41,11 +33,8 @@ def take_step(h, kind, firm, chain, motion, wanted, past_step, origin, trial, sc
     if kind == DOP853:
         return dop853_step(h, TOLERANCE_PART * wanted, firm, chain, motion, trial, scratch)
     precision = NEWTON_PART * wanted
-    used = radau_step(h, chain, motion, precision, past_step, origin, trial, scratch)
-    log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_TRIES)
-    if used == 0:
-        used = radau_step(h, chain, motion, precision, NO_GUESS, AFTER, trial, scratch)
-        log.counter[EVALUATION] += 3 * (used if used > 0 else MOST_TRIES)
+    used, tried = radau_step(h, chain, motion, precision, past_step, origin, trial, scratch)
+    log.counter[EVALUATION] += 3 * tried
     return 0.0 if used > 0 else -1.0
 
 
@@ -73,40 +62,45 @@ def opened_early(h, chain, motion, trial, wanted):
     return part
 
 
+@inlined
+def measured_exponent(exponent, h, error, length_before, error_before):
+    """One over the order of the error as two rejected tries of a step show it: at a soft onset it is 1 + a, no more."""
+    if error < error_before and h < length_before:
+        return max(exponent, min(1.0, log(length_before / h) / log(error_before / error)))
+    return exponent
+
+
 @piece
 def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_step, trial, scratch, log, most_steps):
     """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
 
-    Returns its length (0 with an event: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
-    kind of the event, and the length of the last step rejected for its error (inf: none).
+    Returns its length (0 with a corner: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
+    side of the corner, and the length of the last step rejected for its error (inf: none).
     """
-    rejected, inactive, counter = math.inf, TOLERANCE_PART * wanted, log.counter
-    row, event, tries, failures, ceiling, looked, least = NO_CONTACT, NOTHING, 0, 0, h, 0, ROUND_OFF * h
-    firm, work = regime.bed.size > 0, scratch.work
+    rejected, inactive, counter, length_before, error_before = math.inf, TOLERANCE_PART * wanted, log.counter, h, 0.0
+    row, side, tries, ceiling, looked, least = NO_CONTACT, ZERO, 0, h, 0, ROUND_OFF * h
+    firm = regime.bed.size > 0
     while counter[STEP] + counter[REJECTED] < most_steps:
         error = try_step(h, kind, firm, chain, motion, wanted, past_step, trial, scratch, log)
         if error < 0.0 or not math.isfinite(error):
             counter[REJECTED] += 1
-            failures += 1
             row, h = NO_CONTACT, SHRINK * h
-            if failures > FEW_TRIES or time + h <= time:
-                return 0.0, 0.0, NO_CONTACT, NOTHING, rejected
+            if time + h <= time:
+                return 0.0, 0.0, NO_CONTACT, ZERO, rejected
             continue
-        miss = 0.0
-        if row >= 0:
-            value, slope = guard_at_end(h, row, event, chain, regime, motion, trial, work)
-            if slope < 0.0:
-                miss = -value / slope
-            else:  # what looked, from further off, like an event
-                row, tries = NO_CONTACT, tries + 1
-        found, its_event, part = find_event(h, chain, regime, motion, trial, row, event, inactive, slow, work)
+        found, its_side, part, miss, near = first_corner(
+            h, chain, regime, motion, trial, row, side, inactive, slow, scratch.work
+        )
+        if math.isnan(miss):  # none is landed on, or what looked like one from further off
+            row, tries, miss = NO_CONTACT, tries + (1 if row >= 0 else 0), 0.0
         if found >= 0 and row < 0 and time + part * h <= time and (error <= wanted or h <= least):
-            return 0.0, 0.0, found, its_event, rejected
+            return 0.0, 0.0, found, its_side, rejected
         if row >= 0:
-            is_inactive = event == CLOSES and abs(trial.rate[2, row]) <= inactive
+            closes = row < motion.mode.size and motion.mode[row] == OPEN
+            is_inactive = closes and abs(trial.rate[2, row]) <= inactive
             most_tries = FEW_TRIES if is_inactive else MOST_TRIES
             if tries < most_tries and found >= 0 and part * h < h + min(miss, 0.0):
-                row, event, h = found, its_event, part * h
+                row, side, h = found, its_side, part * h
                 tries += 1
                 continue
             if tries < most_tries and abs(miss) > ROUND_OFF * h and time + miss != time and h > least:
@@ -118,7 +112,7 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             if part < LEAST_PART and h > least and time + LEAST_PART * h > time:
                 h *= LEAST_PART  # the polynomial of a long step is coarse near its start
             else:
-                row, event, h = found, its_event, part * h
+                row, side, h = found, its_side, part * h
             continue
         if found >= 0 and part * h < h + min(miss, 0.0) and h > least:
             # an event that was not met in so many tries: no step passes over it
@@ -127,16 +121,17 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             continue
         early = 1.0 if alone else opened_early(h, chain, motion, trial, wanted)
         if (error <= wanted and early == 1.0) or time + h <= time:
-            near = 1.0 if looked == FEW_TRIES else near_switch(h, chain, regime, motion, trial, slow)
-            if near < 1.0 and time + near * h > time:  # what is at the end of a step is exact
+            if near < 1.0 and looked < FEW_TRIES and time + near * h > time:  # what is at the end of a step is exact
                 looked, row, tries, h = looked + 1, NO_CONTACT, 0, near * h
                 continue
-            return h, error, row, event, rejected
+            return h, error, row, side, rejected
         counter[REJECTED] += 1
         row, tries = NO_CONTACT, 0  # a shorter step has events of its own
         if early < 1.0 and error <= 10.0 * wanted:
             h *= SAFETY * early
             continue
         rejected = h if early == 1.0 else rejected
-        h *= max(LEAST_PART, SAFETY * power(wanted / error, ERROR_EXPONENT[kind]))
-    return 0.0, 0.0, NO_CONTACT, NOTHING, rejected
+        exponent = measured_exponent(ERROR_EXPONENT[kind], h, error, length_before, error_before)
+        length_before, error_before = h, error
+        h *= max(LEAST_PART, SAFETY * power(wanted / error, exponent))
+    return 0.0, 0.0, NO_CONTACT, ZERO, rejected

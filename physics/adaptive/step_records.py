@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS as GRADIENT_ROWS
 
 Array = NDArray[np.float64]
 
@@ -32,8 +31,7 @@ GROWTH = 10  # by what factor, beside 1, bounces have made errors grow
 CONTROLS = 11
 
 STAGES = 12  # of dop853
-OWN_ROWS = 12  # rows of scratch memory that steps of radau, their events and modes name
-WORK_ROWS = max(OWN_ROWS, GRADIENT_ROWS)  # the fallback lends them to a step of the discrete gradient
+WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
 
 
 class Trial(NamedTuple):

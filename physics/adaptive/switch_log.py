@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.corners import is_continued
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.event_location import OPENS, is_continued
 from softcradle.physics.adaptive.radau_guess import AFTER
 from softcradle.physics.adaptive.step import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
@@ -49,11 +49,12 @@ def log_switches(before, time, motion, wanted, scratch, log):
 
 
 @inlined
-def grow_errors(row, event, chain, motion, wanted, scratch):
+def grow_errors(row, side, chain, motion, wanted, scratch):
     """How the bounces that now go on, and returns to d = 0, make errors grow, and how often loaded contacts have turned.
 
     A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
-    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. `row` and `event` are what ended the step.
+    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. The step has ended at the corner of `row` on
+    that `side`.
     """
     course, slowest = scratch.course, wanted / TOLERANCE_PART
     for i in range(motion.mode.size):
@@ -62,7 +63,7 @@ def grow_errors(row, event, chain, motion, wanted, scratch):
         others = own - flow_into(i, chain.inverse_mass, motion.force)
         others += drive_at(chain, i, 0.0)
         turned = abs(rate) > slowest and course[i] * rate < 0.0
-        if loaded and i == row and event == OPENS:
+        if loaded and i == row and side == 0:
             return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
         elif loaded and turned and rate > 0.0:
             bend = others - own
