@@ -42,8 +42,8 @@ class Part(NamedTuple):
 class Coupler:
     """A coupler between two beads that pushes and, after its slack, pulls; its gears go solid at full travel.
 
-    Methods euler, verlet, yoshida4 (without loss), conserving and scipy carry couplers; the adaptive ones, "auto" and pymunk
-    raise a ValueError. Results count pulls as negative forces.
+    All methods but pymunk carry couplers (yoshida4 without loss); the adaptive ones and "auto" those whose gears that pull or go
+    solid are linear, such as draft gears. Others raise a ValueError. Results count pulls as negative forces.
 
     Parameters
     ----------
@@ -106,6 +106,12 @@ class Coupler:
     def pulls_below(self) -> float:
         """Overlap [m] below which it pulls; -inf where it never does."""
         return -math.inf if self.pull is None else -self.slack
+
+    @property
+    def linear(self) -> bool:
+        """Whether every gear that pulls or goes solid has exponent 1."""
+        gears = [self.pull] if self.pull else []
+        return all(gear.exponent == 1.0 for gear in (gears if self.stop == 0.0 else [self.push, *gears]))
 
     @property
     def preload(self) -> float:

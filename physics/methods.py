@@ -103,6 +103,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "implicit, adaptive, every contact law",
         "soft contacts and draft gears, to a tolerance",
+        couplers=True,
     ),
     Method(
         "dop853",
@@ -112,6 +113,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "explicit, adaptive, for contacts that are not soft",
         "Hertz and Hooke contacts, to a tolerance",
+        couplers=True,
     ),
     Method(
         "accurate",
@@ -121,6 +123,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "dop853 where no contact is stiff, radau where one is",
         "wherever the answer matters; the default",
+        couplers=True,
     ),
     Method(
         "pymunk",
@@ -163,11 +166,9 @@ def refusal_of(method: str, chain: Chain) -> str:
             f"method {method!r} takes contacts force = preload + stiffness * overlap**exponent, not a law of your own, "
             f"{law!r}: take 'conserving', 'verlet' or 'scipy'"
         )
-    if chain.couplers and (found is None or not found.couplers):
-        return (
-            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
-            "take 'conserving' or 'scipy'"
-        )
+    refusal = _refusal_of_couplers(method, found, chain) if chain.couplers else ""
+    if refusal:
+        return refusal
     if chain.couplers and chain.own_laws and found is not None and found.family is Family.REFERENCE:
         return (
             "method 'scipy' carries couplers beside preloaded power laws only, not laws of your own: take 'conserving'"
@@ -177,6 +178,20 @@ def refusal_of(method: str, chain: Chain) -> str:
     if chain.own_laws and found.family is Family.REFERENCE:
         return "method 'scipy' carries laws of your own without bed friction and contacts with loss only: take 'conserving'"
     return "" if found.dissipative else _refusal_of_friction(found, chain)
+
+
+def _refusal_of_couplers(method: str, found: Method | None, chain: Chain) -> str:
+    if found is not None and not found.couplers:
+        return (
+            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
+            "take 'accurate', 'conserving' or 'scipy'"
+        )
+    if (found is None or found.family is Family.ADAPTIVE) and not all(link.linear for _, link in chain.couplers):
+        return (
+            f"method {method!r} takes couplers whose gears that pull or go solid are linear, of exponent 1: "
+            "take 'conserving' or 'scipy'"
+        )
+    return ""
 
 
 def _refusal_of_friction(method: Method, chain: Chain) -> str:

@@ -17,6 +17,8 @@ def is_active(i, h, inactive, chain, motion):
     if motion.mode[i] == TOUCHING:
         return True
     law, rate = chain.law, motion.rate[i]
+    if motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0):  # a coupler that pulls
+        return True
     reach = motion.overlap[i] + max(rate, 0.0) * h
     end = signed_force(law[i, 0], law[i, 1], law[i, 2], reach) if reach > 0.0 else 0.0
     push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], law[i, 0], end)

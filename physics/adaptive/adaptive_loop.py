@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.constants import (
 from softcradle.physics.adaptive.crossing import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
-from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
+from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, count_from_touch, keep_step
 from softcradle.physics.adaptive.step import find_step
 from softcradle.physics.adaptive.step_control import first_step, propose_step, restart_control, update_control
 from softcradle.physics.adaptive.step_records import (
@@ -81,7 +81,7 @@ def nothing_moves(chain, regime, motion):
     ):
         return False
     for i in range(motion.mode.size):
-        push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], chain.law[i, 0])
+        push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(abs(motion.force[i]), abs(chain.law[i, 0]))
         rest = ROUND_OFF * max(push, abs(chain.external[i]) if chain.external.size else 0.0)
         if motion.rate[i] != 0.0 or abs(acceleration_of(i, chain, motion.force, 0.0)) > rest:
             return False
@@ -117,6 +117,21 @@ def integrate(
         Scratch(*scratch_fields),
         SwitchLog(*log_fields),
     )
+    code, time = go_on(
+        allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain, regime, motion, trial, look, scratch,
+        steps, log,
+    )  # fmt: skip
+    if code != PAUSED:
+        count_from_touch(motion.overlap, regime, 1.0)
+    return code, time
+
+
+@inlined
+def go_on(
+    allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain, regime, motion, trial, look, scratch,
+    steps, log,
+):  # fmt: skip
+    """`integrate`, with overlaps of couplers from the origins of their segments."""
     wanted = TOLERANCE_PART * tolerance * scale
     slow, negligible = NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
     time, control, counter, firm = start, scratch.control, log.counter, regime.bed.size > 0
@@ -141,7 +156,7 @@ def integrate(
                 return (SEPARATED, time) if stop else (DONE, end)
             time = until
             continue
-        if not acts and nothing_pushes(chain, motion, negligible):
+        if not acts and nothing_pushes(chain, regime, motion, negligible):
             apart = stop and firm and until == end and not any_frozen(motion)  # what stays closed may only come to rest
             if apart and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
@@ -184,8 +199,8 @@ def integrate(
         counter[STEP] += 1
         if open_passed(row, chain, regime, motion, slow):
             control[LAST] = 0.0
-        log_switches(before, time, motion, wanted, scratch, log)
-        grow_errors(row, side, chain, motion, wanted, scratch)
+        log_switches(before, time, regime, motion, wanted, scratch, log)
+        grow_errors(row, side, chain, regime, motion, wanted, scratch)
         if row >= 0:
             cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
 

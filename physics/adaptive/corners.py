@@ -4,8 +4,10 @@ A row sits on a monotone graph and moves over its corners. Each side of a branch
 positive while the row stays:
 
     contact  OPEN      side 0   -d        closes, d the quintic through both ends of the step
+                       side 1    d + s    a coupler comes to the end s of its slack, and pulls
              LOADED    side 0    d        opens, where its law goes on to d < 0
                        side 1    w or -w  with loss: turns from pressing in to coming out, or back; cubic through both ends
+                       side 2    t - d    a coupler's gear goes solid at its travel t
              TOUCHING  side 0   f - low   opens, or comes out;  side 1  high - f  yields; cubic through the stages
     bed      slides    side 0    v or -v  stops; cubic through both ends
              sticks    side 0    R + q    slips back;  side 1  R - q  slips on; q the friction it needs, cubic through the stages
@@ -23,9 +25,12 @@ from softcradle.physics.adaptive.row_graphs import (
     acceleration_of,
     bead_acceleration,
     friction_needed,
+    length_of,
     loss_of,
     most_friction,
     multiplier_bounds,
+    side_of,
+    slack_of,
 )
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
@@ -38,7 +43,7 @@ BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads a
 @piece
 def is_continued(law, i):
     """True where the force is continued to d < 0 within a step, so that a loaded contact opens by an event."""
-    return law[i, 0] > 0.0 or law[i, 2] == 1.0
+    return law[i, 0] != 0.0 or law[i, 2] == 1.0
 
 
 @piece
@@ -55,12 +60,18 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
 
 
 @inlined
-def flies_apart(i, chain, motion, trial):
+def flies_apart(i, chain, regime, motion, trial):
     """True where open contact i is open at the end of the step too, and nothing pushes its beads at either end."""
-    if trial.overlap[2, i] >= 0.0 or chain.external.size:
+    if trial.overlap[2, i] >= 0.0 or chain.external.size or trial.overlap[2, i] <= -slack_of(regime, i):
         return False
     before = motion.force[i - 1] == 0.0 == trial.force[2, i - 1] if i > 0 else True
     return before and (motion.force[i + 1] == 0.0 == trial.force[2, i + 1] if i < motion.force.size - 1 else True)
+
+
+@inlined
+def turns(i, regime, motion, slow):
+    """Whether loaded contact i has loss, and is pressed in: it may turn."""
+    return loss_of(regime, i) > 0.0 and (motion.overlap[i] != 0.0 or side_of(regime, i) * motion.rate[i] > slow)
 
 
 @inlined
@@ -70,21 +81,21 @@ def sides_of(row, chain, regime, motion, slow):
     if row >= n:
         return (0, 0) if regime.bed[row - n] == 0.0 else (0, 1 if regime.slide[row - n] != 0 else 2)
     if motion.mode[row] == OPEN:
-        return 0, 1
+        return 0, 1 if slack_of(regime, row) == math.inf else 2
     if motion.mode[row] == TOUCHING:
         return 0, 2
     if motion.mode[row] != LOADED:
         return 0, 0
-    turns = loss_of(regime, row) > 0.0 and (motion.overlap[row] > 0.0 or motion.rate[row] > slow)
-    return 0 if is_continued(chain.law, row) else 1, 2 if turns else 1
+    end = 3 if length_of(regime, row) < math.inf else 2 if turns(row, regime, motion, slow) else 1
+    return 0 if is_continued(chain.law, row) else 1, end
 
 
 @inlined
 def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
     """Bernstein coefficients, of degree 5, of the guard of a row on that side; bead velocities at both ends are in `work`.
 
-    A contact that begins at d = 0 from rest leaves it as its mode tells; a rate or velocity no more than `slow` outside counts as
-    inside.
+    A contact that begins at a corner from rest leaves it as its mode tells; a rate or velocity no more than `slow` outside counts
+    as inside.
     """
     n, f = motion.mode.size, trial.force
     if row >= n:
@@ -105,21 +116,26 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
         )
     if motion.mode[row] == TOUCHING:
         low, high = multiplier_bounds(regime, row, motion.overlap[row])
-        sign, offset = (1.0, ROUND_OFF * high - low) if side == 0 else (-1.0, high + ROUND_OFF * high)
+        slack = ROUND_OFF * max(high, -low)
+        sign, offset = (1.0, slack - low) if side == 0 else (-1.0, high + slack)
         return stage_cubic(
             sign * motion.force[row] + offset, sign * f[0, row] + offset, sign * f[1, row] + offset,
             sign * f[2, row] + offset,
         )  # fmt: skip
     a0, a1 = acceleration_of(row, chain, motion.force, 0.0), acceleration_of(row, chain, f[2], h)
-    if side == 1:
-        sign = -1.0 if regime.easing[row] != 0 else 1.0
+    sign, offset = side_of(regime, row), 0.0
+    if motion.mode[row] == LOADED and side == 1:
+        sign = -sign if regime.easing[row] != 0 else sign
         return rate_guard(h, sign, motion.rate[row], a0, trial.rate[2, row], a1, slow)
-    sign = -1.0 if motion.mode[row] == OPEN else 1.0
-    rate, bend = sign * motion.rate[row], sign * a0
-    if motion.overlap[row] == 0.0 and rate <= slow:
+    if motion.mode[row] == OPEN and side == 1:
+        offset = slack_of(regime, row)
+    elif motion.mode[row] == OPEN or side == 2:
+        sign, offset = -sign, length_of(regime, row) if side == 2 else 0.0
+    start, rate, bend = sign * motion.overlap[row] + offset, sign * motion.rate[row], sign * a0
+    if start == 0.0 and rate <= slow:
         rate, bend = max(rate, 0.0), max(bend, 0.0)
     return hermite_quintic(
-        h, sign * motion.overlap[row], rate, bend, sign * trial.overlap[2, row], sign * trial.rate[2, row], sign * a1
+        h, start, rate, bend, sign * trial.overlap[2, row] + offset, sign * trial.rate[2, row], sign * a1
     )
 
 
@@ -131,7 +147,7 @@ def rate_guard(h, sign, v0, a0, v1, a1, slow):
 
 
 @inlined
-def stays(row, h, chain, regime, motion, trial, inactive):
+def stays(row, h, chain, regime, motion, trial, inactive, slow):
     """True where a row leaves no branch for a reason that costs less than its guard."""
     n, f = motion.mode.size, trial.force
     if row >= n:
@@ -144,14 +160,19 @@ def stays(row, h, chain, regime, motion, trial, inactive):
             needed = max(needed, abs(friction_needed(j, chain, regime, f[k], h * NODES[k])))
         return needed < 0.5 * least
     if motion.mode[row] == OPEN:
-        return flies_apart(row, chain, motion, trial) or closes_inactive(
+        return flies_apart(row, chain, regime, motion, trial) or closes_inactive(
             chain, row, inactive, motion.rate[row], trial.rate[2, row], trial.overlap[2, row]
         )
     if motion.mode[row] == TOUCHING:
         low, high = multiplier_bounds(regime, row, motion.overlap[row])
         least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
+        if low < 0.0:  # it pulls
+            return least >= SAFETY * low and most <= high - ROUND_OFF * low
         return least >= low - ROUND_OFF * high and most <= SAFETY * high
-    return False
+    # one that begins at d = 0 from rest, and is pressed in at the end: what neighbours hand on begins with any power of time
+    inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
+    pressed = inward * trial.overlap[2, row] >= 0.0 and inward * trial.rate[2, row] >= 0.0
+    return at_start and pressed and inward * trial.overlap[2, row] < length_of(regime, row)
 
 
 @piece
@@ -170,9 +191,11 @@ def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactiv
         bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], work[AFTER])
     for r in range(motion.mode.size + beds):
         first, end = sides_of(r, chain, regime, motion, slow)
-        if first == end or (r != landing and stays(r, h, chain, regime, motion, trial, inactive)):
+        if first == end or (r != landing and stays(r, h, chain, regime, motion, trial, inactive, slow)):
             continue
         for side in range(first, end):
+            if side == 1 and r < motion.mode.size and motion.mode[r] == LOADED and not turns(r, regime, motion, slow):
+                continue
             b = guard_of(r, side, h, chain, regime, motion, trial, slow, work)
             if r == landing and side == landing_side and b[5] < b[4]:
                 miss = 0.2 * h * b[5] / (b[4] - b[5])
@@ -180,28 +203,29 @@ def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactiv
             x = first_root(b)
             if x < part:
                 row, at, part = ZERO + r, ZERO + side, x
-            elif x == NONE and r < motion.mode.size and (motion.mode[r] == OPEN or side == 1):
-                near = min(near, nearest(r, h, b, regime, motion, trial))
+            elif x == NONE and r < motion.mode.size and motion.mode[r] != LOADED:
+                near = min(near, nearest(r, side, h, b, regime, motion, trial))
     return row, at, part, miss, near
 
 
 @inlined
-def nearest(i, h, b, regime, motion, trial):
+def nearest(i, side, h, b, regime, motion, trial):
     """Where in the step the guard `b` of contact i comes nearer to 0 than its polynomial may be wrong; 1 where it does not."""
     d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
-    if motion.mode[i] == TOUCHING:
-        low, high = multiplier_bounds(regime, i, d0)
+    low, high = multiplier_bounds(regime, i, d0)
+    if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):  # it all but yields
         margin = (1.0 - SAFETY) * (high - low)
-    elif motion.mode[i] == OPEN and w0 > 0.0 > w1:  # what quintic and cubic through both ends differ by in the middle
+    elif motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:  # by what cubic and quintic differ in the middle
         middle = (b[0] + b[5] + 5.0 * (b[1] + b[4]) + 10.0 * (b[2] + b[3])) / 32.0
         margin = abs(middle + 0.5 * (d0 + d1) + 0.125 * h * (w0 - w1))
     else:
         return 1.0
-    lowest = min(b[1], b[2], b[3], b[4])
-    if lowest >= margin or lowest >= min(b[0], b[5]):
+    if min(b[1], b[2], b[3], b[4]) >= margin:
         return 1.0
-    part = 0.2 if b[1] == lowest else 0.4 if b[2] == lowest else 0.6 if b[3] == lowest else 0.8
-    return part if halves(part, b)[0][5] < margin else 1.0
+    c0, c1, c2, c3, c4 = b[0] - b[1], b[1] - b[2], b[2] - b[3], b[3] - b[4], b[4] - b[5]  # of its fall
+    fall = (c0, 0.2 * c0 + 0.8 * c1, 0.4 * c1 + 0.6 * c2, 0.6 * c2 + 0.4 * c3, 0.8 * c3 + 0.2 * c4, c4)
+    part = first_root(fall)
+    return part if 0.0 < part < 1.0 and halves(part, b)[0][5] < margin else 1.0
 
 
 NONE = 2.0  # in place of a part of the step: there is no root

@@ -15,14 +15,21 @@ from softcradle.physics.adaptive.corners import is_continued
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
     drive_overlaps,
+    find_segment,
     friction_needed,
     is_at_rest,
+    is_coupler,
     is_firm,
+    is_gear,
+    kept_stop,
+    length_of,
     loss_of,
     most_friction,
     multiplier_bounds,
     pressed_force,
     put_drive,
+    put_segment,
+    side_of,
 )
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
@@ -33,7 +40,7 @@ from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import flow_into
-from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
+from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # rows (n+1,) of the work array: velocities of beads; known forces on them and the static friction of those at rest; bounds of the
 # contact forces, accelerations and forces that the problem gives; 1 for contacts that may be held
@@ -46,7 +53,7 @@ def moment_of(regime, motion, slow):
     largest = 0.0
     for i in range(motion.mode.size):
         weight = regime.inverse_mass[i] + regime.inverse_mass[i + 1]
-        largest = max(largest, weight * max(motion.force[i], regime.law[i, 0]))
+        largest = max(largest, weight * max(abs(motion.force[i]), abs(regime.law[i, 0])))
     for j in range(regime.inverse_mass.size):
         if regime.push.size:
             largest = max(largest, abs(regime.push[j]) * regime.inverse_mass[j])
@@ -58,8 +65,11 @@ def moment_of(regime, motion, slow):
 @inlined
 def known_force(i, late, regime, motion):
     """Force of contact i, loaded, `late` [s] after now."""
-    found = pressed_force(regime, i, motion.overlap[i] + late * motion.rate[i])
-    return found * (1.0 - loss_of(regime, i)) if regime.easing.size and regime.easing[i] != 0 else found
+    overlap = motion.overlap[i] + late * motion.rate[i]
+    found = pressed_force(regime, i, overlap)
+    if regime.easing.size == 0 or regime.easing[i] == 0:
+        return found
+    return found * (1.0 - loss_of(regime, i)) + kept_stop(regime, i, overlap)
 
 
 @inlined
@@ -74,15 +84,18 @@ def classify(late, chain, regime, motion, slow, work):
     for i in range(mode.size):
         candidate[i] = 0.0
         if motion.held[i] == 0:
-            at_rest = overlap[i] == 0.0 and abs(rate[i]) <= slow
-            stands = overlap[i] > 0.0 and rate[i] == 0.0 and loss_of(regime, i) > 0.0
+            if is_coupler(regime, i):
+                find_segment(i, regime, motion, slow)
+            x, w = side_of(regime, i) * overlap[i], side_of(regime, i) * rate[i]
+            at_rest = x == 0.0 and abs(w) <= slow
+            stands = x > 0.0 and w == 0.0 and loss_of(regime, i) > 0.0
             mode[i] = LOADED
-            if overlap[i] < 0.0 or (overlap[i] == 0.0 and rate[i] < 0.0 and not at_rest):
+            if x < 0.0 or (x == 0.0 and w < 0.0 and not at_rest):
                 mode[i] = OPEN
-            elif (at_rest and (regime.law[i, 0] > 0.0 or chain.external.size > 0)) or stands:
+            elif (at_rest and (regime.law[i, 0] != 0.0 or chain.external.size > 0)) or stands:
                 mode[i], candidate[i], undetermined = TOUCHING, 1.0, True
             if regime.easing.size:
-                eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and overlap[i] > 0.0 and rate[i] < 0.0
+                eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and x > 0.0 and w < 0.0
                 regime.easing[i] = 1 if eases else 0
         if candidate[i] != 0.0:
             low[i], high[i] = multiplier_bounds(regime, i, overlap[i])
@@ -118,19 +131,31 @@ def load_beads(late, slipping, chain, regime, motion, slow, work):
 @inlined
 def settle_contact(i, regime, motion, work):
     """The mode of a contact that may be held, from the accelerations of its beads."""
-    apart = work[ACCELERATION, i] - work[ACCELERATION, i + 1]
-    low, high = work[LOW, i], work[HIGH, i]
-    none = ROUND_OFF * (regime.inverse_mass[i] + regime.inverse_mass[i + 1]) * high
+    side, low, high = side_of(regime, i), work[LOW, i], work[HIGH, i]
+    pressed = side * (work[ACCELERATION, i] - work[ACCELERATION, i + 1])
+    none = ROUND_OFF * (regime.inverse_mass[i] + regime.inverse_mass[i + 1]) * max(high, -low)
     motion.force[i] = work[CARRIED, i]
-    if apart > none or (low == high and apart >= -none):
-        motion.mode[i], motion.force[i] = LOADED, high
-    elif apart < -none:
-        motion.force[i] = low
-        motion.mode[i] = LOADED if motion.overlap[i] > 0.0 else OPEN
-        if motion.overlap[i] > 0.0:
-            regime.easing[i] = 1
+    if pressed > none or (low == high and pressed >= -none):
+        motion.mode[i], motion.force[i] = LOADED, high if side > 0.0 else low
+    elif pressed < -none:
+        motion.force[i] = low if side > 0.0 else high
+        ease(i, regime, motion)
     else:
         motion.rate[i] = 0.0
+
+
+@inlined
+def ease(i, regime, motion):
+    """Let contact i come out, from rest."""
+    side = side_of(regime, i)
+    if motion.overlap[i] == 0.0 and not is_gear(regime, i):
+        put_segment(i, regime.segment[i] - (1 if side > 0.0 else -1), regime, motion)
+        motion.overlap[i] = side * length_of(regime, i)
+    motion.mode[i] = LOADED if motion.overlap[i] != 0.0 else OPEN
+    if regime.easing.size:
+        regime.easing[i] = 1 if motion.overlap[i] != 0.0 and loss_of(regime, i) > 0.0 else 0
+    if motion.mode[i] == OPEN and side < 0.0:
+        put_segment(i, regime.segment[i] + 1, regime, motion)
 
 
 @inlined
@@ -174,6 +199,9 @@ def make_effective(chain, regime, motion):
         for i in range(n):
             part = 1.0 - regime.loss[i] if regime.easing[i] != 0 else 1.0
             chain.law[i, 0], chain.law[i, 1] = part * regime.law[i, 0], part * regime.law[i, 1]
+            if regime.stop.size:
+                chain.law[i, 1] += (1.0 - part) * regime.stop[i]
+                chain.law[i, 2] = regime.law[i, 2]
     if regime.bed.size:
         for j in range(n + 1):
             chain.inverse_mass[j] = 0.0 if is_firm(regime, j) else regime.inverse_mass[j]
@@ -212,50 +240,55 @@ def decide(slipping, chain, regime, motion, slow, scratch):
 
 
 @inlined
-def gives_way(row, side, chain, regime, motion):
-    """Whether a row that was held and has reached its bound is still held there: nothing else has relieved it."""
+def carried(row, chain, regime, motion):
+    """What a row carries, force of a contact or friction of a bead, and the most that it can; 0 if it is not held."""
     n = motion.mode.size
     if row >= n:
-        needed = friction_needed(row - n, chain, regime, motion.force, 0.0) * (1.0 if side == 1 else -1.0)
-        return regime.slide[row - n] == 0 and needed >= (1.0 - FORCE_PRECISION) * most_friction(
-            row - n, chain, regime, 0.0
-        )
+        most = most_friction(row - n, chain, regime, 0.0) if regime.slide[row - n] == 0 else 0.0
+        return friction_needed(row - n, chain, regime, motion.force, 0.0), most
     low, high = multiplier_bounds(regime, row, motion.overlap[row])
-    lacks = motion.force[row] - low if side == 0 else high - motion.force[row]
-    return motion.mode[row] == TOUCHING and lacks <= FORCE_PRECISION * high
+    return motion.force[row], max(high, -low) if motion.mode[row] == TOUCHING else 0.0
 
 
 @piece
 def cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log):
-    """Move a row over its corner on that side, and decide all rows anew; one that was held gives way if still at its bound."""
-    n, control, held = motion.mode.size, scratch.control, False
-    if row >= n:
-        held = regime.slide[row - n] == 0
-        if not held:
-            stop_bead(row - n, chain, regime, motion, scratch.work[VELOCITY])
-    elif motion.mode[row] == TOUCHING:
-        held = True
-    elif side == 1:
+    """Move a row over its corner on that side, and decide all rows anew.
+
+    One that was held gives way, unless another that did has relieved it.
+    """
+    n, control = motion.mode.size, scratch.control
+    before, held = carried(row, chain, regime, motion)
+    if held > 0.0:
+        held *= FORCE_PRECISION
+    elif row >= n:
+        stop_bead(row - n, chain, regime, motion, scratch.work[VELOCITY])
+    elif motion.mode[row] == LOADED and side == 1:
         motion.rate[row] = 0.0
+    elif side == 2:
+        motion.overlap[row] = side_of(regime, row) * length_of(regime, row)
+    elif side == 1:
+        put_segment(row, regime.segment[row] - 1, regime, motion)
+        motion.overlap[row] = 0.0
     else:
         motion.overlap[row] = 0.0
         if motion.mode[row] == OPEN:
             restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], wanted)))
     decide(NO_CONTACT, chain, regime, motion, slow, scratch)
-    if held and gives_way(row, side, chain, regime, motion):
+    after, most = carried(row, chain, regime, motion)
+    if held > 0.0 and most > 0.0 and abs(after - before) <= held:
         slipping = NO_CONTACT
         if row >= n:
             slipping = row - n
             regime.slide[slipping] = 1 if side == 1 else -1
         else:
             motion.mode[row], motion.held[row] = LOADED, 1
-            if side == 0 and motion.overlap[row] == 0.0:
-                motion.mode[row] = OPEN
-            if regime.easing.size:
-                regime.easing[row] = 1 if side == 0 and motion.overlap[row] > 0.0 else 0
+            if (side == 0) == (side_of(regime, row) > 0.0):
+                ease(row, regime, motion)
+            elif regime.easing.size:
+                regime.easing[row] = 0
         decide(slipping, chain, regime, motion, slow, scratch)
     control[PAST_STEP] = 0.0
-    log_switches(time, time, motion, wanted, scratch, log)
+    log_switches(time, time, regime, motion, wanted, scratch, log)
 
 
 @piece
@@ -289,9 +322,9 @@ def open_passed(row, chain, regime, motion, slow):
     for i in range(motion.mode.size):
         if i == row or (is_continued(chain.law, i) and motion.mode[i] == LOADED):
             continue
-        if motion.mode[i] == OPEN and motion.overlap[i] > 0.0:  # its event could not be met
+        if motion.mode[i] == OPEN and side_of(regime, i) * motion.overlap[i] > 0.0:  # its event could not be met
             motion.mode[i] = LOADED
-        elif motion.mode[i] == LOADED and motion.overlap[i] < 0.0:
+        elif motion.mode[i] == LOADED and side_of(regime, i) * motion.overlap[i] < 0.0:
             any_passed = True
             motion.force[i] = 0.0
             if abs(motion.rate[i]) > slow or flow_into(i, chain.inverse_mass, motion.force) > drive_at(chain, i, 0.0):
@@ -311,16 +344,18 @@ def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, tri
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
             motion.mode[i], motion.force[i] = OPEN, 0.0
-    log_switches(time, time, motion, wanted, scratch, log)
+            if side_of(regime, i) < 0.0:
+                put_segment(i, regime.segment[i] + 1, regime, motion)
+    log_switches(time, time, regime, motion, wanted, scratch, log)
     scratch.control[NEXT] = math.inf
-    until, row = next_event(time, end, chain, regime, motion, negligible, scratch.work[0])
+    until, row, side = next_event(time, end, chain, regime, motion, negligible, scratch.work[0])
     if until < math.inf:
         if steps.time.size:
             keep_step(time, until - time, FLOWN, chain, regime, motion, trial, steps, log.counter)
         drift(until - time, chain, regime, motion, scratch.work[0])
         time = until
     if row >= 0:
-        cross(row, ZERO, time, chain, regime, motion, wanted, slow, scratch, log)
+        cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
     return time, row
 
 
@@ -343,6 +378,8 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
     first = math.inf
     for i in range(motion.mode.size):
         motion.held[i] = 0
+        if regime.segment.size:
+            put_segment(i, regime.segment[i], regime, motion)
     for j in range(regime.bed.size):
         scratch.work[1, j] = 0.0
     find_slides(chain, regime, motion, scratch.work[1], scratch.work[0])
@@ -357,7 +394,7 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
         scratch.opened[i] = time if motion.overlap[i] < 0.0 else math.inf
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
         scratch.course[i] = scratch.turns[i] = 0.0
-    log_switches(time, time, motion, wanted, scratch, log)
+    log_switches(time, time, regime, motion, wanted, scratch, log)
 
 
 @piece
@@ -372,5 +409,5 @@ def pass_knot(time, chain, regime, motion, wanted, slow, scratch, log):
         motion.held[i] = 0
     decide(NO_CONTACT, chain, regime, motion, slow, scratch)
     scratch.control[LAST], scratch.control[PAST_STEP] = 0.0, 0.0
-    log_switches(time, time, motion, wanted, scratch, log)
+    log_switches(time, time, regime, motion, wanted, scratch, log)
     return acts

@@ -6,20 +6,50 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics.chain import Chain
+from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.kernel_records import NO_FLAGS, NOTHING, chain_records
 from softcradle.physics.state import State
+
+NO_SEGMENTS = (NOTHING, NO_FLAGS, np.zeros((0, 8)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
 
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The fields of the effective chain and of its Regime; without dissipation they share their arrays."""
-    (law, inverse_mass, push, external, anchor, *others), dissipation = chain_records(chain, state)
+    (law, inverse_mass, push, external, anchor, own, _, knots), dissipation = chain_records(chain, state)
     if dissipation is None:
-        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS)
-        return (law, inverse_mass, push, external, anchor, *others), regime
-    loss = dissipation.loss if dissipation.loss.any() else NOTHING
+        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, *NO_SEGMENTS)
+        return (law, inverse_mass, push, external, anchor, own, None, knots), regime
+    loss = dissipation.loss if dissipation.loss.any() or chain.couplers else NOTHING
     bed = dissipation.bed if dissipation.bed.any() else NOTHING
     slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
-    regime = (law, inverse_mass, push, loss, bed, slide, easing)
+    joints = _segments(chain) if chain.couplers else NO_SEGMENTS
+    regime = (law, inverse_mass, push, loss, bed, slide, easing, *joints)
     if bed.size and not external.size:
         external = np.zeros(bed.size)
-    return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
+    return (law.copy(), inverse_mass.copy(), push, external, anchor, own, None, knots), regime
+
+
+def _segments(chain: Chain) -> tuple[Any, ...]:
+    """The segments of all contacts, each on the one in which it pushes first."""
+    rows: list[list[float]] = []
+    first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
+    for i, contact in enumerate(chain.contact):
+        if isinstance(contact, Coupler):
+            pulls = [] if contact.pull is None else _gear(contact.pull, -1.0, -contact.slack, contact)[::-1]
+            rows += pulls + _gear(contact.push, 1.0, 0.0, contact)
+            segment[i] = len(pulls)
+        else:
+            rows.append([1.0, 0.0, contact.preload, contact.stiffness, contact.exponent, contact.loss, 0.0, np.inf])
+        first[i + 1] = len(rows)
+    return np.zeros(chain.contacts), segment, np.array(rows), first
+
+
+def _gear(law: Contact, side: float, origin: float, coupler: Coupler) -> list[list[float]]:
+    """The segments of a gear of a coupler from its origin outward: as it is pressed in, and solid."""
+    found = [[side, origin, side * law.preload, law.stiffness, law.exponent, law.loss, 0.0, coupler.travel]]
+    if coupler.stop:
+        full, stiffness = law.preload + law.stiffness * coupler.travel, law.stiffness + coupler.stop
+        beyond = origin + side * coupler.travel
+        found.append([side, beyond, side * full, stiffness, 1.0, law.loss, coupler.stop, np.inf])
+    return found

@@ -134,7 +134,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     n = mode.size
     before, strongest = math.inf, 0.0
     for i in range(n):
-        strongest = max(strongest, force[i])
+        strongest = max(strongest, abs(force[i]))
     for iteration in range(MOST_TRIES):
         directions(h, chain, mode, trial, scratch)
         eliminate(h, chain, motion, trial, scratch)
@@ -143,7 +143,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             deep = (
                 law[i, 0] == 0.0 and law[i, 2] < 1.0
             )  # forces of such contacts span decades; touching ones may be undetermined
-            changed, largest = 0.0, max(force[i], FORCE_PRECISION * strongest) if deep else strongest
+            changed, largest = 0.0, max(abs(force[i]), FORCE_PRECISION * strongest) if deep else strongest
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
                 if not math.isfinite(scratch.correction[k, i]):

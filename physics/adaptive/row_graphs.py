@@ -3,19 +3,105 @@
 contact  OPEN      d < 0   f = 0                     LOADED   d > 0   f = F + K d**a, (1 - l) times that as it comes out
          TOUCHING  the overlap is held: 0 <= f <= F at d = 0, (1 - l) f(d) <= f <= f(d) where one with loss stands still
 bed      slides    v != 0  friction mu m g against v    sticks  v = 0, friction within -+ mu m g
+
+A coupler is a contact whose graph has more segments, one beside the other: solid and pulling, pulling, solid and pushing beside
+pushing. Each has a side, an origin, a law, a loss, a stop, which is a part of its stiffness that loses nothing, and a length
+after which the next begins. While a contact is on a segment its overlap is counted from the origin; between them, in the slack,
+it is OPEN on the one that pushes. The law of a side that pulls is linear, so that it is one formula on both sides of its origin.
 """
 
 from __future__ import annotations
 
+import math
+
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at, put_values
 from softcradle.physics.numerics.law_curve import flow_into, signed_force
+
+SIDE, ORIGIN, LAW, LOSS, STOP, LENGTH = 0, 1, 2, 5, 6, 7  # columns of the segments
+
+
+@inlined
+def is_coupler(regime, i):
+    """Whether contact i has more than one segment."""
+    return regime.segment.size > 0 and regime.first[i + 1] > regime.first[i] + 1
+
+
+@inlined
+def of_segment(regime, i, column):
+    """An entry of the segment that contact i of a chain with couplers is on."""
+    return regime.segments[regime.first[i] + regime.segment[i], column]
+
+
+@inlined
+def side_of(regime, i):
+    """1 where contact i pushes, or does nothing, -1 where it pulls: what makes of its overlap and rate those of a contact."""
+    return of_segment(regime, i, SIDE) if regime.segment.size else 1.0
+
+
+@inlined
+def length_of(regime, i):
+    """The overlap at which the next segment begins; inf without one."""
+    return of_segment(regime, i, LENGTH) if regime.segment.size else math.inf
+
+
+@inlined
+def slack_of(regime, i):
+    """The way that contact i can go apart until it pulls; inf where it does not."""
+    if regime.segment.size == 0 or regime.segment[i] == 0 or regime.segments[regime.first[i], SIDE] > 0.0:
+        return math.inf
+    return -regime.segments[regime.first[i] + regime.segment[i] - 1, ORIGIN] if is_gear(regime, i) else math.inf
+
+
+@inlined
+def is_gear(regime, i):
+    """Whether contact i is on a segment that ends at no force, not a solid one."""
+    return regime.segment.size == 0 or of_segment(regime, i, STOP) == 0.0
+
+
+@inlined
+def put_segment(i, number, regime, motion):
+    """Put contact i on a segment: law, loss and stop are those of it, and its overlap counts from there."""
+    before = of_segment(regime, i, ORIGIN)
+    regime.segment[i] = number
+    row = regime.segments[regime.first[i] + number]
+    for k in range(3):
+        regime.law[i, k] = row[LAW + k]
+    regime.loss[i], regime.stop[i] = row[LOSS], row[STOP]
+    motion.overlap[i] += before - row[ORIGIN]
+
+
+@inlined
+def find_segment(i, regime, motion, slow):
+    """Put contact i on the segment that it is on, or moves to from an end of one."""
+    for _ in range(4):
+        side, number = side_of(regime, i), regime.segment[i]
+        x, w = side * motion.overlap[i], side * motion.rate[i]
+        outward = 1 if side > 0.0 else -1
+        if x > length_of(regime, i) or (x == length_of(regime, i) and w >= 0.0):
+            put_segment(i, number + outward, regime, motion)
+            motion.overlap[i] = side * max(side * motion.overlap[i], 0.0)
+        elif not is_gear(regime, i) and (x < 0.0 or (x == 0.0 and w < 0.0)):
+            put_segment(i, number - outward, regime, motion)
+            motion.overlap[i] = side * min(side * motion.overlap[i], length_of(regime, i))
+        elif side < 0.0 and (x < 0.0 or (x == 0.0 and w < -slow)):
+            put_segment(i, number + 1, regime, motion)
+        elif x < -slack_of(regime, i):
+            put_segment(i, number - 1, regime, motion)
+        else:
+            return
 
 
 @inlined
 def loss_of(regime, i):
     """The part of its energy that contact i keeps."""
     return regime.loss[i] if regime.loss.size else 0.0
+
+
+@inlined
+def kept_stop(regime, i, overlap):
+    """Force of contact i that comes out beside (1 - l) of that as it is pressed in: the stop loses nothing."""
+    return regime.loss[i] * regime.stop[i] * overlap if regime.stop.size else 0.0
 
 
 @inlined
@@ -27,10 +113,10 @@ def pressed_force(regime, i, overlap):
 @inlined
 def multiplier_bounds(regime, i, overlap):
     """(least, largest) force that contact i may carry while its overlap is held."""
-    if overlap > 0.0:
-        full = pressed_force(regime, i, overlap)
-        return (1.0 - loss_of(regime, i)) * full, full
-    return 0.0, regime.law[i, 0]
+    full, least = pressed_force(regime, i, overlap), 0.0
+    if overlap != 0.0 or not is_gear(regime, i):
+        least = (1.0 - loss_of(regime, i)) * full + kept_stop(regime, i, overlap)
+    return (least, full) if full >= 0.0 else (full, least)
 
 
 @inlined

@@ -92,7 +92,7 @@ class Memory:
         n = chain.contacts
         mode, held, rows = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8), steps
         if rows is None:
-            rows = empty_steps(0, n, chain.dissipative)
+            rows = empty_steps(0, n, chain.dissipative or bool(chain.couplers))
         return cls(mode, held, empty_trial(n), empty_trial(n), empty_scratch(n), rows, empty_log(n, log_size))
 
 

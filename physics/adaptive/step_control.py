@@ -65,7 +65,7 @@ def first_step(chain, motion, scale):
             slope = slope_at(preload, stiffness, exponent, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
         if motion.mode[i] != OPEN:
-            push = max(motion.force[i], preload)
+            push = max(abs(motion.force[i]), abs(preload))
             fastest = max(fastest, weight * push / scale, 1e-3 * math.sqrt(weight * stiffness))
         if chain.external.size:
             fastest = max(fastest, abs(chain.external[i]) / scale)

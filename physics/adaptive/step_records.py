@@ -67,6 +67,10 @@ class Regime(NamedTuple):
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
     easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any
+    stop: Array  # (n,) part of the stiffness [N/m] of each contact that loses nothing; this and all below (0,) without couplers
+    segment: NDArray[np.int8]  # (n,) on which of its segments each contact is, law, loss and stop are those of
+    segments: Array  # (m, 8) of all contacts, see `row_graphs`
+    first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
 
 
 class Scratch(NamedTuple):
@@ -101,7 +105,7 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
     """Memory of `rows` steps."""
     values, flags = 9 * contacts + 6, contacts
     if dissipative:
-        values, flags = values + 5 * contacts + 2, flags + 2 * contacts + 1
+        values, flags = values + 5 * contacts + 2, flags + 3 * contacts + 1
     time, length, kind = np.empty(rows), np.empty(rows), np.empty(rows, dtype=np.int8)
     return Steps(time, length, kind, np.empty((rows, values)), np.empty((rows, flags), dtype=np.int8))
 
