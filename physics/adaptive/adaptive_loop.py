@@ -17,8 +17,13 @@ from softcradle.physics.adaptive.crossing import begin, cross, fly_to_event, ope
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
 from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, count_from_touch, keep_step
-from softcradle.physics.adaptive.step import find_step
-from softcradle.physics.adaptive.step_control import first_step, propose_step, restart_control, update_control
+from softcradle.physics.adaptive.step_control import (
+    find_step,
+    first_step,
+    propose_step,
+    restart_control,
+    update_control,
+)
 from softcradle.physics.adaptive.step_records import (
     AT_ONCE,
     DOP853,

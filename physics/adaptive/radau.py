@@ -10,13 +10,134 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TRIES, ROUND_OFF
-from softcradle.physics.adaptive.radau_guess import first_guess
-from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
+import numpy as np
+from softcradle.physics.adaptive.constants import (
+    FOLLOW,
+    FORCE_PRECISION,
+    HUGE,
+    MOST_GUESSED,
+    MOST_TRIES,
+    ROUND_OFF,
+    SUDDEN,
+)
+from softcradle.physics.numerics.elementary import exp, log, power
+from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
+from softcradle.physics.numerics.law_curve import (
+    NODES,
+    ROOT6,
+    SMALLEST,
+    cubic,
+    flow_into,
+    move_along,
+    signed_force,
+    slope_at,
+)
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
+
+TABLEAU = np.array(
+    [
+        [(88.0 - 7.0 * ROOT6) / 360.0, (296.0 - 169.0 * ROOT6) / 1800.0, (-2.0 + 3.0 * ROOT6) / 225.0],
+        [(296.0 + 169.0 * ROOT6) / 1800.0, (88.0 + 7.0 * ROOT6) / 360.0, (-2.0 - 3.0 * ROOT6) / 225.0],
+        [(16.0 - ROOT6) / 36.0, (16.0 + ROOT6) / 36.0, 1.0 / 9.0],
+    ]
+)
+INVERSE = exact_inverse(TABLEAU)  # stage rates from stage overlaps
+SQUARE_INVERSE = exact_product(INVERSE, INVERSE)
+GAMMA = 1.0 / 3.637834252744496  # the one real eigenvalue of the inverse is 3 + 9**(1/3) - 3**(1/3)
+EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * ROOT6, -13.0 + 7.0 * ROOT6, -1.0])  # Hairer & Wanner, IV.8
+_COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
+COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)  # its error, of one order less than the embedded one
+
+
+AFTER, INSIDE = 1.0, 0.0  # where a step begins in the one whose cubics it is guessed by, as part of it
+
+
+@inlined
+def first_guess(h, chain, motion, past_step, origin, past, trial):
+    """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
+
+    `past` (8, n): force at the start and stages of that step, then the overlaps; `origin` says whether the new one begins AFTER
+    it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others keep
+    their rate.
+    """
+    law, inverse_mass = chain.law, chain.inverse_mass
+    overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
+    stage_overlap, stage_force = trial.overlap, trial.force
+    follows = past_step > 0.0 and h < FOLLOW * past_step
+    since = time_since_onset(law, mode, overlap, rate, force)
+    for i in range(overlap.size):
+        preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
+        for k in range(3):
+            flown = overlap[i] + h * NODES[k] * rate[i]
+            x = origin + NODES[k] * h / past_step if follows else 0.0
+            if mode[i] == OPEN:
+                stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+            elif mode[i] == TOUCHING or mode[i] == FROZEN:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                if follows and mode[i] == TOUCHING:
+                    stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
+            elif exponent < 1.0 and force[i] > preload:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                weight = inverse_mass[i] + inverse_mass[i + 1]
+                stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
+                own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
+                time = overlap[i] / rate[i] if own else since
+                if (not follows or (origin == AFTER and h > SUDDEN * abs(time))) and overlap[i] > SMALLEST:
+                    growth = log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
+                    if own and flown <= 0.0 and preload == 0.0:
+                        stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+                        continue
+                    if not own:
+                        growth *= rate[i] * time / overlap[i]
+                    most = log(MOST_GUESSED) / exponent
+                    growth = min(max(growth, -most), most)
+                    stage_overlap[k, i] = overlap[i] * exp(growth)
+                    stage_force[k, i] = preload + (force[i] - preload) * exp(exponent * growth)
+                elif follows:
+                    excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
+                    if force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload):
+                        stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
+                        stage_force[k, i] = preload + excess
+            elif overlap[i] == 0.0 and rate[i] == 0.0:
+                stage_overlap[k, i], stage_force[k, i] = 0.0, preload
+                if i > 0 and preload == 0.0:
+                    set_pushed(h, law, inverse_mass, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
+            else:
+                if follows:
+                    flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
+                stage_overlap[k, i] = flown
+                stage_force[k, i] = signed_force(preload, stiffness, exponent, flown)
+    for i in range(overlap.size - 2, -1, -1):
+        for k in range(3):
+            if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
+                set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
+                drive = drive_at(chain, i, h * NODES[k])
+                if drive > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                    push = drive / (inverse_mass[i] + inverse_mass[i + 1])
+                    set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
+
+
+@piece
+def time_since_onset(law, mode, overlap, rate, force):
+    """Time since the overlap of the soft contact that pushes most was zero, had its rate been constant; negative until then."""
+    largest, since = 0.0, 1e30
+    for i in range(overlap.size):
+        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0 and force[i] > largest and rate[i] != 0.0:
+            largest, since = force[i], overlap[i] / rate[i]
+    return since
+
+
+@piece
+def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_force):
+    """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
+    if push <= 0.0:
+        return
+    time = h * NODES[k]
+    flown = 0.5 * (time * time) * inverse_mass[bead] * push
+    stage_force[k, i] = min(0.8 * push, law[i, 1] * power(flown, law[i, 2]))
+    stage_overlap[k, i] = power(stage_force[k, i] / law[i, 1], 1.0 / law[i, 2])
 
 
 @inlined

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
-from softcradle.physics.adaptive.radau_guess import INSIDE
+from softcradle.physics.adaptive.radau import INSIDE
 from softcradle.physics.adaptive.row_graphs import (
     ORIGIN,
     bead_acceleration,
@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.row_graphs import (
     put_segment,
     side_of,
 )
-from softcradle.physics.adaptive.step import take_step
+from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole

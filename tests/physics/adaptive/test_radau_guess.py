@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_GUESSED
-from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, NO_GUESS, first_guess, set_pushed, time_since_onset
+from softcradle.physics.adaptive.radau import AFTER, INSIDE, NO_GUESS, first_guess, set_pushed, time_since_onset
 from softcradle.physics.adaptive.step_records import empty_trial
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
