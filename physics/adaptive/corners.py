@@ -166,9 +166,10 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
     if motion.mode[row] == TOUCHING:
         low, high = multiplier_bounds(regime, row, motion.overlap[row])
         least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
+        half = 0.5 * (low + high)
         if low < 0.0:  # it pulls
-            return least >= SAFETY * low and most <= high - ROUND_OFF * low
-        return least >= low - ROUND_OFF * high and most <= SAFETY * high
+            return least >= half and most <= high - ROUND_OFF * low
+        return least >= low - ROUND_OFF * high and most <= half
     # one that begins at d = 0 from rest, and is pressed in at the end: what neighbours hand on begins with any power of time
     inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
     pressed = inward * trial.overlap[2, row] >= 0.0 and inward * trial.rate[2, row] >= 0.0
