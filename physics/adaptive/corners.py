@@ -25,6 +25,7 @@ from softcradle.physics.adaptive.row_graphs import (
     acceleration_of,
     bead_acceleration,
     friction_needed,
+    is_continued,
     length_of,
     loss_of,
     most_friction,
@@ -38,12 +39,6 @@ from softcradle.physics.numerics.law_curve import NODES, signed_force
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
-
-
-@piece
-def is_continued(law, i):
-    """True where the force is continued to d < 0 within a step, so that a loaded contact opens by an event."""
-    return law[i, 0] != 0.0 or law[i, 2] == 1.0
 
 
 @piece

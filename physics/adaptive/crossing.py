@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF
-from softcradle.physics.adaptive.corners import is_continued
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
     drive_overlaps,
     find_segment,
     friction_needed,
     is_at_rest,
+    is_continued,
     is_coupler,
     is_firm,
     is_gear,
@@ -199,9 +199,8 @@ def make_effective(chain, regime, motion):
         for i in range(n):
             part = 1.0 - regime.loss[i] if regime.easing[i] != 0 else 1.0
             chain.law[i, 0], chain.law[i, 1] = part * regime.law[i, 0], part * regime.law[i, 1]
-            if regime.stop.size:
-                chain.law[i, 1] += (1.0 - part) * regime.stop[i]
-                chain.law[i, 2] = regime.law[i, 2]
+            for k in range(2, chain.law.shape[1]):
+                chain.law[i, k] = regime.law[i, k]
     if regime.bed.size:
         for j in range(n + 1):
             chain.inverse_mass[j] = 0.0 if is_firm(regime, j) else regime.inverse_mass[j]

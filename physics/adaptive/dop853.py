@@ -22,11 +22,12 @@ from softcradle.physics.adaptive.dop853_tableau import (
     WEIGHTS,
     WEIGHTS_SQUARE,
 )
+from softcradle.physics.adaptive.row_graphs import curve_force, curve_slope
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
-from softcradle.physics.numerics.law_curve import care, larger, signed_force, slope_at
+from softcradle.physics.numerics.law_curve import care, larger, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
 
 
@@ -78,10 +79,10 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     touching = False
     for i in range(first, last):
         force[i] = 0.0
-        if mode[i] == LOADED and overlap[i] > 0.0:
+        if mode[i] == LOADED and overlap[i] > 0.0 and law.shape[1] == 3:
             force[i] = law[i, 0] + law[i, 1] * power(overlap[i], law[i, 2])
         elif mode[i] == LOADED:
-            force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            force[i] = curve_force(law, i, overlap[i])
         touching |= mode[i] == TOUCHING
     if first > 0:  # the edge of a range in mid-chain is inactive: the bead beyond would not feel it
         force[first] = 0.0
@@ -253,7 +254,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         frequency[i] = 0.0
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
-        if mode[i] == LOADED and (at > 0.0 or law[i, 2] == 1.0):
+        if mode[i] == LOADED and (at > 0.0 or law.shape[1] > 3):
             frequency[i] = frequency_of(law, inverse_mass, i, at)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)
@@ -268,14 +269,14 @@ def error_of_range(h, first, last, chain, motion, trial, force):
 @piece
 def frequency_of(law, inverse_mass, i, overlap):
     """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
-    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force_at(law, i, overlap))
+    slope = curve_slope(law, i, overlap, curve_force(law, i, overlap))
     return (inverse_mass[i] + inverse_mass[i + 1]) * slope
 
 
 @piece
 def force_at(law, i, overlap):
     """Force of contact i, loaded, at `overlap`."""
-    return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
+    return curve_force(law, i, overlap)
 
 
 @piece

@@ -20,6 +20,7 @@ from softcradle.physics.adaptive.constants import (
     ROUND_OFF,
     SUDDEN,
 )
+from softcradle.physics.adaptive.row_graphs import curve_force, curve_slope
 from softcradle.physics.numerics.elementary import exp, log, power
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import inlined, piece
@@ -31,8 +32,6 @@ from softcradle.physics.numerics.law_curve import (
     cubic,
     flow_into,
     move_along,
-    signed_force,
-    slope_at,
 )
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -101,14 +100,14 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                         stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
                         stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, preload
+                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, i, 0.0)
                 if i > 0 and preload == 0.0:
                     set_pushed(h, law, inverse_mass, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
             else:
                 if follows:
                     flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
                 stage_overlap[k, i] = flown
-                stage_force[k, i] = signed_force(preload, stiffness, exponent, flown)
+                stage_force[k, i] = curve_force(law, i, flown)
     for i in range(overlap.size - 2, -1, -1):
         for k in range(3):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
@@ -141,11 +140,11 @@ def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_forc
 
 
 @inlined
-def direction(law, mode, weight, overlap, force):
+def direction(law, i, mode, weight, overlap, force):
     """Direction (dd, df) = (along, across) z of the curve of a contact, scaled so that d + `weight` f moves by z."""
     if mode in (OPEN, FROZEN):
         return 1.0, 0.0
-    slope = slope_at(law[0], law[1], law[2], overlap, force) if mode == LOADED else math.inf
+    slope = curve_slope(law, i, overlap, force) if mode == LOADED else math.inf
     if slope > HUGE:
         return 0.0, 1.0 / weight
     along = 1.0 / (1.0 + weight * slope)
@@ -159,7 +158,7 @@ def directions(h, chain, mode, trial, scratch):
         weight = h * h * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
         for k in range(3):
             scratch.along[k, i], scratch.across[k, i] = direction(
-                chain.law[i], mode[i], weight, trial.overlap[k, i], trial.force[k, i]
+                chain.law, i, mode[i], weight, trial.overlap[k, i], trial.force[k, i]
             )
 
 
@@ -169,7 +168,10 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     law, d, f = chain.law, trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
     if mode[i] == LOADED:
-        end, pushes = move_along(law[i, 0], law[i, 1], law[i, 2], weight, d, f, by_overlap, by_force)
+        if law.shape[1] > 3 and law[i, 2] >= 1.0:
+            end, pushes = d + by_overlap, curve_force(law, i, d + by_overlap)
+        else:
+            end, pushes = move_along(law[i, 0], law[i, 1], law[i, 2], weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
         return max(abs(end - d), abs(by_overlap)), max(abs(pushes - f), abs(by_force))
     if mode[i] == OPEN or mode[i] == FROZEN:
@@ -294,7 +296,7 @@ def euler_change(k, time, chain, motion, trial, scratch):
     for i in range(n):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
         d, f = trial.overlap[k, i], trial.force[k, i]
-        along[i], across[i] = direction(chain.law[i], motion.mode[i], left + right, d, f)
+        along[i], across[i] = direction(chain.law, i, motion.mode[i], left + right, d, f)
         flow = flow_into(i, inverse_mass, trial.force[k]) - drive_at(chain, i, time)
         z[i] = motion.overlap[i] + time * motion.rate[i] - d - square * flow
         pivot = along[i] + (left + right) * across[i]

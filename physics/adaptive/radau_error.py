@@ -6,9 +6,10 @@ import math
 
 from softcradle.physics.adaptive.constants import RATIO, ROUND_OFF
 from softcradle.physics.adaptive.radau import COARSE, EMBEDDED, GAMMA
+from softcradle.physics.adaptive.row_graphs import curve_slope
 from softcradle.physics.numerics.jit import piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import care, flow_into, larger, slope_at
+from softcradle.physics.numerics.law_curve import care, flow_into, larger
 from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
 
 
@@ -19,7 +20,7 @@ def compliance(law, mode, i, overlap, force):
         return -1.0
     if mode[i] == TOUCHING:
         return 0.0
-    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
+    slope = curve_slope(law, i, overlap, force)
     return 1.0 / slope if slope > 0.0 else -1.0
 
 

@@ -5,20 +5,52 @@ contact  OPEN      d < 0   f = 0                     LOADED   d > 0   f = F + K 
 bed      slides    v != 0  friction mu m g against v    sticks  v = 0, friction within -+ mu m g
 
 A coupler is a contact whose graph has more segments, one beside the other: solid and pulling, pulling, solid and pushing beside
-pushing. Each has a side, an origin, a law, a loss, a stop, which is a part of its stiffness that loses nothing, and a length
-after which the next begins. While a contact is on a segment its overlap is counted from the origin; between them, in the slack,
-it is OPEN on the one that pushes. The law of a side that pulls is linear, so that it is one formula on both sides of its origin.
+pushing. On each, x = side (d - origin) is the way since its origin, and f = side (F + K (x + before)**a + S x): `before` is the
+way of the gear until it is solid, and the stop S loses nothing. After a `length` the next begins. While a contact is on a segment
+its overlap is counted from the origin; between them, in the slack, it is OPEN on the one that pushes.
 """
 
 from __future__ import annotations
 
 import math
 
+from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at, put_values
-from softcradle.physics.numerics.law_curve import flow_into, signed_force
+from softcradle.physics.numerics.law_curve import SMALLEST, flow_into, signed_force, slope_at
 
-SIDE, ORIGIN, LAW, LOSS, STOP, LENGTH = 0, 1, 2, 5, 6, 7  # columns of the segments
+SIDE, ORIGIN, LAW, LOSS, LENGTH = 0, 1, 2, 7, 8  # columns of the segments; from LAW on F, K, a, and
+BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with a segment, after those of any other
+
+
+@inlined
+def curve_force(law, i, overlap):
+    """Force of contact i, loaded, at `overlap`; where its law is of a segment it goes on oddly beyond the origin for a >= 1."""
+    if law.shape[1] == 3:
+        return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
+    x = law[i, LAW_SIDE] * overlap
+    y = x + law[i, BEFORE]
+    if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
+        return 0.0
+    own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
+    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, STOP] * x)
+
+
+@inlined
+def curve_slope(law, i, overlap, force):
+    """Its slope, where it has that `force`; inf where it is vertical."""
+    if law.shape[1] == 3 or law[i, 2] < 1.0:
+        return slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
+    y = abs(law[i, LAW_SIDE] * overlap + law[i, BEFORE])
+    if law[i, 2] == 1.0:
+        return law[i, 1] + law[i, STOP]
+    return law[i, STOP] + (law[i, 2] * law[i, 1] * power(y, law[i, 2] - 1.0) if y > SMALLEST else 0.0)
+
+
+@inlined
+def is_continued(law, i):
+    """True where the force is continued beyond d = 0 within a step, so that a loaded contact opens at a corner."""
+    return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (law.shape[1] > 3 and law[i, 2] > 1.0)
 
 
 @inlined
@@ -56,18 +88,18 @@ def slack_of(regime, i):
 @inlined
 def is_gear(regime, i):
     """Whether contact i is on a segment that ends at no force, not a solid one."""
-    return regime.segment.size == 0 or of_segment(regime, i, STOP) == 0.0
+    return regime.segment.size == 0 or of_segment(regime, i, LAW + BEFORE) == 0.0
 
 
 @inlined
 def put_segment(i, number, regime, motion):
-    """Put contact i on a segment: law, loss and stop are those of it, and its overlap counts from there."""
+    """Put contact i on a segment: law and loss are those of it, and its overlap counts from there."""
     before = of_segment(regime, i, ORIGIN)
     regime.segment[i] = number
     row = regime.segments[regime.first[i] + number]
-    for k in range(3):
+    for k in range(5):
         regime.law[i, k] = row[LAW + k]
-    regime.loss[i], regime.stop[i] = row[LOSS], row[STOP]
+    regime.law[i, LAW_SIDE], regime.loss[i] = row[SIDE], row[LOSS]
     motion.overlap[i] += before - row[ORIGIN]
 
 
@@ -86,7 +118,7 @@ def find_segment(i, regime, motion, slow):
             motion.overlap[i] = side * min(side * motion.overlap[i], length_of(regime, i))
         elif side < 0.0 and (x < 0.0 or (x == 0.0 and w < -slow)):
             put_segment(i, number + 1, regime, motion)
-        elif x < -slack_of(regime, i):
+        elif x < -slack_of(regime, i) or (x == -slack_of(regime, i) and w < -slow):
             put_segment(i, number - 1, regime, motion)
         else:
             return
@@ -101,13 +133,13 @@ def loss_of(regime, i):
 @inlined
 def kept_stop(regime, i, overlap):
     """Force of contact i that comes out beside (1 - l) of that as it is pressed in: the stop loses nothing."""
-    return regime.loss[i] * regime.stop[i] * overlap if regime.stop.size else 0.0
+    return regime.loss[i] * regime.law[i, STOP] * overlap if regime.segment.size else 0.0
 
 
 @inlined
 def pressed_force(regime, i, overlap):
     """The force of contact i as it is pressed in."""
-    return signed_force(regime.law[i, 0], regime.law[i, 1], regime.law[i, 2], overlap)
+    return curve_force(regime.law, i, overlap)
 
 
 @inlined

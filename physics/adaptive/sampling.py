@@ -9,6 +9,7 @@ from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau import INSIDE
 from softcradle.physics.adaptive.row_graphs import (
+    BEFORE,
     ORIGIN,
     bead_acceleration,
     of_segment,
@@ -40,9 +41,9 @@ def absorbed_between(chain, regime, before, moved, end, path):
                 regime.law[i, 2],
                 side_of(regime, i),
             )
-            preload, stiffness = side * preload, stiffness - (regime.stop[i] if regime.stop.size else 0.0)
-            fall = energy(preload, stiffness, exponent, side * before[i])
-            fall -= energy(preload, stiffness, exponent, side * end[i])
+            way = regime.law[i, BEFORE] if regime.segment.size else 0.0
+            fall = energy(preload, stiffness, exponent, way + side * before[i])
+            fall -= energy(preload, stiffness, exponent, way + side * end[i])
             by_contacts += regime.loss[i] * fall
     if regime.bed.size:
         bead_paths(chain, before, end, path, moved)

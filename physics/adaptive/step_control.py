@@ -24,10 +24,11 @@ from softcradle.physics.adaptive.constants import (
     STIFF,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.corners import first_corner, first_root, is_continued, stage_cubic
+from softcradle.physics.adaptive.corners import first_corner, first_root, stage_cubic
 from softcradle.physics.adaptive.dop853 import dop853_step
 from softcradle.physics.adaptive.radau import AFTER, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
+from softcradle.physics.adaptive.row_graphs import curve_slope, is_continued
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     EITHER,
@@ -71,9 +72,9 @@ def first_step(chain, motion, scale):
     fastest = 0.0
     for i in range(motion.mode.size):
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        preload, stiffness, exponent = chain.law[i, 0], chain.law[i, 1], chain.law[i, 2]
-        if motion.mode[i] == LOADED and motion.overlap[i] > 0.0:
-            slope = slope_at(preload, stiffness, exponent, motion.overlap[i], motion.force[i])
+        preload, stiffness = chain.law[i, 0], chain.law[i, 1]
+        if motion.mode[i] == LOADED and motion.overlap[i] != 0.0:
+            slope = curve_slope(chain.law, i, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
         if motion.mode[i] != OPEN:
             push = max(abs(motion.force[i]), abs(preload))

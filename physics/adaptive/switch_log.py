@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.corners import is_continued
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.radau import AFTER
-from softcradle.physics.adaptive.row_graphs import side_of
+from softcradle.physics.adaptive.row_graphs import is_continued, side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.elementary import power

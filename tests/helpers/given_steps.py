@@ -27,6 +27,16 @@ NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
     "stops",
     "slips",
 )
+NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
+    "nothing",
+    "closes",
+    "opens",
+    "yields",
+    "eases",
+    "turns",
+    "stops",
+    "slips",
+)
 
 
 class Step:
@@ -69,6 +79,12 @@ class Step:
         bead = chain.anchor
         if chain.inverse_mass[bead] > 0.0:  # the tests anchor beads that no contact pushes, or walls
             self.trial.anchor[1] += H * (self.data.external[-1] if self.data.external.size else 0.0)
+
+    def corner(self, landing=(-1, 0), inactive=0.0, slow=0.0):
+        """What `first_corner` returns."""
+        return first_corner(
+            H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work
+        )  # fmt: skip
 
     def corner(self, landing=(-1, 0), inactive=0.0, slow=0.0):
         """What `first_corner` returns."""
