@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.coupler import Coupler
+from softcradle.physics.coupler import Coupler, gear_segment
 from softcradle.physics.kernel_records import NO_FLAGS, NOTHING, chain_records
 from softcradle.physics.state import State
 
@@ -34,23 +34,13 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
 
 def _segments(chain: Chain) -> tuple[Any, ...]:
     """The segments of all contacts, each on the one in which it pushes first."""
-    rows: list[list[float]] = []
+    rows: list[tuple[float, ...]] = []
     first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
     for i, contact in enumerate(chain.contact):
         if isinstance(contact, Coupler):
-            pulls = [] if contact.pull is None else _gear(contact.pull, -1.0, -contact.slack, contact)[::-1]
-            rows += pulls + _gear(contact.push, 1.0, 0.0, contact)
-            segment[i] = len(pulls)
-        else:
-            rows += [[1.0, 0.0, contact.preload, contact.stiffness, contact.exponent, 0.0, 0.0, contact.loss, np.inf]]
+            rows += contact.segments
+            segment[i] = sum(side < 0.0 for side, *_ in contact.segments)
+        elif isinstance(contact, Contact):
+            rows.append(gear_segment(contact, 1.0, 0.0))
         first[i + 1] = len(rows)
     return segment, np.array(rows), first
-
-
-def _gear(law: Contact, side: float, origin: float, coupler: Coupler) -> list[list[float]]:
-    """The segments of a gear of a coupler from its origin outward: as it is pressed in, and solid."""
-    own = [law.preload, law.stiffness, law.exponent]
-    found = [[side, origin, *own, 0.0, 0.0, law.loss, coupler.travel]]
-    if coupler.stop:
-        found.append([side, origin + side * coupler.travel, *own, coupler.travel, coupler.stop, law.loss, np.inf])
-    return found
