@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import MARGIN
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import signed_force
+from softcradle.physics.numerics.law_curve import curve_force
 from softcradle.physics.numerics.records import OPEN, TOUCHING
 
 
@@ -18,7 +18,7 @@ def is_active(i, h, inactive, chain, motion):
         return True
     law, rate = chain.law, motion.rate[i]
     reach = motion.overlap[i] + max(rate, 0.0) * h
-    end = signed_force(law[i, 0], law[i, 1], law[i, 2], reach) if reach > 0.0 else 0.0
+    end = curve_force(law, chain.own, i, reach) if reach > 0.0 else 0.0
     push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], law[i, 0], end)
     return rate > inactive or push * h > inactive or push * max(reach, 0.0) > inactive * inactive
 

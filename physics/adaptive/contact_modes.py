@@ -18,7 +18,7 @@ from softcradle.physics.adaptive.stick_slip_friction import (
 )
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import signed_force
+from softcradle.physics.numerics.law_curve import curve_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 # rows (n+1,) of the work array
@@ -33,16 +33,16 @@ def loss_of(regime, i):
 
 
 @inlined
-def pressed_force(regime, i, overlap):
+def force_pressing(chain, regime, i, overlap):
     """The force of contact i as it is pressed in."""
-    return signed_force(regime.law[i, 0], regime.law[i, 1], regime.law[i, 2], overlap)
+    return curve_force(regime.law, chain.own, i, overlap)
 
 
 @inlined
-def multiplier_bounds(regime, i, overlap):
+def multiplier_bounds(chain, regime, i, overlap):
     """(least, largest) force that contact i may carry while its overlap is held."""
     if overlap > 0.0:
-        full = pressed_force(regime, i, overlap)
+        full = force_pressing(chain, regime, i, overlap)
         return (1.0 - loss_of(regime, i)) * full, full
     return 0.0, regime.law[i, 0]
 
@@ -67,11 +67,11 @@ def classify(chain, regime, motion, slow, work):
                 eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and overlap[i] > 0.0 and rate[i] < 0.0
                 regime.easing[i] = 1 if eases else 0
         if candidate[i] != 0.0:
-            low[i], high[i] = multiplier_bounds(regime, i, overlap[i])
+            low[i], high[i] = multiplier_bounds(chain, regime, i, overlap[i])
             continue
         force[i] = 0.0
         if mode[i] == LOADED:
-            force[i] = pressed_force(regime, i, overlap[i])
+            force[i] = force_pressing(chain, regime, i, overlap[i])
             if regime.easing.size and regime.easing[i] != 0:
                 force[i] *= 1.0 - loss_of(regime, i)
         low[i] = high[i] = force[i]

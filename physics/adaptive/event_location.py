@@ -20,7 +20,7 @@ from softcradle.physics.adaptive.stick_slip_friction import bead_bend, bead_push
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import NODES, flow_into, signed_force
+from softcradle.physics.numerics.law_curve import NODES, curve_force, flow_into
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # kinds of event of a contact, then of a bead
@@ -49,10 +49,9 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
 
     `inactive` [m/s] is the velocity that does not count.
     """
-    law, inverse_mass = chain.law, chain.inverse_mass
-    if law[i, 0] > 0.0 or max(rate, end_rate) > inactive or end_overlap <= 0.0:
+    if chain.law[i, 0] > 0.0 or max(rate, end_rate) > inactive or end_overlap <= 0.0:
         return False
-    push = (inverse_mass[i] + inverse_mass[i + 1]) * signed_force(law[i, 0], law[i, 1], law[i, 2], end_overlap)
+    push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * curve_force(chain.law, chain.own, i, end_overlap)
     return push * end_overlap <= inactive * inactive
 
 
@@ -165,7 +164,7 @@ def find_event(h, chain, regime, motion, trial, skip, skipped, inactive, slow, w
             if x < part:
                 row, kind, part = i, CLOSES, x
         elif mode[i] == TOUCHING:
-            low, high = multiplier_bounds(regime, i, overlap[i])
+            low, high = multiplier_bounds(chain, regime, i, overlap[i])
             slack = ROUND_OFF * high
             if min(f[0, i], f[1, i], f[2, i]) < low - slack or max(f[0, i], f[1, i], f[2, i]) > SAFETY * high:
                 x = first_root(stage_guard(1.0, slack - low, force[i], f[0, i], f[1, i], f[2, i]))
@@ -231,7 +230,7 @@ def near_switch(h, chain, regime, motion, trial, slow):
     part = 1.0
     for i in range(motion.mode.size):
         if motion.mode[i] == TOUCHING:
-            low, high = multiplier_bounds(regime, i, motion.overlap[i])
+            low, high = multiplier_bounds(chain, regime, i, motion.overlap[i])
             f1, f2, f3 = trial.force[0, i], trial.force[1, i], trial.force[2, i]
             if max(f1, f2) > 0.5 * (low + high):
                 part = min(
@@ -299,6 +298,6 @@ def guard_at_end(h, row, kind, chain, regime, motion, trial, work):
     if motion.mode[row] != TOUCHING:
         sign = -1.0 if kind == CLOSES else 1.0
         return sign * trial.overlap[2, row], sign * trial.rate[2, row]
-    low, high = multiplier_bounds(regime, row, motion.overlap[row])
+    low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
     slope = end_slope(f[0, row], f[1, row], f[2, row]) / h
     return (high - f[2, row], -slope) if kind == YIELDS else (f[2, row] - low, slope)

@@ -15,7 +15,7 @@ from softcradle.physics.adaptive.radau_guess import first_guess
 from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
+from softcradle.physics.numerics.law_curve import NODES, curve_slope, flow_into, move_along
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 
@@ -33,7 +33,7 @@ def directions(h, chain, mode, trial, scratch):
                 continue
             slope = math.inf
             if mode[i] == LOADED:
-                slope = slope_at(law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i])
+                slope = curve_slope(law, chain.own, i, stage_overlap[k, i], stage_force[k, i])
             if slope > HUGE:
                 along[k, i], across[k, i] = 0.0, 1.0 / weight
             else:
@@ -137,8 +137,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                     return 0
                 if mode[i] == LOADED:
                     d, f = move_along(
-                        law[i, 0], law[i, 1], law[i, 2], h * h * weight,
-                        stage_overlap[k, i], stage_force[k, i], by_overlap, by_force,
+                        law, chain.own, i, h * h * weight, stage_overlap[k, i], stage_force[k, i], by_overlap, by_force
                     )  # fmt: skip
                     by_overlap, by_force = d - stage_overlap[k, i], f - stage_force[k, i]
                     stage_overlap[k, i], stage_force[k, i] = d, f

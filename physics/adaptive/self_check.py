@@ -101,12 +101,8 @@ def _with_cost_of(record: Record, other: Record) -> Record:
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
-    """The chain with forces that differ by a part of them."""
-    contacts = [
-        replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
-        for contact, factor in zip(chain.power_laws, _up_and_down(part, chain.contacts), strict=True)
-    ]
-    return replace(chain, contact=tuple(contacts))
+    """The chain with masses that differ by a part of them: so do all accelerations, whatever the laws."""
+    return replace(chain, mass=tuple((np.array(chain.mass) * _up_and_down(part, len(chain.mass))).tolist()))
 
 
 def _up_and_down(part: float, size: int) -> Array:
