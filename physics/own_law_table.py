@@ -27,6 +27,9 @@ MOST_RISE = 1e3  # of the force on a piece: where it begins three digits of the 
 STEEP = 8  # halvings after which a force that still rises by more does so by noise
 MOST_HALVINGS = 48  # one in another: what is left around a bend then is no more than round-off
 MOST_FORCE = 1e280  # [N] sums of larger ones overflow
+NO_WIDTH = 1e-6  # of its end: a piece narrower than this is around a bend
+DIGITS = 1e-9  # relative error of a piece whose force has digits
+BENT = 1e-5  # of force or slope: two pieces that differ by more where they meet do so at a bend
 NOISE = 0.25  # of the error of a piece: where both halves have more, the force has no more digits
 
 POINTS: Array = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)  # of a piece, on [-1, 1]
@@ -44,12 +47,14 @@ class LawTable(NamedTuple):
         force: (K, DEGREE+1) coefficients of the force [N].
         energy: (K, DEGREE+2) coefficients of the energy [J].
         error: (K,) largest error of the force that was seen, relative to the largest force of each piece.
+        bend: (B, 3) overlap [m] of each bend or jump, and by how much the force [N] and its slope [N/m] jump there.
     """
 
     edge: Array
     force: Array
     energy: Array
     error: Array
+    bend: Array
 
     def values(self, coefficients: Array, overlaps: Array) -> Array:
         """The force or the energy at overlaps (k,) >= 0 by its `coefficients`; nan beyond the last edge."""
@@ -108,9 +113,31 @@ def _joined(start: Array, end: Array, values: Array, error: Array) -> LawTable:
     whole = int(np.argmin(holds)) + 1
     start, end, values, error = (row[:whole] for row in (start, end, values, error))
     force = values @ _TO_CHEBYSHEV.T @ _TO_POWERS.T  # at once the two would lose four digits
-    energy = np.zeros((whole, DEGREE + 2))
-    energy[:, 1:] = 0.5 * (end - start)[:, None] * force / np.arange(1, DEGREE + 2)
+    return table_of(np.append(start, end[-1]), force, error, _bends(start, end, values, force, error))
+
+
+def table_of(edge: Array, force: Array, error: Array, bend: Array) -> LawTable:
+    """The table with these fields; its energy is the integral of its force."""
+    energy = np.zeros((len(force), DEGREE + 2))
+    energy[:, 1:] = 0.5 * np.diff(edge)[:, None] * force / np.arange(1, DEGREE + 2)
     signs = (-1.0) ** np.arange(DEGREE + 2)
     gained = energy.sum(axis=1) - energy @ signs
     energy[:, 0] = np.append(0.0, np.cumsum(gained[:-1])) - energy @ signs
-    return LawTable(np.append(start, end[-1]), force, energy, error)
+    return LawTable(edge, force, energy, error, bend)
+
+
+def _bends(start: Array, end: Array, values: Array, force: Array, error: Array) -> Array:
+    """Bends and jumps between pieces that are wide, and have digits: where the ends of two that follow each other differ."""
+    wide = np.flatnonzero((end - start > NO_WIDTH * end) & (error < DIGITS) & (start > 0.0))
+    left, right, order = wide[:-1], wide[1:], np.arange(DEGREE + 1)
+    half = 0.5 * (end - start)
+    slope_before = (force[left] @ order) / half[left]
+    slope_after = (force[right] @ (order * (-1.0) ** (order + 1))) / half[right]
+    rise, turn = values[right, 0] - values[left, -1], slope_after - slope_before
+    apart = start[right] - end[left]
+    rise -= 0.5 * apart * (slope_before + slope_after)
+    largest = np.maximum(np.maximum(np.abs(slope_before), np.abs(slope_after)), values[right, 0] / end[left])
+    bent = (np.abs(turn) > BENT * largest) | (np.abs(rise) > BENT * values[right, 0])
+    near = apart <= (STEEP + 1) * NO_WIDTH * end[left]
+    found = np.column_stack((0.5 * (end[left] + start[right]), np.abs(rise), np.abs(turn)))
+    return found[bent & near]

@@ -63,7 +63,7 @@ def kernels_of(method: Method, dissipative: bool) -> KernelTiers | None:
 
         return TIERS["fixed-step-dissipative" if dissipative else "fixed-step"]
     if method.family is Family.ADAPTIVE:
-        from softcradle.physics.adaptive.runner import KERNELS
+        from softcradle.physics.adaptive.runner import TIERS
 
-        return KERNELS
+        return TIERS["adaptive"]
     return None

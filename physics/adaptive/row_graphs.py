@@ -16,7 +16,7 @@ import math
 
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at, put_values
-from softcradle.physics.numerics.law_curve import flow_into, signed_force
+from softcradle.physics.numerics.law_curve import curve_force, flow_into
 
 SIDE, ORIGIN, LAW, LOSS, STOP, LENGTH = 0, 1, 2, 5, 6, 7  # columns of the segments
 
@@ -105,15 +105,15 @@ def kept_stop(regime, i, overlap):
 
 
 @inlined
-def pressed_force(regime, i, overlap):
+def force_pressing(chain, regime, i, overlap):
     """The force of contact i as it is pressed in."""
-    return signed_force(regime.law[i, 0], regime.law[i, 1], regime.law[i, 2], overlap)
+    return curve_force(regime.law, chain.own, i, overlap)
 
 
 @inlined
-def multiplier_bounds(regime, i, overlap):
+def multiplier_bounds(chain, regime, i, overlap):
     """(least, largest) force that contact i may carry while its overlap is held."""
-    full, least = pressed_force(regime, i, overlap), 0.0
+    full, least = force_pressing(chain, regime, i, overlap), 0.0
     if overlap != 0.0 or not is_gear(regime, i):
         least = (1.0 - loss_of(regime, i)) * full + kept_stop(regime, i, overlap)
     return (least, full) if full >= 0.0 else (full, least)

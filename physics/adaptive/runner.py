@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -27,7 +28,7 @@ from softcradle.physics.adaptive.step_records import (
 from softcradle.physics.adaptive.undetermined import DOUBT, finish, undetermined
 from softcradle.physics.adaptive.usual_budget import step_budget
 from softcradle.physics.chain import Chain, per_chain
-from softcradle.physics.contact import power_law
+from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
     FRAME_LOG,
@@ -35,8 +36,10 @@ from softcradle.physics.kernel_records import (
     empty_log,
     kept_switches,
     larger_log,
+    law_rows,
     log_warnings,
     motion_record,
+    require_finite_motion,
     with_free_rows,
 )
 from softcradle.physics.kernel_tiers import KernelTiers
@@ -51,6 +54,7 @@ from softcradle.physics.numerics.records import (
     SWITCH,
     SwitchLog,
 )
+from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import (
     NO_TIMES,
     Problem,
@@ -96,9 +100,14 @@ class Memory:
         return cls(mode, held, empty_trial(n), empty_trial(n), empty_scratch(n), rows, empty_log(n, log_size))
 
 
+def kernels_of(chain: Chain) -> KernelTiers:
+    """The kernels for such a chain: they are compiled for what they need not ask for."""
+    return TIERS["adaptive-own-laws" if chain.own_laws else "adaptive"]
+
+
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
-    KERNELS.load_made()  # so that the cost measured is that of the motion
+    kernels_of(problem.chain).load_made()  # so that the cost measured is that of the motion
     record = completed(problem)
     if problem.most_steps is None and record.status != Status.UNDETERMINED:
         record = checked(problem, record, _scale(problem), completed)
@@ -163,7 +172,7 @@ def _pass(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     """One run of the kernel; again with a larger log of switches where the first was too small."""
     state = problem.state.copy()
     scale = _scale(problem)
-    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, KERNELS)
+    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, kernels_of(problem.chain))
     memory = Memory.of(problem.chain, log_size, kept.steps)
     began = perf_counter()
     code, state.time = _integrate(problem, state, scale, memory, kept)
@@ -190,15 +199,16 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
+    tiers = kernels_of(problem.chain)
     while code == PAUSED:
         memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
         work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
-        kernel: Any = KERNELS.of(integrate, work) if kept else KERNELS.of_frame(integrate)
+        kernel: Any = tiers.of(integrate, work) if kept else tiers.of_frame(integrate)
         compiled = kernel is integrate
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
-            KERNELS.spent += work
+            tiers.spent += work
         steps = kept.steps if kept else memory.steps
         with kernel_arithmetic():
             code, time = kernel(
@@ -210,6 +220,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
             allowed = step_budget(problem, time, scale)
             if allowed > LONGER * most:
                 code, most = PAUSED, allowed
+        require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)
     return code, time
@@ -263,7 +274,7 @@ def _unresolved(chain: Chain, change: float) -> float:
 @per_chain
 def _rattles(chain: Chain) -> bool:
     """Whether contacts are so soft that a cluster of them rattles."""
-    law = chain.law_rows
+    law = law_rows(chain)
     return bool(((law[:, 0] == 0.0) & (law[:, 2] < SOFTEST)).any())
 
 
@@ -276,11 +287,13 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
     return CodedWarning(WarningCode.ENERGY, sentence, {"error": error})
 
 
-def _call_kernels() -> None:
-    """Call every kernel once."""
-    chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
+def _call_kernels(contact: Contact | OwnLaw) -> None:
+    """Call every kernel once for such contacts."""
+    chain = Chain([1.0, 1.0, 1.0], contact)
     run(Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", 1e-3, tolerance=1e-8, samples=3))
 
 
-KERNELS = KernelTiers("adaptive", __name__, _call_kernels)
-TIERS = {KERNELS.name: KERNELS}
+TIERS = {
+    name: KernelTiers(name, __name__, partial(_call_kernels, contact))
+    for name, contact in (("adaptive", power_law(1.0, 0.1)), ("adaptive-own-laws", OwnLaw(lambda overlap: overlap)))
+}

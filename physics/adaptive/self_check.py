@@ -11,9 +11,7 @@ from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN, confirmed_error
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
-from softcradle.physics.chain import Chain, Joint
-from softcradle.physics.contact import Contact
-from softcradle.physics.coupler import Coupler
+from softcradle.physics.chain import Chain
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.status import Status
 
@@ -103,18 +101,8 @@ def _with_cost_of(record: Record, other: Record) -> Record:
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
-    """The chain with forces that differ by a part of them."""
-    factors = _up_and_down(part, chain.contacts)
-    return replace(chain, contact=tuple(map(_stronger, chain.contact, factors)))
-
-
-def _stronger(contact: Joint, factor: float) -> Joint:
-    """A contact or coupler with forces times a factor."""
-    if isinstance(contact, Coupler):
-        push, pull = (gear and _stronger(gear, factor) for gear in (contact.push, contact.pull))
-        return replace(contact, push=push, pull=pull, stop=factor * contact.stop)
-    assert isinstance(contact, Contact)
-    return replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
+    """The chain with masses that differ by a part of them: so do all accelerations, whatever the laws."""
+    return replace(chain, mass=tuple((np.array(chain.mass) * _up_and_down(part, len(chain.mass))).tolist()))
 
 
 def _up_and_down(part: float, size: int) -> Array:

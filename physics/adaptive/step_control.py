@@ -44,7 +44,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import slope_at
+from softcradle.physics.numerics.law_curve import curve_slope
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, ZERO
 
 
@@ -71,9 +71,9 @@ def first_step(chain, motion, scale):
     fastest = 0.0
     for i in range(motion.mode.size):
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        preload, stiffness, exponent = chain.law[i, 0], chain.law[i, 1], chain.law[i, 2]
+        preload, stiffness = chain.law[i, 0], chain.law[i, 1]
         if motion.mode[i] == LOADED and motion.overlap[i] > 0.0:
-            slope = slope_at(preload, stiffness, exponent, motion.overlap[i], motion.force[i])
+            slope = curve_slope(chain.law, chain.own, i, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
         if motion.mode[i] != OPEN:
             push = max(abs(motion.force[i]), abs(preload))
@@ -96,7 +96,7 @@ def soft_contacts(chain, motion, wanted):
             stiffest = math.inf
             continue
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        stiff = weight * slope_at(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], overlap, motion.force[i])
+        stiff = weight * curve_slope(chain.law, chain.own, i, overlap, motion.force[i])
         stiffest = max(stiffest, stiff)
         if rate < 0.0:
             time = -overlap / rate

@@ -9,9 +9,8 @@ import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_TRIES, RATIO
 from softcradle.physics.adaptive.dop853 import error_of_range
-from softcradle.physics.adaptive.radau import radau_step
+from softcradle.physics.adaptive.radau import AFTER, INSIDE, first_guess, radau_step
 from softcradle.physics.adaptive.radau_error import compliance, embedded_error
-from softcradle.physics.adaptive.radau import AFTER, INSIDE, first_guess
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
