@@ -43,7 +43,7 @@ class Coupler:
     """A coupler between two beads that pushes and, after its slack, pulls; its gears go solid at full travel.
 
     All methods but pymunk carry couplers (yoshida4 without loss); the adaptive ones and "auto" those whose gears that pull or go
-    solid are linear, such as draft gears. Others raise a ValueError. Results count pulls as negative forces.
+    solid have exponents of 1 or more. Others raise a ValueError. Results count pulls as negative forces.
 
     Parameters
     ----------
@@ -108,10 +108,10 @@ class Coupler:
         return -math.inf if self.pull is None else -self.slack
 
     @property
-    def linear(self) -> bool:
-        """Whether every gear that pulls or goes solid has exponent 1."""
+    def smooth(self) -> bool:
+        """Whether no gear that pulls or goes solid has an exponent below 1."""
         gears = [self.pull] if self.pull else []
-        return all(gear.exponent == 1.0 for gear in (gears if self.stop == 0.0 else [self.push, *gears]))
+        return all(gear.exponent >= 1.0 for gear in (gears if self.stop == 0.0 else [self.push, *gears]))
 
     @property
     def preload(self) -> float:

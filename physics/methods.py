@@ -172,9 +172,9 @@ def _refusal_of_couplers(method: str, found: Method | None, chain: Chain) -> str
             f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
             "take 'accurate', 'conserving' or 'scipy'"
         )
-    if (found is None or found.family is Family.ADAPTIVE) and not all(link.linear for _, link in chain.couplers):
+    if (found is None or found.family is Family.ADAPTIVE) and not all(link.smooth for _, link in chain.couplers):
         return (
-            f"method {method!r} takes couplers whose gears that pull or go solid are linear, of exponent 1: "
+            f"method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
             "take 'conserving' or 'scipy'"
         )
     return ""

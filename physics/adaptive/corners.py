@@ -34,16 +34,10 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import NODES, curve_force
+from softcradle.physics.numerics.law_curve import NODES, curve_force, is_continued
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
-
-
-@piece
-def is_continued(law, i):
-    """True where the force is continued to d < 0 within a step, so that a loaded contact opens by an event."""
-    return law[i, 0] != 0.0 or law[i, 2] == 1.0
 
 
 @piece
@@ -166,9 +160,10 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
     if motion.mode[row] == TOUCHING:
         low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
         least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
+        half = 0.5 * (low + high)
         if low < 0.0:  # it pulls
-            return least >= SAFETY * low and most <= high - ROUND_OFF * low
-        return least >= low - ROUND_OFF * high and most <= SAFETY * high
+            return least >= half and most <= high - ROUND_OFF * low
+        return least >= low - ROUND_OFF * high and most <= half
     # one that begins at d = 0 from rest, and is pressed in at the end: what neighbours hand on begins with any power of time
     inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
     pressed = inward * trial.overlap[2, row] >= 0.0 and inward * trial.rate[2, row] >= 0.0

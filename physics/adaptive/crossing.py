@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF
-from softcradle.physics.adaptive.corners import is_continued
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
     drive_overlaps,
@@ -39,7 +38,7 @@ from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import flow_into
+from softcradle.physics.numerics.law_curve import flow_into, is_continued
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # rows (n+1,) of the work array: velocities of beads; known forces on them and the static friction of those at rest; bounds of the
@@ -199,9 +198,8 @@ def make_effective(chain, regime, motion):
         for i in range(n):
             part = 1.0 - regime.loss[i] if regime.easing[i] != 0 else 1.0
             chain.law[i, 0], chain.law[i, 1] = part * regime.law[i, 0], part * regime.law[i, 1]
-            if regime.stop.size:
-                chain.law[i, 1] += (1.0 - part) * regime.stop[i]
-                chain.law[i, 2] = regime.law[i, 2]
+            for k in range(2, chain.law.shape[1]):
+                chain.law[i, k] = regime.law[i, k]
     if regime.bed.size:
         for j in range(n + 1):
             chain.inverse_mass[j] = 0.0 if is_firm(regime, j) else regime.inverse_mass[j]

@@ -78,7 +78,7 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     touching = False
     for i in range(first, last):
         force[i] = 0.0
-        if mode[i] == LOADED and overlap[i] > 0.0:
+        if mode[i] == LOADED and overlap[i] > 0.0 and law.shape[1] == 3:
             force[i] = pressed_force(law, chain.own, i, overlap[i])
         elif mode[i] == LOADED:
             force[i] = curve_force(law, chain.own, i, overlap[i])
@@ -257,7 +257,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         frequency[i] = 0.0
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
-        if mode[i] == LOADED and (at > 0.0 or law[i, 2] == 1.0):
+        if mode[i] == LOADED and (at > 0.0 or law.shape[1] > 3):
             frequency[i] = frequency_of(chain, i, at)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)

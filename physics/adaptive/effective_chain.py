@@ -8,10 +8,10 @@ import numpy as np
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
-from softcradle.physics.kernel_records import NO_FLAGS, NOTHING, chain_records
+from softcradle.physics.kernel_records import NO_FLAGS, NOTHING, chain_records, law_rows
 from softcradle.physics.state import State
 
-NO_SEGMENTS = (NOTHING, NO_FLAGS, np.zeros((0, 8)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
+NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
 
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
@@ -23,7 +23,9 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
     loss = dissipation.loss if dissipation.loss.any() or chain.couplers else NOTHING
     bed = dissipation.bed if dissipation.bed.any() else NOTHING
     slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
-    joints = _segments(chain) if chain.couplers else NO_SEGMENTS
+    joints = NO_SEGMENTS
+    if chain.couplers:
+        joints, law = _segments(chain), np.zeros((chain.contacts, 6))
     regime = (law, inverse_mass, push, loss, bed, slide, easing, *joints)
     if bed.size and not external.size:
         external = np.zeros(bed.size)
@@ -40,16 +42,15 @@ def _segments(chain: Chain) -> tuple[Any, ...]:
             rows += pulls + _gear(contact.push, 1.0, 0.0, contact)
             segment[i] = len(pulls)
         else:
-            rows.append([1.0, 0.0, contact.preload, contact.stiffness, contact.exponent, contact.loss, 0.0, np.inf])
+            rows += [[1.0, 0.0, *law_rows(chain)[i], 0.0, 0.0, chain.loss[i], np.inf]]
         first[i + 1] = len(rows)
-    return np.zeros(chain.contacts), segment, np.array(rows), first
+    return segment, np.array(rows), first
 
 
 def _gear(law: Contact, side: float, origin: float, coupler: Coupler) -> list[list[float]]:
     """The segments of a gear of a coupler from its origin outward: as it is pressed in, and solid."""
-    found = [[side, origin, side * law.preload, law.stiffness, law.exponent, law.loss, 0.0, coupler.travel]]
+    own = [law.preload, law.stiffness, law.exponent]
+    found = [[side, origin, *own, 0.0, 0.0, law.loss, coupler.travel]]
     if coupler.stop:
-        full, stiffness = law.preload + law.stiffness * coupler.travel, law.stiffness + coupler.stop
-        beyond = origin + side * coupler.travel
-        found.append([side, beyond, side * full, stiffness, 1.0, law.loss, coupler.stop, np.inf])
+        found.append([side, origin + side * coupler.travel, *own, coupler.travel, coupler.stop, law.loss, np.inf])
     return found

@@ -105,7 +105,7 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                         stage_overlap[k, i] = curve_overlap(law, own_laws, i, excess, 1.0)
                         stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, preload
+                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, own_laws, i, 0.0)
                 if i > 0 and preload == 0.0:
                     set_pushed(h, chain, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
             else:
@@ -173,7 +173,10 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
     if mode[i] == LOADED:
-        end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
+        if chain.law.shape[1] > 3 and chain.law[i, 2] >= 1.0:
+            end, pushes = d + by_overlap, curve_force(chain.law, chain.own, i, d + by_overlap)
+        else:
+            end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
         return max(abs(end - d), abs(by_overlap)), max(abs(pushes - f), abs(by_force))
     if mode[i] == OPEN or mode[i] == FROZEN:

@@ -5,9 +5,9 @@ contact  OPEN      d < 0   f = 0                     LOADED   d > 0   f = F + K 
 bed      slides    v != 0  friction mu m g against v    sticks  v = 0, friction within -+ mu m g
 
 A coupler is a contact whose graph has more segments, one beside the other: solid and pulling, pulling, solid and pushing beside
-pushing. Each has a side, an origin, a law, a loss, a stop, which is a part of its stiffness that loses nothing, and a length
-after which the next begins. While a contact is on a segment its overlap is counted from the origin; between them, in the slack,
-it is OPEN on the one that pushes. The law of a side that pulls is linear, so that it is one formula on both sides of its origin.
+pushing. On each, x = side (d - origin) is the way since its origin, and f = side (F + K (x + before)**a + S x): `before` is the
+way of the gear until it is solid, and the stop S loses nothing. After a `length` the next begins. While a contact is on a segment
+its overlap is counted from the origin; between them, in the slack, it is OPEN on the one that pushes.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import math
 
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at, put_values
-from softcradle.physics.numerics.law_curve import curve_force, flow_into
+from softcradle.physics.numerics.law_curve import BEFORE, LAW_SIDE, STOP, curve_force, flow_into
 
-SIDE, ORIGIN, LAW, LOSS, STOP, LENGTH = 0, 1, 2, 5, 6, 7  # columns of the segments
+SIDE, ORIGIN, LAW, LOSS, LENGTH = 0, 1, 2, 7, 8  # columns of the segments; from LAW on F, K, a, and
 
 
 @inlined
@@ -56,18 +56,18 @@ def slack_of(regime, i):
 @inlined
 def is_gear(regime, i):
     """Whether contact i is on a segment that ends at no force, not a solid one."""
-    return regime.segment.size == 0 or of_segment(regime, i, STOP) == 0.0
+    return regime.segment.size == 0 or of_segment(regime, i, LAW + BEFORE) == 0.0
 
 
 @inlined
 def put_segment(i, number, regime, motion):
-    """Put contact i on a segment: law, loss and stop are those of it, and its overlap counts from there."""
+    """Put contact i on a segment: law and loss are those of it, and its overlap counts from there."""
     before = of_segment(regime, i, ORIGIN)
     regime.segment[i] = number
     row = regime.segments[regime.first[i] + number]
-    for k in range(3):
+    for k in range(5):
         regime.law[i, k] = row[LAW + k]
-    regime.loss[i], regime.stop[i] = row[LOSS], row[STOP]
+    regime.law[i, LAW_SIDE], regime.loss[i] = row[SIDE], row[LOSS]
     motion.overlap[i] += before - row[ORIGIN]
 
 
@@ -86,7 +86,7 @@ def find_segment(i, regime, motion, slow):
             motion.overlap[i] = side * min(side * motion.overlap[i], length_of(regime, i))
         elif side < 0.0 and (x < 0.0 or (x == 0.0 and w < -slow)):
             put_segment(i, number + 1, regime, motion)
-        elif x < -slack_of(regime, i):
+        elif x < -slack_of(regime, i) or (x == -slack_of(regime, i) and w < -slow):
             put_segment(i, number - 1, regime, motion)
         else:
             return
@@ -101,7 +101,7 @@ def loss_of(regime, i):
 @inlined
 def kept_stop(regime, i, overlap):
     """Force of contact i that comes out beside (1 - l) of that as it is pressed in: the stop loses nothing."""
-    return regime.loss[i] * regime.stop[i] * overlap if regime.stop.size else 0.0
+    return regime.loss[i] * regime.law[i, STOP] * overlap if regime.segment.size else 0.0
 
 
 @inlined

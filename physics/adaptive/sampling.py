@@ -20,6 +20,7 @@ from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
+from softcradle.physics.numerics.law_curve import BEFORE
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into
@@ -40,9 +41,9 @@ def absorbed_between(chain, regime, before, moved, end, path):
                 regime.law[i, 2],
                 side_of(regime, i),
             )
-            preload, stiffness = side * preload, stiffness - (regime.stop[i] if regime.stop.size else 0.0)
-            fall = energy(preload, stiffness, exponent, side * before[i])
-            fall -= energy(preload, stiffness, exponent, side * end[i])
+            way = regime.law[i, BEFORE] if regime.segment.size else 0.0
+            fall = energy(preload, stiffness, exponent, way + side * before[i])
+            fall -= energy(preload, stiffness, exponent, way + side * end[i])
             by_contacts += regime.loss[i] * fall
     if regime.bed.size:
         bead_paths(chain, before, end, path, moved)

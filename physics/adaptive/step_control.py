@@ -24,7 +24,7 @@ from softcradle.physics.adaptive.constants import (
     STIFF,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.corners import first_corner, first_root, is_continued, stage_cubic
+from softcradle.physics.adaptive.corners import first_corner, first_root, stage_cubic
 from softcradle.physics.adaptive.dop853 import dop853_step
 from softcradle.physics.adaptive.radau import AFTER, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
@@ -44,7 +44,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import curve_slope
+from softcradle.physics.numerics.law_curve import curve_slope, is_continued
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, ZERO
 
 
@@ -72,7 +72,7 @@ def first_step(chain, motion, scale):
     for i in range(motion.mode.size):
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         preload, stiffness = chain.law[i, 0], chain.law[i, 1]
-        if motion.mode[i] == LOADED and motion.overlap[i] > 0.0:
+        if motion.mode[i] == LOADED and motion.overlap[i] != 0.0:
             slope = curve_slope(chain.law, chain.own, i, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
         if motion.mode[i] != OPEN:

@@ -60,16 +60,15 @@ class Regime(NamedTuple):
     see a chain without dissipation, and only switches change it.
     """
 
-    law: Array  # (n, 3)
+    law: Array  # (n, 3), with couplers (n, 6): see `row_graphs`
     inverse_mass: Array  # (n+1,)
     push: Array  # (n+1,) external force on each bead [N]; (0,) without any
     loss: Array  # (n,) part of its energy that each contact loses; (0,) without any
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
     easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any
-    stop: Array  # (n,) part of the stiffness [N/m] of each contact that loses nothing; this and all below (0,) without couplers
-    segment: NDArray[np.int8]  # (n,) on which of its segments each contact is, law, loss and stop are those of
-    segments: Array  # (m, 8) of all contacts, see `row_graphs`
+    segment: NDArray[np.int8]  # (n,) on which of its segments each contact is; this and all below (0,) without couplers
+    segments: Array  # (m, 9) of all contacts, see `row_graphs`
     first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
 
 
@@ -105,7 +104,7 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
     """Memory of `rows` steps."""
     values, flags = 9 * contacts + 6, contacts
     if dissipative:
-        values, flags = values + 5 * contacts + 2, flags + 3 * contacts + 1
+        values, flags = values + 8 * contacts + 2, flags + 3 * contacts + 1
     time, length, kind = np.empty(rows), np.empty(rows), np.empty(rows, dtype=np.int8)
     return Steps(time, length, kind, np.empty((rows, values)), np.empty((rows, flags), dtype=np.int8))
 

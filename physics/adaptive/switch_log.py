@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.corners import is_continued
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.radau import AFTER
 from softcradle.physics.adaptive.row_graphs import side_of
@@ -17,7 +16,7 @@ from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import cubic, curve_depth, curve_force, flow_into
+from softcradle.physics.numerics.law_curve import cubic, curve_depth, flow_into, is_continued, pressed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
 
@@ -87,14 +86,8 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
 @piece
 def swing_push(i, weight, fastest, chain):
     """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
-    return weight * size_of_force(chain, i, curve_depth(chain.law, chain.own, i, 0.5 * fastest * fastest / weight))
-
-
-@inlined
-def size_of_force(chain, i, depth):
-    """Size of the force of contact i, `depth` beyond where it begins to push or to pull."""
-    preload = chain.law[i, 0]
-    return curve_force(chain.law, chain.own, i, depth) + abs(preload) - preload
+    depth = curve_depth(chain.law, chain.own, i, 0.5 * fastest * fastest / weight)
+    return weight * pressed_force(chain.law, chain.own, i, depth)
 
 
 @piece
@@ -114,7 +107,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
     square = fastest * error
     if bend * least > FEW_TRIES * square:
         return
-    missing = weight * size_of_force(chain, i, square / bend)
+    missing = weight * pressed_force(chain.law, chain.own, i, square / bend)
     grown = fastest / math.sqrt(max(rate * rate, 2.0 * square)) - 1.0
     if grown > 0.0:
         control[GROWTH] += 2.0 * missing / (bend + missing) * grown

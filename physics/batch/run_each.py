@@ -156,7 +156,7 @@ def integrate_each(
         chain = law, inverse_mass, push, forced, bead, None, None, knots
         regime = (
             batch.law[c], batch.inverse_mass[c], push, loss if lossy else loss[:0], bed if braked else bed[:0],
-            slide if braked else slide[:0], easing if lossy else easing[:0], loss[:0], easing[:0], law[:0], which[:0],
+            slide if braked else slide[:0], easing if lossy else easing[:0], easing[:0], law[:0], which[:0],
         )  # fmt: skip
         motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
         log = contact, switch_time, moving.closed[c], moving.counter[c]
