@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics.chain import Chain
-from softcradle.physics.kernel_records import NO_FLAGS, NOTHING, chain_records
+from softcradle.physics.kernel_records import NO_FLAGS, chain_records
+from softcradle.physics.numerics.records import NO_DISSIPATION, NOTHING
 from softcradle.physics.state import State
 
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The fields of the effective chain and of its Regime; without dissipation they share their arrays."""
-    (law, inverse_mass, push, external, anchor, *others), dissipation = chain_records(chain, state)
-    if dissipation is None:
+    law, inverse_mass, push, external, anchor, *others, dissipation = chain_records(chain, state)
+    others.append(NO_DISSIPATION)
+    if not chain.dissipative:
         regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS)
         return (law, inverse_mass, push, external, anchor, *others), regime
     loss = dissipation.loss if dissipation.loss.any() else NOTHING

@@ -26,7 +26,7 @@ def fallback_step(h, chain, motion, wanted, trial, scratch, log):
         copy_motion(halves, motion)
         for k in range(3):
             part, moved = (h, whole) if k == 0 else (0.5 * h, halves)
-            log.counter[EVALUATION] += abs(gradient_step(part, chain, None, moved, scratch.work, scratch.work))
+            log.counter[EVALUATION] += abs(gradient_step(part, chain, moved, scratch.work, scratch.work))
         for j in range(knots.push_slope.size):
             chain.push[j] -= 0.5 * h * knots.push_slope[j]
         agree = True  # where a rate is not a number, it is not the same as nothing

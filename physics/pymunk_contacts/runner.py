@@ -31,7 +31,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 20_000_000  # some minutes
+MOST_SPACE_STEPS = 20_000_000  # some minutes
 MOST_REACH = 2.0**90  # [m] of the anchors
 FIRST_SPACING = 4  # steps between two checkpoints at first
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
@@ -201,7 +201,7 @@ class _Run:
 
     def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
-        self.most_steps = problem.most_steps or MOST_STEPS
+        self.most_steps = problem.most_steps or MOST_SPACE_STEPS
         self.row = _row(problem.chain, problem.state, self.h)
         self.rows = empty_samples(times.size, problem.chain.contacts)
         self.evaluations = self.sampled = 0

@@ -13,8 +13,8 @@ from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.adaptive.switching import stop_rate
 from softcradle.physics.fixed_step import discrete_gradient
 from softcradle.physics.kernel_records import empty_log
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import FALLBACK, LOADED, STEP, TOUCHING
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 
 from tests.helpers.plain_kernels import only_plain, records_of
 from tests.helpers.relations import momentum, total_energy
