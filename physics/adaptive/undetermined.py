@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.default_step import default_step
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
+from softcradle.physics.scales import default_step
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.contact import is_closed
-from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
-from softcradle.physics.python_checkpoints import CheckpointList
+from softcradle.physics.problem import SAMPLED, CheckpointList, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.reference.extended_precision import MOST_STEPS, ExtendedRun, ReferenceGaveUpError
 from softcradle.physics.reference.one_thread import on_one_thread
 from softcradle.physics.state import State

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from softcradle.physics.analysis.cluster_scaling import spread_variable
-from softcradle.physics.analysis.measures import depth_law, time_scale_separation
+from softcradle.physics.analysis.measures import depth_law, spread_variable, time_scale_separation
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,

@@ -10,8 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, step_force
-from softcradle.physics.analysis.closed_forms import rigid_collision
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
 from softcradle.physics.reference.extended_precision import ReferenceGaveUpError
 from softcradle.physics.reference.reference_end import reference_end
 from softcradle.physics.simulation import solve
