@@ -155,14 +155,8 @@ def refusal_of(method: str, chain: Chain) -> str:
     refusal = _refusal_of_couplers(method, found, chain) if chain.couplers else ""
     if refusal:
         return refusal
-    if chain.couplers and chain.own_laws and found is not None and found.family is Family.REFERENCE:
-        return (
-            "method 'scipy' carries couplers beside preloaded power laws only, not laws of your own: take 'conserving'"
-        )
     if not chain.dissipative or found is None:
         return ""
-    if chain.own_laws and found.family is Family.REFERENCE:
-        return "method 'scipy' carries laws of your own without bed friction and contacts with loss only: take 'conserving'"
     return "" if found.dissipative else _refusal_of_friction(found, chain)
 
 
