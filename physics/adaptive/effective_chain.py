@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics.chain import Chain
-from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.kernel_records import NO_FLAGS, chain_records, law_rows
 from softcradle.physics.numerics.records import NO_DISSIPATION, NOTHING
@@ -36,23 +35,13 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
 
 def _segments(chain: Chain) -> tuple[Any, ...]:
     """The segments of all contacts, each on the one in which it pushes first."""
-    rows: list[list[float]] = []
+    rows: list[tuple[float, ...]] = []
     first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
     for i, contact in enumerate(chain.contact):
         if isinstance(contact, Coupler):
-            pulls = [] if contact.pull is None else _gear(contact.pull, -1.0, -contact.slack, contact)[::-1]
-            rows += pulls + _gear(contact.push, 1.0, 0.0, contact)
-            segment[i] = len(pulls)
+            rows += contact.segments
+            segment[i] = sum(side < 0.0 for side, *_ in contact.segments)
         else:
-            rows += [[1.0, 0.0, *law_rows(chain)[i], 0.0, 0.0, chain.loss[i], np.inf]]
+            rows.append((1.0, 0.0, *law_rows(chain)[i].tolist(), 0.0, 0.0, float(chain.loss[i]), np.inf))
         first[i + 1] = len(rows)
     return segment, np.array(rows), first
-
-
-def _gear(law: Contact, side: float, origin: float, coupler: Coupler) -> list[list[float]]:
-    """The segments of a gear of a coupler from its origin outward: as it is pressed in, and solid."""
-    own = [law.preload, law.stiffness, law.exponent]
-    found = [[side, origin, *own, 0.0, 0.0, law.loss, coupler.travel]]
-    if coupler.stop:
-        found.append([side, origin + side * coupler.travel, *own, coupler.travel, coupler.stop, law.loss, np.inf])
-    return found

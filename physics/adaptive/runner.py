@@ -46,7 +46,6 @@ from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
-    FALLBACK,
     OUT_OF_STEPS,
     PAUSED,
     REJECTED,
@@ -242,13 +241,6 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
             "'conserving', or a looser tolerance"
         )
         found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": steps, "time": time}))
-    places = int(log.counter[FALLBACK])
-    if places:
-        sentence = (
-            f"Newton's iteration did not converge in {places} places, where {problem.method} took a small step of "
-            "'conserving': compare with another tolerance"
-        )
-        found.append(CodedWarning(WarningCode.FALLBACK, sentence, {"places": places}))
     return (*found, *log_warnings(log))
 
 
