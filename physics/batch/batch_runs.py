@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.runner import SOFTEST, error_growth
+from softcradle.physics.adaptive.runner import DOUBT, error_growth
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
     DOP853,
@@ -16,11 +16,11 @@ from softcradle.physics.adaptive.step_records import (
     empty_steps,
     empty_trial,
 )
-from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN
 from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.batch.batch_scales import BatchStart
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import BatchData, BatchMotion
+from softcradle.physics.confirm import MOST_GROWN, SOFTEST
 from softcradle.physics.contact import stored_energy
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import DISCRETE_GRADIENT, SPLITTING
