@@ -23,7 +23,6 @@ from softcradle.physics.own_law_table import LawTable, law_table
 Array = NDArray[np.float64]
 
 LEAST_OVERLAP = 2.0**-900  # [m] below 1e-270: the force there is the preload of the law
-MOST_OVERLAP = 2.0**84  # [m] no contact that is computed is pressed further
 PROBES = 33  # overlaps at which a law is looked at before a run, evenly spaced, and as many by powers
 PROBED_DECADES = 12  # below the depth that is expected
 RISE = 1e-9  # of the largest force: a fall by more than that is none of round-off
@@ -190,28 +189,21 @@ class OwnLaw:
 
     def overlap(self, force: ArrayLike) -> Numbers:
         """Overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload, inf out of reach."""
-        forces = np.asarray(force, dtype=np.float64)
+        forces, table = np.asarray(force, dtype=np.float64), self.table
         found = [
-            self._reach(value, self.force_of) if value > self.preload else 0.0 for value in forces.ravel().tolist()
+            table.overlap(table.force, value) if value > self.preload else 0.0 for value in forces.ravel().tolist()
         ]
         return found[0] if forces.ndim == 0 else np.reshape(found, forces.shape)
 
     def depth(self, energy: float) -> float:
         """Overlap [m] at which the contact stores `energy` [J]; inf where it never does."""
-        return self._reach(energy, self.scalar_energy) if energy > 0.0 else 0.0
+        return self.table.overlap(self.table.energy, energy) if energy > 0.0 else 0.0
 
     def slope(self, overlap: float) -> float:
         """Slope df/dd of the force [N/m] at an overlap > 0 [m], by a difference."""
         low, high = overlap * (1.0 - SLOPE_WIDTH), overlap * (1.0 + SLOPE_WIDTH)
         below, above = self._force(np.array([low, high])).tolist()
         return float(max(above - below, 0.0) / (high - low))
-
-    @cached_property
-    def scalar_energy(self) -> Callable[[float], SupportsFloat]:
-        """The energy [J] at one overlap > 0 [m]: that of the law, or the integral of its force."""
-        if self.energy_of is not None:
-            return self.energy_of
-        return lambda overlap: float(self._integrated(np.array([overlap]))[0])
 
     def _integrated(self, overlaps: Array) -> Array:
         return self.table.values(self.table.energy, overlaps)
@@ -262,23 +254,6 @@ class OwnLaw:
             found[pressed] = function(overlaps[pressed])
         return float(found) if overlaps.ndim == 0 else found
 
-    def _reach(self, wanted: float, function: Callable[[float], SupportsFloat]) -> float:
-        """The overlap at which a function that does not fall reaches `wanted`; inf where it does not."""
-
-        def lacks(power: float) -> float:
-            value = _number(function, 2.0**power)
-            return (
-                value - wanted if math.isfinite(value) else wanted
-            )  # beyond what the law can say it is pressed too far
-
-        low, high = math.log2(LEAST_OVERLAP), math.log2(MOST_OVERLAP)
-        with np.errstate(all="ignore"):
-            if lacks(low) >= 0.0:
-                return LEAST_OVERLAP
-            if lacks(high) < 0.0:
-                return math.inf
-            return float(2.0 ** zero_of(lacks, low, high))
-
     def require_usable(self, depth: float) -> None:
         """ValueError where force or energy are no numbers >= 0 up to `depth` [m], or the energy is not that of the force."""
         overlaps = self.probes(depth)
@@ -311,16 +286,6 @@ class OwnLaw:
         """Overlaps (k,) [m] at which the law is looked at, ascending to `depth`."""
         by_power = depth * 10.0 ** np.linspace(-PROBED_DECADES, 0.0, PROBES)
         return np.unique(np.concatenate((by_power, np.linspace(0.0, depth, PROBES)[1:])))
-
-
-def zero_of(rising: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that does not fall passes 0, between `low` and `high`, to the last digit: by halving."""
-    while low < (middle := 0.5 * (low + high)) < high:
-        if rising(middle) < 0.0:
-            low = middle
-        else:
-            high = middle
-    return high
 
 
 def is_law(value: object) -> bool:

@@ -8,6 +8,7 @@ integral. Pieces are powers of two, halved until the force between the points ag
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -30,6 +31,7 @@ MOST_FORCE = 1e280  # [N] sums of larger ones overflow
 NO_WIDTH = 1e-6  # of its end: a piece narrower than this is around a bend
 DIGITS = 1e-9  # relative error of a piece whose force has digits
 BENT = 1e-5  # of force or slope: two pieces that differ by more where they meet do so at a bend
+ROUND_OFF = 2.0**-53  # of half a piece
 NOISE = 0.25  # of the error of a piece: where both halves have more, the force has no more digits
 
 POINTS: Array = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)  # of a piece, on [-1, 1]
@@ -63,6 +65,23 @@ class LawTable(NamedTuple):
         place = (2.0 * overlaps - low - high) / (high - low)
         found = polyval(place, coefficients[piece].T, tensor=False)
         return np.where(overlaps <= self.edge[-1], found, np.nan)
+
+    def overlap(self, coefficients: Array, value: float) -> float:
+        """The overlap [m] at which the force or the energy, by its `coefficients`, reaches `value`.
+
+        Where it does not it is inf, or the last edge of a law that has no numbers beyond it.
+        """
+        piece = int(np.searchsorted(coefficients.sum(axis=1), value))
+        if piece == len(coefficients):
+            return math.inf if self.edge[-1] >= 2.0**MOST_POWER else float(self.edge[-1])
+        row, low, high = coefficients[piece, ::-1].tolist(), -1.0, 1.0
+        while high - low > ROUND_OFF:
+            middle, found = 0.5 * (low + high), 0.0
+            for number in row:
+                found = found * middle + number
+            low, high = (middle, high) if found < value else (low, middle)
+        begin, end = self.edge[piece : piece + 2].tolist()
+        return float(0.5 * (begin + end + high * (end - begin)))
 
 
 def law_table(force: Force) -> LawTable:
