@@ -7,6 +7,7 @@ import math
 import numpy as np
 from softcradle.physics import Chain
 from softcradle.physics.analysis.ringing import returns
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     OWN,
@@ -78,7 +79,7 @@ CLAIMS = (
         allowed=0.1,
         how="period of the driven cluster, from the times of five returns of psi",
         remark="as for the amplitude: exact for many beads only",
-        second=MethodFineness("conserving", 2e-5),
+        second=MethodFineness(KEEPING, 2e-5),
         refer=False,
     ),
     Claim(

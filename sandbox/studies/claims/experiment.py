@@ -10,6 +10,7 @@ from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.contact_distance import GRADED, squared_difference
 from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.matching import match
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.experiment import (
     MASS,
@@ -119,7 +120,7 @@ CLAIMS = (
         allowed=0.1,
         how="one on three; nearest by the curves of the striker's force; << 1 is read as at most 0.1",
         remark="it grows with the stroke over the precompression, and is 1, that of the bare spring, for the fastest strikers",
-        second=MethodFineness("conserving", 1e-3),
+        second=MethodFineness(KEEPING, 1e-3),
         refer=False,
     ),
     Claim(

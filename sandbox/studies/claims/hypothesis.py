@@ -7,11 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 from softcradle.physics.analysis.ringing import turning_points
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import OWN, MethodFineness, NotSolvedError, Parameters, at_fractions
 
 FRACTIONS = tuple(np.linspace(0.01, 0.99, 491).tolist())  # sample times, as parts of the striker's contact
-FINE_SECOND = MethodFineness("conserving", 3e-5)
+FINE_SECOND = MethodFineness(KEEPING, 3e-5)
 INVERSE = (6, 7, 8, 10, 12, 14, 16)
 NEXT_INVERSE = dict(pairwise(INVERSE))
 

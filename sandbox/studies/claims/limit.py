@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from softcradle.physics import Trajectory
 from softcradle.physics.analysis.cluster_scaling import spread_variable
 from softcradle.physics.analysis.measures import depth_law, time_scale_separation
+from softcradle.sandbox.scene_runs import TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,
@@ -18,6 +20,7 @@ from softcradle.sandbox.studies.paper import (
     later,
     local_rate,
     n_alpha,
+    psi_limit,
     spread,
     start,
 )
@@ -28,9 +31,13 @@ BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
 
 def largest_psi(case: Parameters, solver: MethodFineness) -> float:
     """Largest psi of the full equations while the striker pushes."""
+    return float(_pushed(case, solver, 1.3, 1001).overlap[:, 1].max())
+
+
+def _pushed(case: Parameters, solver: MethodFineness, part: float, samples: int) -> Trajectory:
+    """The motion until `part` of half the limit of the contact time, 2n/(n+1)."""
     chain, n = chain_of(case), case["n"]
-    found = solver.motion(chain, start(chain), 1.3 * n / (n + 1.0), 1001)
-    return float(found.overlap[:, 1].max())
+    return solver.motion(chain, start(chain), part * n / (n + 1.0), samples)
 
 
 def rate_of_psi(case: Parameters, solver: MethodFineness) -> float:
@@ -40,9 +47,7 @@ def rate_of_psi(case: Parameters, solver: MethodFineness) -> float:
 
 def psi_off_law(case: Parameters, solver: MethodFineness) -> float:
     """Relative distance of max psi from n/(2(n+1)) ((n-1)/n)**(1/alpha)."""
-    n = case["n"]
-    law = n / (2.0 * (n + 1.0)) * ((n - 1.0) / n) ** case["1/alpha"]
-    return abs(largest_psi(case, solver) / law - 1.0)
+    return abs(largest_psi(case, solver) / psi_limit(case["n"], 1.0 / case["1/alpha"]) - 1.0)
 
 
 def rate_of_duration(case: Parameters, solver: MethodFineness) -> float:
@@ -79,9 +84,8 @@ def separation(case: Parameters, solver: MethodFineness) -> float:
 
 def energy_inside(case: Parameters, solver: MethodFineness) -> float:
     """Largest energy that the inner contacts store, of the striker's."""
-    chain, n = chain_of(case), case["n"]
-    found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
-    return float(chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
+    found = _pushed(case, solver, 1.5, 2001)
+    return float(found.chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
 
 
 def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
@@ -91,8 +95,7 @@ def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
 
 def inner_force(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the largest f12 from (n-1)/n, its limit, as a part of it."""
-    chain, n = chain_of(case), case["n"]
-    found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
+    n, found = case["n"], _pushed(case, solver, 1.5, 2001)
     return abs(float(found.force[:, 1].max()) * n / (n - 1.0) - 1.0)
 
 
@@ -125,7 +128,7 @@ CLAIMS = (
         allowed=0.06,
         how="full equations, n alpha from 0.056 to 0.1",
         remark="the rate is n log((n-1)/n), -1 for many beads only: max psi ~ n/(2(n+1)) ((n-1)/n)**(1/alpha) (amplitude-law)",
-        first=MethodFineness("accurate", tolerance=1e-6),
+        first=MethodFineness(TOLD, tolerance=1e-6),
         refer=False,
     ),
     Claim(
@@ -188,7 +191,7 @@ CLAIMS = (
         how="velocities when every contact is open, n alpha from 0.15 to 0.4; rigid-like: a spread of at most 50 %",
         remark="at fixed n alpha the spread grows with n: the threshold of n alpha falls like 1/(2 ln(0.9 (n+1))) "
         "(figure collapse)",
-        first=MethodFineness("accurate", tolerance=1e-6),
+        first=MethodFineness(TOLD, tolerance=1e-6),
     ),
     Claim(
         name="above-1/n",

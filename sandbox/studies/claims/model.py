@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from softcradle.physics import Chain, Contact, cluster_on_cluster, one_on, power_law
+from softcradle.physics import Chain, cluster_on_cluster, one_on, power_law
 from softcradle.physics.analysis.measures import depth_law, loads
 from softcradle.physics.analysis.ringing import turning_points
+from softcradle.sandbox.scene_runs import KEEPING, TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,
@@ -17,6 +18,8 @@ from softcradle.sandbox.studies.paper import (
     Parameters,
     chain_of,
     first_opening,
+    power_laws,
+    random_beads,
     start,
     while_struck,
 )
@@ -27,7 +30,7 @@ SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105
 RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times that Fig. 2d shows
-AT_THE_TOUCH = MethodFineness("accurate", tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
+AT_THE_TOUCH = MethodFineness(TOLD, tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
 RISE_END = 1.0  # unit of time: the end of Fig. 2d, and of the run of which the slopes are
 SLOPES = 8  # in a decade of time: a step of a force by a part of a percent is one of ten percent of its slope
 
@@ -97,9 +100,8 @@ def random_chain(case: Parameters) -> Chain:
     if not case["seed"]:
         return one_on(n, power_law(1.0, 1.0 / 30.0))
     random = np.random.default_rng([SEED, round(case["seed"])])
-    mass, strength = (2.0 ** random.uniform(-1.0, 1.0, count) for count in (n + 1, n))
-    exponent = 1.0 / random.uniform(20.0, 40.0, n)
-    return Chain(mass, [Contact(0.0, f0, a) for f0, a in zip(strength, exponent, strict=True)])
+    mass, strength = random_beads(random, n, 2.0)
+    return Chain(mass, power_laws(strength, 1.0 / random.uniform(20.0, 40.0, n)))
 
 
 def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> float:
@@ -251,7 +253,7 @@ CLAIMS = (
         f"middle 80 % "
         "of the striker's contact",
         remark="where an inner contact has to pass on more than its f0 no exponent is small enough",
-        second=MethodFineness("conserving", 5e-5),
+        second=MethodFineness(KEEPING, 5e-5),
         refer=False,
     ),
     Claim(
