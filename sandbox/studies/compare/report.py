@@ -6,7 +6,6 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.page.document import footer, note, table
@@ -231,11 +229,6 @@ def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmS
             check(path if path.suffix in FILM_SUFFIXES else "film.mp4", settings.pixels(comparison), None)
     if len({os.path.abspath(path) for path in paths}) < len(paths):
         raise UserError("the same file is given twice with -o")
-
-
-def open_outputs(stack: ExitStack, paths: Sequence[Path]) -> list[Path]:
-    """Temporary files that become `paths` when `stack` is left without an error."""
-    return [stack.enter_context(output_file(path)) for path in paths]
 
 
 @dataclass(frozen=True)
