@@ -61,11 +61,7 @@ RATE = Quantity(
 )
 FORCE = Quantity(N_("contact force (N)"), NP_("column", "force (N)"), "f", CONTACT, lambda motion, _: motion.force)
 STORED = Quantity(
-    N_("stored energy (J)"),
-    NP_("column", "stored energy (J)"),
-    "S",
-    CHAIN,
-    lambda motion, _: motion.stored[:, None],
+    N_("stored energy (J)"), NP_("column", "stored energy (J)"), "S", CHAIN, lambda motion, _: motion.stored[:, None]
 )
 
 # by the letter that a person types

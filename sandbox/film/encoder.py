@@ -201,10 +201,7 @@ class Film:
 
 @contextmanager
 def open_film(
-    output: Path | str,
-    size: tuple[int, int],
-    frame_rate: float,
-    pixel_format: str | None = None,
+    output: Path | str, size: tuple[int, int], frame_rate: float, pixel_format: str | None = None
 ) -> Iterator[Film]:
     """A film to add frames of `size` to; it is at `output` when the block ends without error, or not at all.
 

@@ -107,14 +107,7 @@ CODECS: tuple[Codec, ...] = (
         options=(("quality", "85"), ("compression_level", "2")),
         container_options=REPEAT,
     ),
-    Codec(
-        ".avif",
-        "libsvtav1",
-        "avif",
-        "yuv420p",
-        options=(("preset", "9"), ("crf", "22")),
-        container_options=REPEAT,
-    ),
+    Codec(".avif", "libsvtav1", "avif", "yuv420p", options=(("preset", "9"), ("crf", "22")), container_options=REPEAT),
 )
 
 

@@ -32,11 +32,7 @@ class Language(NamedTuple):
     decimal_mark: str
 
 
-LANGUAGES = {
-    ENGLISH: Language("English", "."),
-    "de": Language("Deutsch", ","),
-    "fr": Language("Français", ","),
-}
+LANGUAGES = {ENGLISH: Language("English", "."), "de": Language("Deutsch", ","), "fr": Language("Français", ",")}
 
 
 class _Present:

@@ -116,11 +116,7 @@ class Session:
     frame: int
 
     def __init__(
-        self,
-        scene: Scene,
-        memory: int = MEMORY,
-        budget: float = BUDGET,
-        clock: Callable[[], float] = perf_counter,
+        self, scene: Scene, memory: int = MEMORY, budget: float = BUDGET, clock: Callable[[], float] = perf_counter
     ) -> None:
         self.scene = scene
         self.history = History(memory)

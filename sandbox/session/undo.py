@@ -127,9 +127,7 @@ def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
 
 
 def _move(
-    source: deque[Checkpoint] | list[Checkpoint],
-    target: deque[Checkpoint] | list[Checkpoint],
-    present: FrozenSession,
+    source: deque[Checkpoint] | list[Checkpoint], target: deque[Checkpoint] | list[Checkpoint], present: FrozenSession
 ) -> Checkpoint | None:
     if not source:
         return None

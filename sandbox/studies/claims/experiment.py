@@ -12,13 +12,7 @@ from softcradle.physics.analysis.critical_speed import critical_speed
 from softcradle.physics.analysis.matching import match
 from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
-from softcradle.sandbox.studies.experiment import (
-    MASS,
-    PRECOMPRESSION,
-    STIFFNESS,
-    deficits,
-    friction_for,
-)
+from softcradle.sandbox.studies.experiment import MASS, PRECOMPRESSION, STIFFNESS, deficits, friction_for
 from softcradle.sandbox.studies.paper import MethodFineness, Parameters, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)

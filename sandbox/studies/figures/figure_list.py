@@ -9,16 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.figures import (
-    collision,
-    coupler,
-    disorder,
-    rigidity,
-    scaling,
-    train,
-    variant,
-    wave,
-)
+from softcradle.sandbox.studies.figures import collision, coupler, disorder, rigidity, scaling, train, variant, wave
 from softcradle.sandbox.studies.paper import ALPHA, SOFTER_ALPHA
 from softcradle.sandbox.studies.plot_style import styled, write_picture
 from softcradle.sandbox.sweeps import listed
