@@ -1,7 +1,5 @@
 """Quantities of a motion: name, unit, symbol, whose it is, its values. Plots, pictures, tables and notebooks read this table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

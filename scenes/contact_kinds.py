@@ -1,7 +1,5 @@
 """The kinds of contact by name: what files and lines of text call them, their numbers, and what makes them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

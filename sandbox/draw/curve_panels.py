@@ -1,7 +1,5 @@
 """Panels of curves against time: axes and curves are drawn once, and in each frame the curves up to the cursor appear."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The bars of energy and momentum: each bead's part, a total that must not change, and the errors of both as badges."""
 
-from __future__ import annotations
-
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import Colour, tones

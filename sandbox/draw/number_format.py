@@ -1,7 +1,5 @@
 """Numbers of axes as text, with the decimal mark of the language in use: ticks, powers of ten, units; labels moved apart."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

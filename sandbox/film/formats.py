@@ -1,7 +1,5 @@
 """The formats of films: which file is encoded how and what its codec cannot do, and how a surface becomes a frame."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass, replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The data of a page as JSON: what its lanes start from and look like, and their recorded motion, packed."""
 
-from __future__ import annotations
-
 import base64
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """The document of a page: one HTML file with its style, scripts and kernels inside, which may load nothing; its controls."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

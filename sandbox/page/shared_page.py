@@ -1,7 +1,5 @@
 """The page to share: one HTML file in which a scene is played, computed in the browser, or as it was recorded."""
 
-from __future__ import annotations
-
 import math
 import os
 import warnings

@@ -5,8 +5,6 @@ A recording names them by their classes: a renamed class could no longer be repl
 `lane` counts from 0; `bead` 0 ... n and `contact` 0 ... n-1 from left to right; None means all of them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """The session: lanes on one clock, their history, every input on its way into model and recording, and what a window shows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -4,8 +4,6 @@ An undo goes back to the frame at which the edit was made and brings back the fr
 back the edit and the motion after it. No frame is lost by either.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass, replace
 from itertools import count

@@ -1,7 +1,5 @@
 """The check of velocities: an accurate run behind the live one, from where the motion was last touched, tells their error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -19,8 +19,6 @@ camera's frames, over a window that ends at the first touch, and over one that b
 stated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """The paper's chains and their runs, each computed once, for figures and claims: its cases, how they are solved, what is read."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping, Sequence

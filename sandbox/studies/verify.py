@@ -1,7 +1,5 @@
 """The numbers known from outside: what a row is, the list of all, and their check."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The sample points of a sweep: grids, lists, Latin hypercube and Sobol samples, each computed from its index alone."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@ The folder `NAME.partial` holds the study and the chunks, .npz files named by th
 Each is renamed into place when it is whole and on the disk, so that a listing of the folder tells what is done.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

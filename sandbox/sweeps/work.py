@@ -1,7 +1,5 @@
 """The work of a sweep: what is swept, checked, and what every process that takes part computes, one chunk of points at a time."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """`softcradle check FILE ...`: every problem of every file, one line each; exit code 2 if there is any."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 

@@ -1,7 +1,5 @@
 """`softcradle compare`: the same collision in several chains, as a film, a report and numbers."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`softcradle completion SHELL`: the lines that let a shell complete commands, options, methods and scenes."""
 
-from __future__ import annotations
-
 import argparse
 
 SHELLS = ("bash", "zsh", "fish")

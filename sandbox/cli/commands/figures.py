@@ -1,7 +1,5 @@
 """`softcradle figures`: the figures of the paper and of the data it does not show, as pictures and numbers."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.sandbox.cli.arguments import add_open, open_with_desktop, picture_folder

@@ -1,7 +1,5 @@
 """`softcradle maps`: where a struck cluster moves like a rigid body, over softness or speed, and size."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.sandbox.cli.arguments import add_open, picture_folder

@@ -1,7 +1,5 @@
 """`softcradle methods`: what there is to compute a motion with, and what each method is for."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.physics.methods import AUTO, METHODS

@@ -1,7 +1,5 @@
 """`softcradle play`, or `softcradle` alone: open the window."""
 
-from __future__ import annotations
-
 import argparse
 import os
 

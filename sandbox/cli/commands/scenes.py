@@ -1,7 +1,5 @@
 """`softcradle scenes`: the list of scenes, or the file of one of them."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.sandbox.cli.arguments import completed, scene_words

@@ -1,7 +1,5 @@
 """`softcradle verify`: everything that is known from outside, each number with its source, ours, and the error."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.sandbox.console import ProgressShown, print_json, print_rows

@@ -1,7 +1,5 @@
 """`softcradle warm`: compile the kernels of all methods ahead of their first use."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.sandbox.console import note

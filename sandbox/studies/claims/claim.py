@@ -1,7 +1,5 @@
 """A claim of the paper as something to measure; its study: cases measured by two methods, with error bars, and the verdict."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace

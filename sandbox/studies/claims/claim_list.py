@@ -1,7 +1,5 @@
 """The list of all claims, in the order of the paper, and their measurement as a sweep over all of their cases."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path

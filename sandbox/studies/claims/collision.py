@@ -1,7 +1,5 @@
 """Claims on one collision: Secs. I and IV, Figs. 1b to 1d."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

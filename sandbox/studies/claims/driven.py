@@ -1,7 +1,5 @@
 """Claims on a cluster that a steady force drives: Sec. V, and the period of the inner contact in Sec. IV (ii)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Claims on the experiment of App. C: draft gears with the measured masses, and their likeness to soft power laws."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Claims of Appendix B on the evanescent hypothesis, Eq. (7), inside the full solution."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

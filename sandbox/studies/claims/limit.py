@@ -1,7 +1,5 @@
 """Claims on the limit alpha -> 0 and on where rigid-like behaviour ends: Secs. IV and V."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

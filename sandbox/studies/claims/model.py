@@ -1,7 +1,5 @@
 """Claims on the mode-coupling model against the full equations: Secs. III and IV, Fig. 2, App. A."""
 
-from __future__ import annotations
-
 import numpy as np
 from softcradle.physics import Chain, cluster_on_cluster, one_on, power_law
 from softcradle.physics.analysis.measures import depth_law, loads

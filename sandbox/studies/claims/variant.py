@@ -1,7 +1,5 @@
 """Claims on variants of the set-up: heterogeneous chains, a Hooke interface, prestress and waves. Sec. V, App. A."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

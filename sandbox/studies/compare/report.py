@@ -1,7 +1,5 @@
 """The files of a comparison: a page with player, charts and tables, a film, or the numbers; each whole or not at all."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The results of a comparison: the trajectory of each side, its measures, and their tables for terminal and page."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The collisions of the work-precision chart, each with its true outcome; any scene can be one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
