@@ -21,7 +21,6 @@ QUANTITIES = ("velocities", "forces", "overlaps")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument(
         "scenes", metavar="SCENE", nargs="*",
         help="a case of --list, a scene, or a scene file (default: all cases; each takes up to half a minute)",

@@ -5,7 +5,6 @@ import sys
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("files", metavar="FILE", nargs="+", help="scene file, or name of a scene")
 
 

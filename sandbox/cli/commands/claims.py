@@ -17,7 +17,6 @@ KEPT = "claims"  # name of the file in the folder of the output that keeps cases
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("names", metavar="ID", nargs="*", help="claims to measure, with all their cases (default: all)")
     parser.add_argument(
         "-o", "--output", metavar="FOLDER",

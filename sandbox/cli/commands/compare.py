@@ -19,7 +19,6 @@ DEFAULT_OUTPUT = "out/compare.html"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("scenes", metavar="SCENE", nargs="+", help="names of scenes, or scene files; all their lanes")
     parser.add_argument(
         "--contact", action="append", default=[], metavar="LAW",

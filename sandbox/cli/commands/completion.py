@@ -6,7 +6,6 @@ SHELLS = ("bash", "zsh", "fish")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("shell", choices=SHELLS, help='such as: eval "$(softcradle completion bash)" in ~/.bashrc')
 
 

@@ -24,7 +24,6 @@ OPEN_QUESTIONS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("-o", "--output", metavar="FILE", help="write the same as JSON into a file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
 

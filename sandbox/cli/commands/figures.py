@@ -9,7 +9,6 @@ KEPT = "figures"  # name of the file in the folder of the output that keeps tabl
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("names", metavar="NAME", nargs="*", help="figures to draw, such as 1b 2c B (default: all)")
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", default="out/figures", help="where to write (default: out/figures)"

@@ -13,7 +13,6 @@ MOST_POINTS = 2000  # along either side of a map: a typing error must not run fo
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument(
         "names", metavar="NAME", nargs="*", help=f"maps to draw: {', '.join(NAMES)} (default: all)"
     )  # fmt: skip

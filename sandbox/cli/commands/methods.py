@@ -9,7 +9,6 @@ AUTO_PURPOSE = "wherever time matters: chosen from the chain and the wanted erro
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
 
 

@@ -9,7 +9,6 @@ from softcradle.sandbox.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     scene = parser.add_argument(
         "scene",
         metavar="SCENE",

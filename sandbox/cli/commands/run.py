@@ -33,7 +33,6 @@ FORMATS = (".npz", ".csv")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     add_scene(parser)
     parser.add_argument(
         "-o", "--output", metavar="OUT", action="append", default=[],

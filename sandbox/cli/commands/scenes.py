@@ -8,7 +8,6 @@ from softcradle.sandbox.scene_runs import load_scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     scene = parser.add_argument(
         "scene", metavar="SCENE", nargs="?", help="print the file of this scene instead of the list"
     )

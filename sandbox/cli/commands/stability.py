@@ -17,7 +17,6 @@ TITLES = ("varied", "method", "failed", "how", "finest that fails", "finer than 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument(
         "scans", metavar="SCAN", nargs="*", help="what to vary beside the step: alpha, n, preload (default: all)"
     )

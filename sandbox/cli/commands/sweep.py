@@ -19,7 +19,6 @@ REASONS_SHOWN = 3  # of points that have no numbers
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("study", metavar="STUDY", nargs="?", help="path of a study file (.toml)")
     parser.add_argument(
         "-o", "--output", metavar="FILE", help="a .zarr folder or a .nc file (default: out/NAME.zarr, by the study)"

@@ -8,7 +8,6 @@ DISAGREES = 1  # exit code where a number is not met
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
 
 

@@ -7,7 +7,6 @@ from softcradle.sandbox.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("methods", metavar="METHOD", nargs="*", help="methods to compile (default: all)")
 
 
