@@ -284,7 +284,7 @@ class ChunkSchedule:
     def _hand_out(self, place: Workplace, until: float) -> None:
         """As many chunks as there is room for; suspects each alone, none while a broken place gives chunks back."""
         room = place.room()
-        share = self.left // (LAST_SHARES * room) if room > 1 else self.left
+        share = self.left // (LAST_SHARES * room if room > 1 else 2)
         while self._todo and not (self._suspects or self._broken) and len(self._handed) < room:
             begin, end = self._todo.popleft()
             last = min(begin + max(1, share), end)

@@ -22,14 +22,12 @@ from softcradle.sandbox.page.shared_page import recorded_page
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
 from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
-    MeasureRow,
     SideResult,
-    collision_rows,
-    contact_rows,
-    contact_titles,
+    collision_table,
+    contact_table,
     end_time,
     results_as_json,
-    velocity_rows,
+    velocity_table,
 )
 from softcradle.sandbox.studies.compare.sides import Comparison, match_as_json, match_sentence
 from softcradle.sandbox.user_error import UserError
@@ -154,24 +152,20 @@ def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Se
     """The whole page as text; `scene` has a lane for each of `results`, `notes` are sentences that stand below the numbers."""
     names = [result.side.name for result in results]
     played = PlayedMotion(scene, tuple(result.trajectory for result in results), tuple(names))
-    axis = TimeAxis(played)
+    axis, measures, speeds = TimeAxis(played), collision_table(results), velocity_table(results)
     parts = [
         result_notes(played),
         "<h2>In numbers</h2>",
-        _measures(["", *names], collision_rows(results) + velocity_rows(results), "The collision"),
+        table(measures.titles, measures.rows + speeds.rows, "The collision", measures.hints + speeds.hints),
         *(note(text) for text in notes),
         "<h2>On top of each other</h2>", overlays(results, axis),
         "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
         "<h2>Contact by contact</h2>",
-        *(_measures(["contact", *(t for t, _ in contact_titles())], contact_rows(r), r.side.name) for r in results),
+        *(table(found.titles, found.rows, name) for found, name in zip(map(contact_table, results), names, strict=True)),
         "<h2>What the numbers mean</h2>", _meanings(),
         footer(),
     ]  # fmt: skip
     return recorded_page(played, parts, title)
-
-
-def _measures(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str) -> str:
-    return table(titles, [(row.title, *row.values) for row in rows], caption, [row.meaning for row in rows])
 
 
 def _meanings() -> str:
