@@ -1,7 +1,5 @@
 """The collisions of the work-precision chart, each with its true outcome; any scene can be one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
