@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -150,17 +151,25 @@ HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
 PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
 
 
+def _beginning(text: str, ends: str, size: float, room: float, most: int) -> list[str]:
+    """The lines of `text` up to the last of its parts, which `ends` end, that `most` lines hold; of the first one at least."""
+    parts = re.findall(rf".+?(?:[{ends}](?= )|$)", text) or [""]
+    wholes = ("".join(parts[: k + 1]).strip(" ;:,") for k in range(len(parts) - 1, -1, -1))
+    lines = next((found for whole in wholes if len(found := wrapped(whole, size, room)) <= most), [])
+    if lines:
+        return lines
+    lines = wrapped(parts[0], size, room)[:most]
+    return [*lines[:-1], shortened(f"{lines[-1]} …", size, room)]
+
+
 def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], picture: pygame.Rect, unit: float) -> None:
-    """Title, the first two lines of the text, and source, below the `picture`."""
+    """Title, as many sentences of the text as two lines hold, and source, below the `picture`."""
     (title, text, source), room = caption, picture.width - 20 * unit
     x, y = picture.left + 10 * unit, picture.bottom + 7 * unit
     write(surface, shortened(title, 16 * unit, room, bold=True), (x, y), 16 * unit, tones.foreground, bold=True)
-    lines = wrapped(text, 13 * unit, room)
-    for row, line in enumerate(lines[:2]):
-        more = row == 1 and len(lines) > 2
-        shown = shortened(f"{line} …" if more else line, 13 * unit, room)
-        write(surface, shown, (x, y + (21 + 16 * row) * unit), 13 * unit, tones.muted)
-    write(surface, shortened(source, 13 * unit, room), (x, y + 54 * unit), 13 * unit, tones.muted)
+    lines = _beginning(text, ".?!", 13 * unit, room, 2) + _beginning(source, ";:,", 13 * unit, room, 1)
+    for row, line in enumerate(lines):
+        write(surface, line, (x, y + (21 + 17 * row) * unit), 13 * unit, tones.muted)
 
 
 def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pressed: bool) -> None:

@@ -40,6 +40,10 @@ LOST = N_("{percent:.2g} % of the energy was lost; strings lose it too: take mor
 Vector = tuple[float, float]
 
 
+def _pair(vector: Sequence[float]) -> Vector:
+    return float(vector[0]), float(vector[1])
+
+
 def anchors() -> list[float]:
     """Where the strings are fixed [m], such that the balls just touch."""
     return [2.0 * RADIUS * k for k in range(BALLS)]
@@ -80,8 +84,7 @@ class Cradle:
 
     def places(self) -> list[Vector]:
         """Centres of the balls [m], y upwards from the anchors."""
-        vectors = [ball.position for ball in self.balls] if self.chain is None else self.chain.positions
-        return [(float(place[0]), float(place[1])) for place in vectors]
+        return list(map(_pair, [ball.position for ball in self.balls] if self.chain is None else self.chain.positions))
 
     def energy(self) -> float:
         """Kinetic, potential and stored energy [J]; 0 for balls that hang at rest."""
@@ -134,6 +137,16 @@ def make_cradle(law: Contact | None, places: Sequence[Vector]) -> Cradle:
     return Cradle(space, balls, chain)
 
 
+class Snapshot(NamedTuple):
+    """What undo goes back to: choices, time, and of each cradle its balls, contacts, energies and what has passed."""
+
+    choices: tuple[str, int, int]
+    time: float
+    balls: list[list[tuple[Vector, Vector]]]
+    contacts: list[Any]
+    seen: list[tuple[float, float, int | None]]
+
+
 class HangingModel:
     """Both cradles, side by side; they run forwards alone: what is asked of time is asked of the scenes.
 
@@ -156,6 +169,25 @@ class HangingModel:
         self.time = self._due = 0.0
         self._fresh = False  # whether the pointer has done work since the last frame
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
+
+    def snapshot(self) -> Snapshot:
+        """The present state, for `restore`."""
+        balls = [[(_pair(ball.position), _pair(ball.velocity)) for ball in cradle.balls] for cradle in self.cradles]
+        contacts = [None if cradle.chain is None else cradle.chain.state for cradle in self.cradles]
+        seen = [(cradle.first, cradle.greatest, cradle.tangled) for cradle in self.cradles]
+        return Snapshot((self.law, self.lifted, self.rate), self.time, balls, contacts, seen)
+
+    def restore(self, state: Snapshot) -> None:
+        """Go back to a state."""
+        self.law, self.lifted, self.rate = state.choices
+        self.restart()
+        self.time = state.time
+        for cradle, balls, contacts, seen in zip(self.cradles, state.balls, state.contacts, state.seen, strict=True):
+            for ball, (position, velocity) in zip(cradle.balls, balls, strict=True):
+                ball.position, ball.velocity = position, velocity
+            if cradle.chain is not None and contacts is not None:
+                cradle.chain.restore(contacts)
+            cradle.first, cradle.greatest, cradle.tangled = seen
 
     def advance(self, seconds: float) -> None:
         """Move both by `seconds` of model time, in whole frames; the rest is due next time."""

@@ -22,7 +22,15 @@ from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import PREPARING, Pick, SceneEditor, pick_title
 from softcradle.sandbox.window.scene.sweep_board import SweepBoard
-from softcradle.sandbox.window.widgets import Control, fits, number, parameter_control, split, write_wrapped
+from softcradle.sandbox.window.widgets import (
+    Control,
+    fits,
+    number,
+    paint_whole,
+    parameter_control,
+    split,
+    write_wrapped,
+)
 
 TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses.")
 CHANGED = N_("You have changed this scene: its text was written for other numbers. Play it and see.")
@@ -37,7 +45,7 @@ def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session
     Returns all of it where `rect` has no room for that.
     """
     scene, size, changed = session.scene, 13 * unit, session.edited
-    tips = round(18.2 * unit * len(wrapped(_(TIPS), size, rect.width))) if rect.height > 150 * unit else 0
+    tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
     write_wrapped(surface, _(TIPS), low, size, tones.muted)
     title = _("What do you predict?") if question else _("About this scene")
@@ -296,13 +304,8 @@ class Inspector:
         """Draw all of a text for which there is no room, while the pointer is on it."""
         unit, (rect, text) = self.host.unit, self._whole
         if text and rect.width and rect.collidepoint(point):
-            box = pygame.Rect(0, 0, round(1.4 * rect.width), 0)
-            size, room = 13 * unit, box.width - 24 * unit
-            box.height = round(1.4 * size * len(wrapped(text, size, room)) + 20 * unit)
-            box.bottomright = rect.left - round(14 * unit), rect.bottom
-            pygame.draw.rect(surface, tones.background, box, border_radius=round(6 * unit))
-            pygame.draw.rect(surface, tones.muted, box, 1, border_radius=round(6 * unit))
-            write_wrapped(surface, text, box.inflate(-24 * unit, -16 * unit), size, tones.foreground)
+            corner = rect.left - round(14 * unit), rect.bottom
+            paint_whole(surface, text, corner, round(1.4 * rect.width), unit)
 
     def _names(self, surface: pygame.Surface) -> None:
         """Draw names and units of the parameters."""

@@ -29,6 +29,10 @@ LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 
 MOVING = ("playing", "replaying")  # activities that can be paused
 SLOW_ROOM, GAP = 190.0, 24.0  # design pixels of the slider, and between groups
+CLOCK_ROOM = 160.0  # design pixels of the clock
+MESSAGE_ROOM = (
+    260.0  # design pixels beside the clock, with which there is room for messages; else they lie on the time line
+)
 
 
 class TimeControls:
@@ -60,6 +64,14 @@ class TimeControls:
         self.slider = Slider(place, self._share(), (0.0, 1.0), self.host.manager)
         self.slider.name = _("slow motion")
         self.clock_left = place.right + round(GAP * unit)
+
+    def beside(self, footer: pygame.Rect) -> pygame.Rect:
+        """The rectangle of the `footer` that is left beside the clock; where it is narrow, that of the time line."""
+        unit = self.host.unit
+        left, high = self.clock_left + round(CLOCK_ROOM * unit), round(50 * unit)
+        if footer.right - left > MESSAGE_ROOM * unit:
+            return pygame.Rect(left, footer.bottom - high, footer.right - left, high - round(6 * unit))
+        return pygame.Rect(footer.left, footer.top, footer.width, round(40 * unit))
 
     def _share(self) -> float:
         """Place of the slow motion on the slider."""

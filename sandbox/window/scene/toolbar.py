@@ -43,7 +43,19 @@ MENUS: dict[str, tuple[str, ...]] = {
     ),
     "plots_menu": (*PLOT_KINDS, "signals", "logarithmic", "plots", "values", "data"),
     "tools": (
-        *("lesson", "tell", "compare", "compare_balls", "sweep", "arrows", "stopwatch", "ruler", "fit", "pause_at_end"),
+        *(
+            "lesson",
+            "tell",
+            "compare",
+            "compare_balls",
+            "alone",
+            "sweep",
+            "arrows",
+            "stopwatch",
+            "ruler",
+            "fit",
+            "pause_at_end",
+        ),
         *("sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
     ),
 }

@@ -140,7 +140,11 @@ class ViewKeys:
 
 
 class SceneTools:
-    """Tools of one page; `open_scene` shows another scene in its place."""
+    """Tools of one page; `open_scene` shows another scene in its place.
+
+    Attributes:
+        before: the scene of one row that is compared here, or None.
+    """
 
     def __init__(
         self,
@@ -149,8 +153,10 @@ class SceneTools:
         editor: SceneEditor,
         view: SceneView,
         board: PlotBoard,
-        open_scene: Callable[[Scene], None],
+        open_scene: Callable[[Scene, Scene | None], None],
+        before: Scene | None = None,
     ) -> None:
+        self.before = before
         self.host, self.session, self.view, self.board, self.open_scene = host, session, view, board, open_scene
         self.values = ValuesBoard(host, session, editor, self.values_area)
         self.stopwatch = Stopwatch(host, session)
@@ -164,6 +170,7 @@ class SceneTools:
             "tell": sharing.tell,
             "compare": self.compare,
             "compare_balls": self.compare_balls,
+            "alone": self.alone,
             "stopwatch": self.stopwatch.press,
             "ruler": self.ruler.toggle,
             **self.data.actions,
@@ -171,6 +178,7 @@ class SceneTools:
 
     def toggle_values(self) -> None:
         """Show the table of values in place of the plots, or the plots."""
+        self.view.card.hide()
         self.view.plots_covered = not self.view.plots_covered
         self.view.redraw()
         if not self.view.places.plots:
@@ -194,8 +202,25 @@ class SceneTools:
         except ValueError as error:
             self.host.messages.show(_("this cannot be compared: {error}", error=error_words(error)), warning=True)
             return False
-        self.open_scene(scene)
+        one = self.session.scene if len(self.session.lanes) == 1 else self.before
+        self.open_scene(scene, one)
         return True
+
+    def alone(self) -> None:
+        """Go back to the first row, with the edits that were made here and the words that it had before."""
+        if len(self.session.lanes) == 1:
+            self.host.messages.show(_("there is one row"))
+            return
+        try:
+            scene = self.session.to_scene()
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        words = self.before or scene.model_copy(update={"title": scene.title.removesuffix(COMPARED)})
+        kept = {name: getattr(words, name) for name in ("title", "text", "question", "source")}
+        self.open_scene(
+            Scene.model_validate({**scene.model_dump(), **kept, "lanes": scene.model_dump()["lanes"][:1]}), None
+        )
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event on the table or the ruler."""
