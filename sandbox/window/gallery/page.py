@@ -1,20 +1,20 @@
-"""The page of the gallery: a card for each scene in sections, with its thumbnail, title and text, and a search."""
+"""The page of the gallery: sections of scenes, a card for each with thumbnail, title and text, and a search."""
 
 from __future__ import annotations
 
 import contextlib
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import NamedTuple
 
 import pygame
 import pygame_gui
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, scene_words
+from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.sections import FOUND, Section, found, sections_of
 from softcradle.sandbox.window.hanging.page import (
     HANGING_NAME,
     HANGING_SOURCE,
@@ -26,6 +26,57 @@ from softcradle.sandbox.window.page import Host, Page
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.widgets import TextEntry
 from softcradle.scenes import SceneError, load, names
+
+
+class Section(NamedTuple):
+    """A title and the names of scenes below it."""
+
+    title: str
+    names: tuple[str, ...]
+
+
+SECTIONS = (
+    Section(N_("Start here"), ("hertz-cradle", "one-on-four", "steel-and-soft", "train-shunting")),
+    Section(
+        N_("The paper"),
+        (
+            *("one-on-four-softer", "one-on-ten", "two-on-two", "three-on-five", "galilean", "mixed"),
+            *("hooke-interface", "weak-contact", "prestressed", "driven-cluster", "stiff-springs"),
+            *("experiment-one-on-three", "experiment-two-on-two"),
+        ),
+    ),
+    Section(
+        N_("Draft gears"), ("draft-gear-one-on-three", "locked-pistons", "beads-against-gear", "draft-gear-two-on-two")
+    ),
+    Section(N_("Cradles"), (HANGING_NAME, "hooke-cradle")),
+    Section(N_("Trains"), ("train-solid", "train-cut", "train-starting", "train-braking")),
+)
+REST = N_("More")  # title above scenes that no section names
+MINE = N_("My scenes")  # title above files that were opened or saved last
+FOUND = N_("Found")  # title above what a search has found
+
+
+def sections_of(names: Sequence[str], mine: Sequence[str] = ()) -> list[Section]:
+    """The sections of those scenes, files of one's `mine` after the first; scenes of none come last."""
+    listed = {name for section in SECTIONS for name in section.names} | set(mine)
+    rest = Section(REST, tuple(name for name in names if name not in listed))
+    order = (SECTIONS[0], Section(MINE, tuple(mine)), *SECTIONS[1:], rest)
+    chosen = [Section(title, tuple(name for name in own if name in names)) for title, own in order]
+    return [section for section in chosen if section.names]
+
+
+def found(captions: Mapping[str, Sequence[str]], search: str) -> list[str]:
+    """Names of the scenes whose captions, the title first, contain every word of the search; those in whose title they all
+    are come first, then those with words that begin so."""
+    words = search.lower().split()
+
+    def rank(name: str) -> tuple[bool, bool]:
+        title, text = captions[name][0].lower(), " ".join(captions[name]).lower()
+        return not all(word in title for word in words), not all(f" {word}" in f" {text}" for word in words)
+
+    texts = {name: f"{name} {' '.join(caption)}".lower() for name, caption in captions.items()}
+    return sorted((name for name, text in texts.items() if all(word in text for word in words)), key=rank)
+
 
 MARGIN = 34.0  # design pixels on the left and right
 HEADER = 90.0  # design pixels

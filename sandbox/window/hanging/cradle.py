@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -67,7 +68,7 @@ class EnergyVerdict(NamedTuple):
 
 @dataclass
 class Cradle:
-    """Balls in a Space of their own; `chain` is None where no SoftChain acts.
+    """Balls in a Space of their own.
 
     Attributes:
         first, greatest: energy [J] when the pointer last did work on it, and the greatest since.
@@ -75,12 +76,26 @@ class Cradle:
     """
 
     space: pymunk.Space
-    balls: tuple[pymunk.Body, ...]
-    chain: SoftChain | None = None
     tangled: int | None = None
 
     def __post_init__(self) -> None:
         self.first = self.greatest = self.energy()
+
+    @property
+    def balls(self) -> list[pymunk.Body]:
+        """From left to right."""
+        return list(self.space.bodies)
+
+    @property
+    def chain(self) -> SoftChain | None:
+        """The soft contacts; None where pymunk's own act."""
+        return next(iter(SoftChain.of(self.space)), None)
+
+    def copy(self) -> Cradle:
+        """The same in a Space of its own."""
+        made = copy(self)
+        made.space = self.space.copy()
+        return made
 
     def places(self) -> list[Vector]:
         """Centres of the balls [m], y upwards from the anchors."""
@@ -130,21 +145,9 @@ def make_cradle(law: Contact | None, places: Sequence[Vector]) -> Cradle:
             circle = pymunk.Circle(ball, RADIUS)
             circle.elasticity = 1.0
             space.add(circle)
-    if law is None:
-        return Cradle(space, balls)
-    chain = SoftChain(balls, law, 2.0 * RADIUS)
-    space.add(*chain)
-    return Cradle(space, balls, chain)
-
-
-class Snapshot(NamedTuple):
-    """What undo goes back to: choices, time, and of each cradle its balls, contacts, energies and what has passed."""
-
-    choices: tuple[str, int, int]
-    time: float
-    balls: list[list[tuple[Vector, Vector]]]
-    contacts: list[Any]
-    seen: list[tuple[float, float, int | None]]
+    if law is not None:
+        space.add(*SoftChain(balls, law, 2.0 * RADIUS))
+    return Cradle(space)
 
 
 class HangingModel:
@@ -165,29 +168,16 @@ class HangingModel:
     def restart(self) -> None:
         """Lift the balls again."""
         places = start_places(self.lifted)
-        self.cradles = make_cradle(LAWS[self.law], places), make_cradle(None, places)
+        self.cradles: tuple[Cradle, ...] = (make_cradle(LAWS[self.law], places), make_cradle(None, places))
         self.time = self._due = 0.0
         self._fresh = False  # whether the pointer has done work since the last frame
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
 
-    def snapshot(self) -> Snapshot:
-        """The present state, for `restore`."""
-        balls = [[(_pair(ball.position), _pair(ball.velocity)) for ball in cradle.balls] for cradle in self.cradles]
-        contacts = [None if cradle.chain is None else cradle.chain.state for cradle in self.cradles]
-        seen = [(cradle.first, cradle.greatest, cradle.tangled) for cradle in self.cradles]
-        return Snapshot((self.law, self.lifted, self.rate), self.time, balls, contacts, seen)
-
-    def restore(self, state: Snapshot) -> None:
-        """Go back to a state."""
-        self.law, self.lifted, self.rate = state.choices
-        self.restart()
-        self.time = state.time
-        for cradle, balls, contacts, seen in zip(self.cradles, state.balls, state.contacts, state.seen, strict=True):
-            for ball, (position, velocity) in zip(cradle.balls, balls, strict=True):
-                ball.position, ball.velocity = position, velocity
-            if cradle.chain is not None and contacts is not None:
-                cradle.chain.restore(contacts)
-            cradle.first, cradle.greatest, cradle.tangled = seen
+    def copy(self) -> HangingModel:
+        """The same motion, which goes on by itself to the last digit; no pointer holds it."""
+        made = copy(self)
+        made.cradles, made._pointer = tuple(cradle.copy() for cradle in self.cradles), None
+        return made
 
     def advance(self, seconds: float) -> None:
         """Move both by `seconds` of model time, in whole frames; the rest is due next time."""

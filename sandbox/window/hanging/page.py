@@ -23,7 +23,6 @@ from softcradle.sandbox.window.hanging.cradle import (
     RADIUS,
     RATES,
     HangingModel,
-    Snapshot,
     Vector,
     anchors,
     start_places,
@@ -67,7 +66,7 @@ class HangingPage(Page):
         self.host, self.leave, self.model = host, leave, HangingModel()
         self.playing = False
         self.time_controls = TimeControls(host, lambda: N_("playing") if self.playing else N_("paused"))
-        self.done: list[Snapshot] = []  # what undo goes back to, the last one last
+        self.done: list[HangingModel] = []  # what undo goes back to, the last one last
         self.held: tuple[int, int] | None = None  # cradle and ball
         self.pointer = (0, 0)
         self.film = WindowFilm(host)
@@ -95,7 +94,7 @@ class HangingPage(Page):
 
     def _remember(self) -> None:
         """Let undo go back to the present state."""
-        self.done = [*self.done, self.model.snapshot()][-MOST_STEPS:]
+        self.done = [*self.done, self.model.copy()][-MOST_STEPS:]
 
     def restart(self) -> None:
         """Begin anew."""
@@ -108,7 +107,7 @@ class HangingPage(Page):
             self.host.messages.show(_("nothing to undo"))
             return
         self.held, self.playing = None, False
-        self.model.restore(self.done.pop())
+        self.model = self.done.pop()
         self.host.rebuild()  # menus do not change by themselves
 
     def play_pause(self) -> None:

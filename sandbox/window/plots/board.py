@@ -16,7 +16,7 @@ from softcradle.sandbox.languages import label_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.plots.curves import LATEST, SECONDS, Plot, TimeSpan
-from softcradle.sandbox.window.plots.data_overlay import Overlaid
+from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay
 from softcradle.sandbox.window.plots.kinds import PAIR, PLOT_KINDS, PlotSetting
 
 MOST_CURVES = 10
@@ -90,7 +90,7 @@ class PlotBoard:
         self.pair = PAIR
         self.plots: list[Plot] = []
         self.keys: list[Key] = []
-        self.overlays: dict[Key, list[Overlaid]] = {}
+        self.overlays: dict[Key, list[NumbersOverlay | PictureOverlay]] = {}
         self.span = TimeSpan(SECONDS / session.slow, 100)
         self._seen: tuple[object, int] = (None, -1)
 

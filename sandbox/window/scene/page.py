@@ -24,8 +24,7 @@ from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm, session_savings
 from softcradle.sandbox.window.scene.sound import SceneSound
-from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
-from softcradle.sandbox.window.scene.timeline import Timeline
+from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.scene.tools import SceneTools, ViewKeys
 from softcradle.sandbox.window.scene.view import SceneView

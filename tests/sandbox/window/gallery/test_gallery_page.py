@@ -9,8 +9,7 @@ from pathlib import Path
 import pygame
 import pytest
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.page import GalleryPage
-from softcradle.sandbox.window.gallery.sections import SECTIONS
+from softcradle.sandbox.window.gallery.page import SECTIONS, GalleryPage
 
 from softcradle import scenes
 from tests.helpers.drawn_text import drawn_texts
