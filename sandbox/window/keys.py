@@ -193,6 +193,7 @@ COLUMN = 362.0  # design pixels
 TITLE = 27.0  # design pixels
 MARGIN = 26.0  # design pixels beside a column
 HEAD, FOOT = 58.0, 20.0  # design pixels above the columns and below them
+LEAST_SHRINKING = 0.85  # of the scale, for which the help need not be scrolled
 MOUSE = (
     (N_("drag a bead"), N_("pull it by a spring; release to throw")),
     (N_("drag it, paused"), N_("place it")),
@@ -219,6 +220,8 @@ def paint_help(surface: pygame.Surface, unit: float, scroll: float) -> float:
     count = min(3, int((size[0] / unit - 2 * MARGIN) // (COLUMN + MARGIN)))
     columns = _columns({name: len(blocks[name]) * LINE + TITLE + 10 for name in ORDER}, count)
     whole = HEAD + FOOT + max(sum(column.values()) for column in columns)
+    fitting = (size[1] / unit - FOOT) / whole
+    unit *= fitting if LEAST_SHRINKING < fitting < 1.0 else 1.0
     board = pygame.Rect(0, 0, round((count * (COLUMN + MARGIN) + MARGIN) * unit), 0)
     board.height = min(round(whole * unit), size[1] - round(20 * unit))
     board.center = size[0] // 2, size[1] // 2
