@@ -32,7 +32,6 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
         (
             "physics/fixed_step/discrete_gradient.py",
             "physics/numerics/contact_solve.py",
-            "physics/numerics/fixed_step_friction.py",
             "physics/numerics/resolvent.py",
         ),
         (

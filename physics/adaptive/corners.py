@@ -25,7 +25,6 @@ from softcradle.physics.adaptive.row_graphs import (
     acceleration_of,
     bead_acceleration,
     friction_needed,
-    is_continued,
     length_of,
     loss_of,
     most_friction,
@@ -35,7 +34,7 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import NODES, signed_force
+from softcradle.physics.numerics.law_curve import NODES, curve_force, is_continued
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
@@ -50,7 +49,7 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     law, inverse_mass = chain.law, chain.inverse_mass
     if law[i, 0] > 0.0 or max(rate, end_rate) > inactive or end_overlap <= 0.0:
         return False
-    push = (inverse_mass[i] + inverse_mass[i + 1]) * signed_force(law[i, 0], law[i, 1], law[i, 2], end_overlap)
+    push = (inverse_mass[i] + inverse_mass[i + 1]) * curve_force(law, chain.own, i, end_overlap)
     return push * end_overlap <= inactive * inactive
 
 
@@ -110,7 +109,7 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
             room + wider + sign * friction_needed(j, chain, regime, f[2], h),
         )
     if motion.mode[row] == TOUCHING:
-        low, high = multiplier_bounds(regime, row, motion.overlap[row])
+        low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
         slack = ROUND_OFF * max(high, -low)
         sign, offset = (1.0, slack - low) if side == 0 else (-1.0, high + slack)
         return stage_cubic(
@@ -159,7 +158,7 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
             chain, row, inactive, motion.rate[row], trial.rate[2, row], trial.overlap[2, row]
         )
     if motion.mode[row] == TOUCHING:
-        low, high = multiplier_bounds(regime, row, motion.overlap[row])
+        low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
         least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
         half = 0.5 * (low + high)
         if low < 0.0:  # it pulls
@@ -200,15 +199,15 @@ def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactiv
             if x < part:
                 row, at, part = ZERO + r, ZERO + side, x
             elif x == NONE and r < motion.mode.size and motion.mode[r] != LOADED:
-                near = min(near, nearest(r, side, h, b, regime, motion, trial))
+                near = min(near, nearest(r, side, h, b, chain, regime, motion, trial))
     return row, at, part, miss, near
 
 
 @inlined
-def nearest(i, side, h, b, regime, motion, trial):
+def nearest(i, side, h, b, chain, regime, motion, trial):
     """Where in the step the guard `b` of contact i comes nearer to 0 than its polynomial may be wrong; 1 where it does not."""
     d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
-    low, high = multiplier_bounds(regime, i, d0)
+    low, high = multiplier_bounds(chain, regime, i, d0)
     if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):  # it all but yields
         margin = (1.0 - SAFETY) * (high - low)
     elif motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:  # by what cubic and quintic differ in the middle

@@ -15,9 +15,9 @@ from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
     drive_overlaps,
     find_segment,
+    force_pressing,
     friction_needed,
     is_at_rest,
-    is_continued,
     is_coupler,
     is_firm,
     is_gear,
@@ -26,7 +26,6 @@ from softcradle.physics.adaptive.row_graphs import (
     loss_of,
     most_friction,
     multiplier_bounds,
-    pressed_force,
     put_drive,
     put_segment,
     side_of,
@@ -39,7 +38,7 @@ from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import flow_into
+from softcradle.physics.numerics.law_curve import flow_into, is_continued
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # rows (n+1,) of the work array: velocities of beads; known forces on them and the static friction of those at rest; bounds of the
@@ -63,10 +62,10 @@ def moment_of(regime, motion, slow):
 
 
 @inlined
-def known_force(i, late, regime, motion):
+def known_force(i, late, chain, regime, motion):
     """Force of contact i, loaded, `late` [s] after now."""
     overlap = motion.overlap[i] + late * motion.rate[i]
-    found = pressed_force(regime, i, overlap)
+    found = force_pressing(chain, regime, i, overlap)
     if regime.easing.size == 0 or regime.easing[i] == 0:
         return found
     return found * (1.0 - loss_of(regime, i)) + kept_stop(regime, i, overlap)
@@ -98,10 +97,10 @@ def classify(late, chain, regime, motion, slow, work):
                 eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and x > 0.0 and w < 0.0
                 regime.easing[i] = 1 if eases else 0
         if candidate[i] != 0.0:
-            low[i], high[i] = multiplier_bounds(regime, i, overlap[i])
+            low[i], high[i] = multiplier_bounds(chain, regime, i, overlap[i])
             continue
-        force[i] = known_force(i, 0.0, regime, motion) if mode[i] == LOADED else 0.0
-        low[i] = high[i] = known_force(i, late, regime, motion) if mode[i] == LOADED else 0.0
+        force[i] = known_force(i, 0.0, chain, regime, motion) if mode[i] == LOADED else 0.0
+        low[i] = high[i] = known_force(i, late, chain, regime, motion) if mode[i] == LOADED else 0.0
     return undetermined
 
 
@@ -245,7 +244,7 @@ def carried(row, chain, regime, motion):
     if row >= n:
         most = most_friction(row - n, chain, regime, 0.0) if regime.slide[row - n] == 0 else 0.0
         return friction_needed(row - n, chain, regime, motion.force, 0.0), most
-    low, high = multiplier_bounds(regime, row, motion.overlap[row])
+    low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
     return motion.force[row], max(high, -low) if motion.mode[row] == TOUCHING else 0.0
 
 

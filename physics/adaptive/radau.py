@@ -20,8 +20,7 @@ from softcradle.physics.adaptive.constants import (
     ROUND_OFF,
     SUDDEN,
 )
-from softcradle.physics.adaptive.row_graphs import curve_force, curve_slope
-from softcradle.physics.numerics.elementary import exp, log, power
+from softcradle.physics.numerics.elementary import exp, log
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
@@ -30,8 +29,13 @@ from softcradle.physics.numerics.law_curve import (
     ROOT6,
     SMALLEST,
     cubic,
+    curve_force,
+    curve_overlap,
+    curve_slope,
     flow_into,
     move_along,
+    pressed_force,
+    put_on_curve,
 )
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
@@ -61,13 +65,13 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
     it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others keep
     their rate.
     """
-    law, inverse_mass = chain.law, chain.inverse_mass
+    law, own_laws, inverse_mass = chain.law, chain.own, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
     follows = past_step > 0.0 and h < FOLLOW * past_step
     since = time_since_onset(law, mode, overlap, rate, force)
     for i in range(overlap.size):
-        preload, stiffness, exponent = law[i, 0], law[i, 1], law[i, 2]
+        preload, exponent = law[i, 0], law[i, 2]
         for k in range(3):
             flown = overlap[i] + h * NODES[k] * rate[i]
             x = origin + NODES[k] * h / past_step if follows else 0.0
@@ -94,28 +98,29 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                     growth = min(max(growth, -most), most)
                     stage_overlap[k, i] = overlap[i] * exp(growth)
                     stage_force[k, i] = preload + (force[i] - preload) * exp(exponent * growth)
+                    put_on_curve(law, own_laws, i, k, stage_overlap, stage_force)
                 elif follows:
                     excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
                     if force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload):
-                        stage_overlap[k, i] = power(excess / stiffness, 1.0 / exponent)
+                        stage_overlap[k, i] = curve_overlap(law, own_laws, i, excess, 1.0)
                         stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, i, 0.0)
+                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, own_laws, i, 0.0)
                 if i > 0 and preload == 0.0:
-                    set_pushed(h, law, inverse_mass, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
+                    set_pushed(h, chain, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
             else:
                 if follows:
                     flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
                 stage_overlap[k, i] = flown
-                stage_force[k, i] = curve_force(law, i, flown)
+                stage_force[k, i] = curve_force(law, own_laws, i, flown)
     for i in range(overlap.size - 2, -1, -1):
         for k in range(3):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
-                set_pushed(h, law, inverse_mass, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
+                set_pushed(h, chain, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
                 drive = drive_at(chain, i, h * NODES[k])
                 if drive > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
                     push = drive / (inverse_mass[i] + inverse_mass[i + 1])
-                    set_pushed(h, law, inverse_mass, i, k, i + 1, push, stage_overlap, stage_force)
+                    set_pushed(h, chain, i, k, i + 1, push, stage_overlap, stage_force)
 
 
 @piece
@@ -129,22 +134,22 @@ def time_since_onset(law, mode, overlap, rate, force):
 
 
 @piece
-def set_pushed(h, law, inverse_mass, i, k, bead, push, stage_overlap, stage_force):
+def set_pushed(h, chain, i, k, bead, push, stage_overlap, stage_force):
     """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
     if push <= 0.0:
         return
     time = h * NODES[k]
-    flown = 0.5 * (time * time) * inverse_mass[bead] * push
-    stage_force[k, i] = min(0.8 * push, law[i, 1] * power(flown, law[i, 2]))
-    stage_overlap[k, i] = power(stage_force[k, i] / law[i, 1], 1.0 / law[i, 2])
+    flown = 0.5 * (time * time) * chain.inverse_mass[bead] * push
+    stage_force[k, i] = min(0.8 * push, pressed_force(chain.law, chain.own, i, flown))
+    stage_overlap[k, i] = curve_overlap(chain.law, chain.own, i, stage_force[k, i], 1.0)
 
 
 @inlined
-def direction(law, i, mode, weight, overlap, force):
+def direction(i, chain, mode, weight, overlap, force):
     """Direction (dd, df) = (along, across) z of the curve of a contact, scaled so that d + `weight` f moves by z."""
     if mode in (OPEN, FROZEN):
         return 1.0, 0.0
-    slope = curve_slope(law, i, overlap, force) if mode == LOADED else math.inf
+    slope = curve_slope(chain.law, chain.own, i, overlap, force) if mode == LOADED else math.inf
     if slope > HUGE:
         return 0.0, 1.0 / weight
     along = 1.0 / (1.0 + weight * slope)
@@ -158,20 +163,20 @@ def directions(h, chain, mode, trial, scratch):
         weight = h * h * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
         for k in range(3):
             scratch.along[k, i], scratch.across[k, i] = direction(
-                chain.law, i, mode[i], weight, trial.overlap[k, i], trial.force[k, i]
+                i, chain, mode[i], weight, trial.overlap[k, i], trial.force[k, i]
             )
 
 
 @inlined
 def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     """Move contact i at stage k along its curve by the Newton change; (|dd|, |df|), what was asked for where that is more."""
-    law, d, f = chain.law, trial.overlap[k, i], trial.force[k, i]
+    d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
     if mode[i] == LOADED:
-        if law.shape[1] > 3 and law[i, 2] >= 1.0:
-            end, pushes = d + by_overlap, curve_force(law, i, d + by_overlap)
+        if chain.law.shape[1] > 3 and chain.law[i, 2] >= 1.0:
+            end, pushes = d + by_overlap, curve_force(chain.law, chain.own, i, d + by_overlap)
         else:
-            end, pushes = move_along(law[i, 0], law[i, 1], law[i, 2], weight, d, f, by_overlap, by_force)
+            end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
         return max(abs(end - d), abs(by_overlap)), max(abs(pushes - f), abs(by_force))
     if mode[i] == OPEN or mode[i] == FROZEN:
@@ -296,7 +301,7 @@ def euler_change(k, time, chain, motion, trial, scratch):
     for i in range(n):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
         d, f = trial.overlap[k, i], trial.force[k, i]
-        along[i], across[i] = direction(chain.law, i, motion.mode[i], left + right, d, f)
+        along[i], across[i] = direction(i, chain, motion.mode[i], left + right, d, f)
         flow = flow_into(i, inverse_mass, trial.force[k]) - drive_at(chain, i, time)
         z[i] = motion.overlap[i] + time * motion.rate[i] - d - square * flow
         pivot = along[i] + (left + right) * across[i]

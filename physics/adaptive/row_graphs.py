@@ -14,43 +14,11 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at, put_values
-from softcradle.physics.numerics.law_curve import SMALLEST, flow_into, signed_force, slope_at
+from softcradle.physics.numerics.law_curve import BEFORE, LAW_SIDE, STOP, curve_force, flow_into
 
 SIDE, ORIGIN, LAW, LOSS, LENGTH = 0, 1, 2, 7, 8  # columns of the segments; from LAW on F, K, a, and
-BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with a segment, after those of any other
-
-
-@inlined
-def curve_force(law, i, overlap):
-    """Force of contact i, loaded, at `overlap`; where its law is of a segment it goes on oddly beyond the origin for a >= 1."""
-    if law.shape[1] == 3:
-        return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
-    x = law[i, LAW_SIDE] * overlap
-    y = x + law[i, BEFORE]
-    if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
-        return 0.0
-    own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
-    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, STOP] * x)
-
-
-@inlined
-def curve_slope(law, i, overlap, force):
-    """Its slope, where it has that `force`; inf where it is vertical."""
-    if law.shape[1] == 3 or law[i, 2] < 1.0:
-        return slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
-    y = abs(law[i, LAW_SIDE] * overlap + law[i, BEFORE])
-    if law[i, 2] == 1.0:
-        return law[i, 1] + law[i, STOP]
-    return law[i, STOP] + (law[i, 2] * law[i, 1] * power(y, law[i, 2] - 1.0) if y > SMALLEST else 0.0)
-
-
-@inlined
-def is_continued(law, i):
-    """True where the force is continued beyond d = 0 within a step, so that a loaded contact opens at a corner."""
-    return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (law.shape[1] > 3 and law[i, 2] > 1.0)
 
 
 @inlined
@@ -137,15 +105,15 @@ def kept_stop(regime, i, overlap):
 
 
 @inlined
-def pressed_force(regime, i, overlap):
+def force_pressing(chain, regime, i, overlap):
     """The force of contact i as it is pressed in."""
-    return curve_force(regime.law, i, overlap)
+    return curve_force(regime.law, chain.own, i, overlap)
 
 
 @inlined
-def multiplier_bounds(regime, i, overlap):
+def multiplier_bounds(chain, regime, i, overlap):
     """(least, largest) force that contact i may carry while its overlap is held."""
-    full, least = pressed_force(regime, i, overlap), 0.0
+    full, least = force_pressing(chain, regime, i, overlap), 0.0
     if overlap != 0.0 or not is_gear(regime, i):
         least = (1.0 - loss_of(regime, i)) * full + kept_stop(regime, i, overlap)
     return (least, full) if full >= 0.0 else (full, least)

@@ -9,7 +9,6 @@ from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
 from softcradle.physics.adaptive.radau import INSIDE
 from softcradle.physics.adaptive.row_graphs import (
-    BEFORE,
     ORIGIN,
     bead_acceleration,
     of_segment,
@@ -21,6 +20,7 @@ from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
+from softcradle.physics.numerics.law_curve import BEFORE
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into

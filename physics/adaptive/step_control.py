@@ -28,7 +28,6 @@ from softcradle.physics.adaptive.corners import first_corner, first_root, stage_
 from softcradle.physics.adaptive.dop853 import dop853_step
 from softcradle.physics.adaptive.radau import AFTER, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error
-from softcradle.physics.adaptive.row_graphs import curve_slope, is_continued
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     EITHER,
@@ -45,7 +44,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import slope_at
+from softcradle.physics.numerics.law_curve import curve_slope, is_continued
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, ZERO
 
 
@@ -74,7 +73,7 @@ def first_step(chain, motion, scale):
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         preload, stiffness = chain.law[i, 0], chain.law[i, 1]
         if motion.mode[i] == LOADED and motion.overlap[i] != 0.0:
-            slope = curve_slope(chain.law, i, motion.overlap[i], motion.force[i])
+            slope = curve_slope(chain.law, chain.own, i, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
         if motion.mode[i] != OPEN:
             push = max(abs(motion.force[i]), abs(preload))
@@ -97,7 +96,7 @@ def soft_contacts(chain, motion, wanted):
             stiffest = math.inf
             continue
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        stiff = weight * slope_at(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], overlap, motion.force[i])
+        stiff = weight * curve_slope(chain.law, chain.own, i, overlap, motion.force[i])
         stiffest = max(stiffest, stiff)
         if rate < 0.0:
             time = -overlap / rate

@@ -11,13 +11,12 @@ import math
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
 from softcradle.physics.adaptive.radau import AFTER
-from softcradle.physics.adaptive.row_graphs import is_continued, side_of
+from softcradle.physics.adaptive.row_graphs import side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
-from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import cubic, flow_into, signed_force
+from softcradle.physics.numerics.law_curve import cubic, curve_depth, flow_into, is_continued, pressed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
 
@@ -94,13 +93,8 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
 @piece
 def swing_push(i, weight, fastest, chain):
     """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
-    preload, stiffness, exponent = abs(chain.law[i, 0]), chain.law[i, 1], chain.law[i, 2]
-    half_square, depth = 0.5 * fastest * fastest / weight, math.inf
-    if preload > 0.0:
-        depth = half_square / preload
-    if stiffness > 0.0:
-        depth = min(depth, power((1.0 + exponent) * half_square / stiffness, 1.0 / (1.0 + exponent)))
-    return weight * signed_force(preload, stiffness, exponent, depth)
+    depth = curve_depth(chain.law, chain.own, i, 0.5 * fastest * fastest / weight)
+    return weight * pressed_force(chain.law, chain.own, i, depth)
 
 
 @piece
@@ -120,7 +114,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
     square = fastest * error
     if bend * least > FEW_TRIES * square:
         return
-    missing = weight * signed_force(abs(chain.law[i, 0]), chain.law[i, 1], chain.law[i, 2], square / bend)
+    missing = weight * pressed_force(chain.law, chain.own, i, square / bend)
     grown = fastest / math.sqrt(max(rate * rate, 2.0 * square)) - 1.0
     if grown > 0.0:
         control[GROWTH] += 2.0 * missing / (bend + missing) * grown

@@ -86,12 +86,6 @@ class Step:
             H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work
         )  # fmt: skip
 
-    def corner(self, landing=(-1, 0), inactive=0.0, slow=0.0):
-        """What `first_corner` returns."""
-        return first_corner(
-            H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work
-        )  # fmt: skip
-
     def find(self, landing=(-1, 0), inactive=0.0, slow=0.0):
         """(contact or bead, what happens at its corner, part of the step)."""
         row, side, part, *_ = self.corner(landing, inactive, slow)
