@@ -22,9 +22,9 @@ def _runner(family: Family) -> Runner:
 
             return fixed_step
         case Family.ADAPTIVE:
-            from softcradle.physics.adaptive import runner as adaptive
+            from softcradle.physics import confirm
 
-            return adaptive
+            return confirm
         case Family.PYMUNK:
             from softcradle.physics.pymunk_contacts import runner as pymunk_space
 

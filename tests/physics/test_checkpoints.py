@@ -10,8 +10,8 @@ from softcradle.physics import (
     one_on,
     power_law,
 )
-from softcradle.physics.fixed_step import checkpoints
 from softcradle.physics.fixed_step import runner as fixed_step
+from softcradle.physics.fixed_step import step_loop
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
 
@@ -45,8 +45,8 @@ def struck(name: str) -> tuple[Chain, np.ndarray]:
 @pytest.fixture
 def few_rows(monkeypatch):
     """So few rows that checkpoints are thinned many times."""
-    monkeypatch.setattr(checkpoints, "MOST_ROWS", 6)
-    monkeypatch.setattr("softcradle.physics.python_checkpoints.MOST", 6)
+    monkeypatch.setattr(step_loop, "MOST_ROWS", 6)
+    monkeypatch.setattr("softcradle.physics.problem.MOST_CHECKPOINTS", 6)
 
 
 @pytest.mark.parametrize(("name", "method"), CASES)

@@ -9,8 +9,7 @@ import softcradle.physics.reference.phases
 import softcradle.physics.reference.runner
 from hypothesis import assume, given, settings
 from softcradle.physics import simulate
-from softcradle.physics.default_step import default_step
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers.random_chains import collisions
 from tests.helpers.relations import (

@@ -1,7 +1,5 @@
 """The collisions of the work-precision chart, each with its true outcome; any scene can be one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -9,8 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, step_force
-from softcradle.physics.analysis.closed_forms import rigid_collision
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
 from softcradle.physics.simulation import solve
 from softcradle.scenes import Scene
 
