@@ -55,8 +55,7 @@ class Chain:
         Masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
     contact : Contact, law or sequence of them
         One Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it
-        takes, is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it. A
-        :class:`Coupler` pulls, too.
+        takes, is one too. A :class:`Coupler` pulls, too.
     gap : float or array_like, optional
         Distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0
         the contact is pressed from the start, by the overlap -gap.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.chain import GRAVITY, Chain
+from softcradle.physics.chain import GRAVITY, Chain, per_chain
 from softcradle.physics.numerics.own_contacts import OwnLaws
 from softcradle.physics.numerics.records import (
     COUNTERS,
@@ -40,7 +40,7 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
-    law, inverse_mass = chain.law_rows.copy(), chain.inverse_mass.copy()
+    law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
     dissipates = chain.dissipative or chain.couplers  # couplers are solved as if they lost something
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
     special = _own_laws(chain), _joints(chain), knots_of(chain, state), dissipation
@@ -52,6 +52,15 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
     acceleration = push * inverse_mass
     external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
     return law, inverse_mass, push, external, chain.anchor, *special
+
+
+@per_chain
+def law_rows(chain: Chain) -> Array:
+    """(n, 3) preload, stiffness, exponent of each contact; of a law of one's own those that it begins with."""
+    rows = chain.law_rows.copy()
+    for i, law in chain.own_contacts:
+        rows[i] = law.onset
+    return rows
 
 
 def _own_laws(chain: Chain) -> OwnLaws | None:
@@ -72,8 +81,11 @@ def _tables(laws: tuple[OwnLaw, ...]) -> tuple[Any, ...]:
         np.cumsum([0, *(len(table.force) for table in tables)]),
         np.concatenate([table.edge[:-1] for table in tables]),
         np.array([table.edge[-1] for table in tables]),
+        np.array([(law.digits_from, law.onset[1] * law.digits_from ** law.onset[2]) for law in laws]),
         np.concatenate([table.force for table in tables]),
         np.concatenate([table.energy for table in tables]),
+        np.cumsum([0, *(len(table.bend) for table in tables)]),
+        np.concatenate([table.bend for table in tables]),
     )
 
 

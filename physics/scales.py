@@ -63,12 +63,15 @@ def closing_scale(
 ) -> float:
     """The speed [m/s] that the tolerance of a motion from here is relative to: that of the fastest closing there can be.
 
-    It is the largest of the speeds at which beads approach, that contacts have stored, that `external` forces (n+1,) [N] can
-    give by pressing on contacts and over the gaps; in a motion without any of these, of what moves at all.
+    It is the largest of the speeds at which beads approach, or go apart where couplers pull, that contacts have stored, that
+    `external` forces (n+1,) [N] can give by pressing on contacts and over the gaps; in a motion without any of these, of what
+    moves at all.
     """
     high, low, approach = float(velocity.max()), float(velocity.min()), _approach(velocity)
     if approach <= NO_APPROACH * max(high, -low):
         approach = 0.0
+    if chain.pulls:  # what goes apart comes back
+        approach = high - low
     found = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external))
     if chain.forces:
         until = chain.knots[-1] if duration is None else duration

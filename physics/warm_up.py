@@ -59,7 +59,7 @@ def kernels_of(method: Method) -> KernelTiers | None:
 
         return TIERS["fixed-step"]
     if method.family is Family.ADAPTIVE:
-        from softcradle.physics.adaptive.runner import KERNELS
+        from softcradle.physics.adaptive.runner import TIERS
 
-        return KERNELS
+        return TIERS["adaptive"]
     return None

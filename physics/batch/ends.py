@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.adaptive.runner import SOFTEST, error_growth
+from softcradle.physics.adaptive.runner import DOUBT, error_growth
 from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, empty_scratch, empty_steps, empty_trial
-from softcradle.physics.adaptive.undetermined import DOUBT, MOST_GROWN
 from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import BatchData, BatchMotion, integrate_each, march_each
 from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown, whole_number
+from softcradle.physics.confirm import MOST_GROWN, SOFTEST
 from softcradle.physics.contact import stored_energy
 from softcradle.physics.ensemble_runs import cores, in_threads, parts
 from softcradle.physics.fixed_step import runner as fixed_step

@@ -107,7 +107,10 @@ def integrate_each(
             Dissipation(none, none),
         )  # fmt: skip
         own = batch.law[c], batch.inverse_mass[c]
-        regime = *own, none, loss, bed, slide if braked else slide[:0], easing if lossy else easing[:0]
+        regime = (
+            *own, none, loss, bed, slide if braked else slide[:0], easing if lossy else easing[:0], easing[:0], law[:0],
+            which[:0],
+        )  # fmt: skip
         motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
         log = contact, switch_time, moving.closed[c], moving.counter[c]
         moving.status[c], moving.time[c] = integrate(

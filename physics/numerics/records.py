@@ -34,7 +34,6 @@ EVALUATION = 0  # evaluations of all contact forces
 STEP = 1  # steps taken
 REJECTED = 2  # steps tried and rejected
 UNCONVERGED = 3  # steps taken although the solver of the contact forces did not converge
-FALLBACK = 4  # steps of the discrete gradient in place of one that failed
 SAMPLE = 5  # sample rows filled
 SWITCH = 6  # contact switches, those beyond the end of the log included
 FLIGHT = 7  # free flights

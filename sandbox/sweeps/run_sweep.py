@@ -257,18 +257,17 @@ def _compute_missing(
     schedule = ChunkSchedule(store.missing(count), keep, chunk_seconds)
     stopped = True
     try:
-        if place is None and alike and not store.died:
-            with store.trying():
-                schedule.run(here(work), TRIED_HERE)
-                if schedule.seconds_left < WORTH_PROCESSES:
-                    schedule.run(here(work))
+        if place is None and alike and not store.begun:  # a process that was killed may have died of the first point
+            schedule.run(here(work), TRIED_HERE)
+            if schedule.seconds_left < WORTH_PROCESSES:
+                schedule.run(here(work))
         if schedule.left:
             place = place or processes_or_threads(work, workers)
             schedule.run(place)
         stopped = False
     finally:
         if place is not None:
-            place.close(stopped)
+            place.close(place.executor, stopped)
 
 
 @contextmanager
@@ -279,7 +278,7 @@ def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
         yield store
     except BaseException as error:
         done = store.done
-        if not done and not store.died:
+        if not done and not store.begun:
             store.remove()
         if store.folder is not None and done:
             kept = f"{done} points are kept in {store.folder}; the same sweep goes on from there"

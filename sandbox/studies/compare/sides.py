@@ -1,7 +1,5 @@
 """The sides of a comparison: lanes of scenes, one scene with several contacts, the nearest contact; refused before any run."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
