@@ -27,11 +27,10 @@ from softcradle.physics.adaptive.runner import DOUBT, sampled, scale_of
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain, per_chain
-from softcradle.physics.default_step import default_step
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.kernel_records import law_rows
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
-from softcradle.physics.scales import is_possible, largest_error
+from softcradle.physics.scales import default_step, is_possible, largest_error
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 

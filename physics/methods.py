@@ -97,6 +97,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "implicit, adaptive, every contact law",
         "soft contacts and draft gears, to a tolerance",
+        couplers=True,
     ),
     Method(
         "dop853",
@@ -106,6 +107,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "explicit, adaptive, for contacts that are not soft",
         "Hertz and Hooke contacts, to a tolerance",
+        couplers=True,
     ),
     Method(
         "accurate",
@@ -115,6 +117,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "dop853 where no contact is stiff, radau where one is",
         "wherever the answer matters; the default",
+        couplers=True,
     ),
     Method(
         "pymunk",
@@ -149,20 +152,26 @@ def known_methods() -> list[str]:
 def refusal_of(method: str, chain: Chain) -> str:
     """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
     found = None if method == AUTO else find_method(method)
-    if chain.couplers and (found is None or not found.couplers):
-        return (
-            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
-            "take 'conserving' or 'scipy'"
-        )
-    if chain.couplers and chain.own_laws and found is not None and found.family is Family.REFERENCE:
-        return (
-            "method 'scipy' carries couplers beside preloaded power laws only, not laws of your own: take 'conserving'"
-        )
+    refusal = _refusal_of_couplers(method, found, chain) if chain.couplers else ""
+    if refusal:
+        return refusal
     if not chain.dissipative or found is None:
         return ""
-    if chain.own_laws and found.family is Family.REFERENCE:
-        return "method 'scipy' carries laws of your own without bed friction and contacts with loss only: take 'conserving'"
     return "" if found.dissipative else _refusal_of_friction(found, chain)
+
+
+def _refusal_of_couplers(method: str, found: Method | None, chain: Chain) -> str:
+    if found is not None and not found.couplers:
+        return (
+            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
+            "take 'accurate', 'conserving' or 'scipy'"
+        )
+    if (found is None or found.family is Family.ADAPTIVE) and not all(link.smooth for _, link in chain.couplers):
+        return (
+            f"method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
+            "take 'conserving' or 'scipy'"
+        )
+    return ""
 
 
 def _refusal_of_friction(method: Method, chain: Chain) -> str:

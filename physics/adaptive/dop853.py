@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.active_ranges import next_range
-from softcradle.physics.adaptive.constants import GRAZE, KINK, ROUND_OFF
+from softcradle.physics.adaptive.constants import GRAZE, KINK, MARGIN, ROUND_OFF
 from softcradle.physics.adaptive.dop853_tableau import (
     FIFTH,
     FIFTH_SQUARE,
@@ -28,7 +27,44 @@ from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
 from softcradle.physics.numerics.law_curve import care, curve_force, curve_slope, larger, pressed_force
 from softcradle.physics.numerics.own_contacts import bend_passed
-from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+
+
+@inlined
+def is_active(i, h, inactive, chain, motion):
+    """False for a contact that closes no faster than `inactive` [m/s], and neither now nor at the end of a step at this rate
+    holds more energy or changes velocities by more. A contact that touches passes on at once what pushes it: it is active."""
+    if motion.mode[i] == OPEN:
+        return False
+    if motion.mode[i] == TOUCHING:
+        return True
+    law, rate = chain.law, motion.rate[i]
+    if motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0):  # a coupler that pulls
+        return True
+    reach = motion.overlap[i] + max(rate, 0.0) * h
+    end = curve_force(law, chain.own, i, reach) if reach > 0.0 else 0.0
+    push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], law[i, 0], end)
+    return rate > inactive or push * h > inactive or push * max(reach, 0.0) > inactive * inactive
+
+
+@piece
+def next_range(after, h, inactive, chain, motion):
+    """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none."""
+    n = motion.mode.size
+    if chain.external.size:
+        return after, n
+    first = after
+    while first < n and not is_active(first, h, inactive, chain, motion):
+        first += 1
+    if first == n:
+        return n, n
+    last = first + 1
+    for i in range(first + 1, n):
+        if i >= last + 2 * MARGIN:
+            break
+        if is_active(i, h, inactive, chain, motion):
+            last = i + 1
+    return max(first - MARGIN, after), min(last + MARGIN, n)
 
 
 @piece
@@ -42,7 +78,7 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     touching = False
     for i in range(first, last):
         force[i] = 0.0
-        if mode[i] == LOADED and overlap[i] > 0.0:
+        if mode[i] == LOADED and overlap[i] > 0.0 and law.shape[1] == 3:
             force[i] = pressed_force(law, chain.own, i, overlap[i])
         elif mode[i] == LOADED:
             force[i] = curve_force(law, chain.own, i, overlap[i])
@@ -221,7 +257,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         frequency[i] = 0.0
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
-        if mode[i] == LOADED and at > 0.0:
+        if mode[i] == LOADED and (at > 0.0 or law.shape[1] > 3):
             frequency[i] = frequency_of(chain, i, at)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import KINK, RATIO, ROUND_OFF
-from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
+from softcradle.physics.adaptive.radau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import care, curve_slope, flow_into, larger

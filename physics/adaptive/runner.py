@@ -43,7 +43,6 @@ from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
-    FALLBACK,
     OUT_OF_STEPS,
     PAUSED,
     REJECTED,
@@ -92,7 +91,7 @@ class Memory:
         n = chain.contacts
         mode, held, rows = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8), steps
         if rows is None:
-            rows = empty_steps(0, n, chain.dissipative)
+            rows = empty_steps(0, n, chain.dissipative or bool(chain.couplers))
         return cls(mode, held, empty_trial(n), empty_trial(n), empty_scratch(n), rows, empty_log(n, log_size))
 
 
@@ -206,13 +205,6 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
             "'conserving', or a looser tolerance"
         )
         found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": steps, "time": time}))
-    places = int(log.counter[FALLBACK])
-    if places:
-        sentence = (
-            f"Newton's iteration did not converge in {places} places, where {problem.method} took a small step of "
-            "'conserving': compare with another tolerance"
-        )
-        found.append(CodedWarning(WarningCode.FALLBACK, sentence, {"places": places}))
     return (*found, *log_warnings(log))
 
 

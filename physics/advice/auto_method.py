@@ -47,6 +47,8 @@ class Choice:
 
 def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: float) -> Choice:
     """The method for `error`, relative to the closing speed, on `chain` from `velocity` (n+1,) [m/s]."""
+    if chain.couplers:
+        return _adaptive("accurate", error, error, "couplers close, yield and pull at events that it ends its steps at")
     if not (chain.dissipative or chain.own_laws) and nearly_yields(chain, velocity):
         return _adaptive(
             "radau", min(error, 2.0 * NEAR_CRITICAL), error, "a contact may yield for a moment near this critical speed"

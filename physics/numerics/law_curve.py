@@ -22,6 +22,7 @@ ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
 MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
+BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with segments, after preload, stiffness, exponent
 
 
 @jit
@@ -89,20 +90,50 @@ def pressed_force(law, own, i, overlap):
 
 
 @inlined
+def is_continued(law, i):
+    """True where the force is continued beyond d = 0 within a step, so that a loaded contact opens at a corner."""
+    return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (law.shape[1] > 3 and law[i, 2] > 1.0)
+
+
+@inlined
 def curve_force(law, own, i, overlap):
-    """Force of contact i, LOADED, at any overlap; see `signed_force`."""
+    """Force of contact i, LOADED, at any overlap; see `signed_force`, and `segment_force` of a coupler."""
     if own is not None and overlap != 0.0 and by_table(own, i, overlap):
         return own_signed_force(law, own, i, overlap)
+    if law.shape[1] > 3:
+        return segment_force(law, i, overlap)
     return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
 
 
 @inlined
 def curve_slope(law, own, i, overlap, force):
-    """df/dd of contact i, LOADED, at a point of its curve; see `slope_at`."""
+    """df/dd of contact i, LOADED, at a point of its curve, inf where that is vertical; see `slope_at`."""
     if own is not None and abs(overlap) >= SMALLEST and by_table(own, i, overlap):
-        continued = overlap > 0.0 or law[i, 0] > 0.0 or law[i, 2] == 1.0
+        continued = overlap > 0.0 or is_continued(law, i)
         return own_slope(own, own.number[i], abs(overlap)) if continued else 0.0
+    if law.shape[1] > 3 and law[i, 2] >= 1.0:
+        return segment_slope(law, i, overlap)
     return slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
+
+
+@jit
+def segment_force(law, i, overlap):
+    """Force of a coupler's segment at `overlap` from its origin; beyond that it goes on oddly for a >= 1."""
+    x = law[i, LAW_SIDE] * overlap
+    y = x + law[i, BEFORE]
+    if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
+        return 0.0
+    own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
+    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, STOP] * x)
+
+
+@jit
+def segment_slope(law, i, overlap):
+    """Its slope, for a >= 1."""
+    y = abs(law[i, LAW_SIDE] * overlap + law[i, BEFORE])
+    if law[i, 2] == 1.0:
+        return law[i, 1] + law[i, STOP]
+    return law[i, STOP] + (law[i, 2] * law[i, 1] * power(y, law[i, 2] - 1.0) if y > SMALLEST else 0.0)
 
 
 @inlined
@@ -139,7 +170,7 @@ def local_exponent(law, own, i, overlap, force):
 @inlined
 def short_of_zero(law, own, i, overlap, moved):
     """Where a move in d ends: a law of one's own may be flat behind a steep beginning, and a Newton that passes d = 0 swings."""
-    if own is not None and own.number[i] >= 0 and moved * overlap < 0.0 and (law[i, 0] > 0.0 or law[i, 2] == 1.0):
+    if own is not None and own.number[i] >= 0 and moved * overlap < 0.0 and is_continued(law, i):
         return 0.0
     return moved
 
@@ -149,7 +180,7 @@ def own_signed_force(law, own, i, overlap):
     """`signed_force` of a law of one's own at overlaps other than 0."""
     if overlap > 0.0:
         return own_force(own, own.number[i], overlap)
-    if law[i, 0] == 0.0 and law[i, 2] != 1.0:
+    if not is_continued(law, i):
         return 0.0
     return 2.0 * law[i, 0] - own_force(own, own.number[i], -overlap)
 
@@ -161,7 +192,7 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
     Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
     """
     preload, exponent = law[i, 0], law[i, 2]
-    continued = preload > 0.0 or law[i, 2] == 1.0
+    continued = is_continued(law, i)
     excess = force + by_force - preload
     if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
         reach = curve_overlap(law, own, i, excess, 1.0)
