@@ -221,9 +221,9 @@ def one_on_n(draw: Draw) -> tuple[Chain, Array, float | None]:
 def own_laws(draw: Draw) -> tuple[Chain, Array, float | None]:
     """Laws of one's own, in half of the chains beside power laws, some with a wall at the end."""
     n = int(draw.integers(1, 6))
-    laws = [_form(draw)] * n if draw.random() < 0.3 else [_form(draw) for _ in range(n)]
+    laws: list[FormLaw | Contact] = [_form(draw)] * n if draw.random() < 0.3 else [_form(draw) for _ in range(n)]
     if draw.random() < 0.5:
-        laws = [_any_law(draw) if draw.random() < 0.4 else law for law in laws]
+        laws[1:] = [_any_law(draw) if draw.random() < 0.4 else law for law in laws[1:]]
     mass, velocity = _masses(draw, n), _strike(draw, n)
     if n > 1 and draw.random() < 0.2:
         mass[-1], velocity[-1] = math.inf, 0.0

@@ -35,6 +35,24 @@ def test_the_truth_of_the_paper_case():
     assert found.doubt.max() < 1e-10
 
 
+def test_the_truth_of_laws_of_ones_own_is_by_scipy():
+    chosen = motion("own-laws", 1)
+    found = truth_of(chosen)
+    assert found.source == "scipy"
+    assert found.doubt.max() < 1e-9
+    ours = simulate(chosen.chain, chosen.velocity, chosen.duration, "conserving", 1e-4 * chosen.duration, samples=2)
+    assert ours.final_velocity == pytest.approx(found.velocity, abs=1e-5)
+
+
+def test_chains_that_a_method_refuses_are_left_out(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("benchmarks.scan.command.refusal_of", lambda _, chain: "no" if chain.couplers else "")
+    given = ["scan", "--families", "couplers", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "1"]
+    assert command.main(given) == 0
+    told = capsys.readouterr().out
+    assert "refuses 1 of the chains" in told
+    assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("hooke-hertz") == 1
+
+
 def judged(monkeypatch, error, **changes):
     run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
     run = replace(run, final_velocity=TRUTH.velocity + error, **changes)

@@ -225,7 +225,7 @@ def test_parts_of_a_coupler_that_only_together_are_determined():
 
 def test_a_touch_within_one_step_is_not_passed_over():
     """Steps of a flight are as long as it is; a bead thrown at a ceiling comes down at the speed at which it left."""
-    for speed in (3.1, 5.0, 8.0):
+    for speed in (3.001, 3.1, 8.0):  # the first would reach a third of a millimetre beyond it
         chain = Chain([1.0, math.inf], hertz(1e6), gap=0.5 * 3.0**2 / 9.8, drive=[-9.8, 0.0])
         touched = ended(chain, [speed, 0.0], 2.0 * speed / 9.8)
         assert len(touched.contact_intervals[0]) == 1
