@@ -46,12 +46,15 @@ YOSHIDA4 = (
 def drift(part, chain, motion):
     """Move on for the time `part` at the present rates; add what contacts with loss take to what they absorbed."""
     law, loss, overlap, rate = chain.law, chain.dissipation.loss, motion.overlap, motion.rate
-    for i in range(overlap.size):
+    if loss.size == 0:  # a loop of its own: long chains take it several contacts at a time
+        for i in range(overlap.size):
+            overlap[i] += part * rate[i]
+    for i in range(loss.size):
         before = overlap[i]
         overlap[i] += part * rate[i]
         if is_joint(chain.joints, i):
             motion.taken[0] += joint_fall(chain.joints, i, before, overlap[i], True)
-        elif loss.size and loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
+        elif loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
             fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             motion.taken[0] += loss[i] * fall
@@ -62,12 +65,15 @@ def drift(part, chain, motion):
 def push(chain, motion):
     """The contact forces at the present overlaps."""
     law, own, loss, force = chain.law, chain.own, chain.dissipation.loss, motion.force
-    for i in range(force.size):
+    if loss.size == 0:
+        for i in range(force.size):
+            force[i] = force_at(law, own, i, motion.overlap[i])
+    for i in range(loss.size):
         if is_joint(chain.joints, i):
             force[i] = joint_force(chain.joints, i, motion.overlap[i], motion.rate[i])
             continue
         force[i] = force_at(law, own, i, motion.overlap[i])
-        if loss.size and motion.rate[i] < 0.0:
+        if motion.rate[i] < 0.0:
             force[i] *= 1.0 - loss[i]
 
 

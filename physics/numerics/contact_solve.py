@@ -178,14 +178,14 @@ def elastic_resolvent(own, law, i, start, start_power, weight, s, guess):
 
 @inlined
 def solve_contact(h, i, chain, motion, work):
-    """Put overlap, force and slope dg/ds of contact i at its s into their rows."""
+    """Put overlap, force and slope dg/ds of contact i of a chain with dissipation at its s into their rows."""
     law, loss, start_power = chain.law, chain.dissipation.loss, work[START_POWER, i]
     weight, start, rate = 0.5 * h * h * work[DIAGONAL, i], motion.overlap[i], motion.rate[i]
     s, guess, ahead = work[UNKNOWN, i], work[END, i], 0.5 * h * rate
     if is_joint(chain.joints, i):
         moved, force, slope = joint_resolvent(chain.joints, i, start, ahead, weight, s)
         end = start + moved
-    elif loss.size and loses(loss[i], start, rate):
+    elif loses(loss[i], start, rate):
         end, force, slope = lossy_resolvent(
             law[i, 0], law[i, 1], law[i, 2], loss[i], start, start_power, ahead, work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i],
             weight, s, guess,
@@ -230,7 +230,14 @@ def row_residual(h, i, chain, motion, beads, work):
 @inlined
 def solve_all(h, chain, motion, beads, work):
     """Contacts, then beads on a bed, at the present unknowns."""
-    for i in range(motion.overlap.size):
+    law, loss, start = chain.law, chain.dissipation.loss, motion.overlap
+    if loss.size == 0:
+        for i in range(start.size):
+            weight, start_power = 0.5 * h * h * work[DIAGONAL, i], work[START_POWER, i]
+            work[END, i], motion.force[i], work[SLOPE, i] = elastic_resolvent(
+                chain.own, law, i, start[i], start_power, weight, work[UNKNOWN, i], work[END, i]
+            )
+    for i in range(loss.size):
         solve_contact(h, i, chain, motion, work)
     for j in range(chain.dissipation.bed.size):
         slide(h, j, chain, motion.force, beads)
