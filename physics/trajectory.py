@@ -30,9 +30,9 @@ def _nothing() -> Array:
 class Trajectory:
     """Samples of a motion, when each contact closed and opened, and what it cost.
 
-    An error is stated for `final_velocity` alone. Samples, positions and times of contact have the accuracy of their steps and
-    state none: positions and times are off by errors of velocities times the time for which these have lasted. Runs at two
-    tolerances tell.
+    An error is stated for `final_velocity`, and from it for positions, `position_error`. Velocities at samples and times of
+    contact have the accuracy of their steps and state none: while contacts push, and where they close slowly, they may be off by
+    more. Runs at two tolerances tell.
 
     Attributes
     ----------
@@ -115,6 +115,12 @@ class Trajectory:
     def position(self) -> Array:
         """(T, n+1) positions [m], bead lengths taken out; two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
+
+    @property
+    def position_error(self) -> Array:
+        """(T,) estimated error [m] of the positions: the largest of `velocity_error` times the time since the start."""
+        error: Array = self.velocity_error.max() * self.time
+        return error
 
     @cached_property
     def velocity(self) -> Array:
