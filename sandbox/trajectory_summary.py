@@ -102,10 +102,11 @@ class Summary:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """Titles with units, and rows of texts: what a terminal, a page and a notebook show, each in its own way."""
+    """Titles with units, rows of texts, and what rows mean: what a terminal, a page and a notebook show, each in its own way."""
 
     titles: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    hints: tuple[str, ...] = ()
 
 
 def bead_table(summary: Summary) -> ResultTable:

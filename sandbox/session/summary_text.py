@@ -1,7 +1,5 @@
 """A summary in words of what has happened in a session: who hit whom, how long it lasted, who goes where."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -128,8 +128,8 @@ class LaneCards:
 
     def _check_velocities(self) -> None:
         """Let an accurate run follow each lane, on the thread behind the window."""
-        for check, lane in zip(self.checks, self.session.lanes, strict=True):
-            if self.host.warmup.is_warm(METHOD, lane.chain.dissipative):
+        for check in self.checks:
+            if self.host.warmup.is_warm(METHOD):
                 job = check.job()
                 if job is not None:
                     self.host.warmup.submit(partial(check.take, check.base), job)

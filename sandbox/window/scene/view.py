@@ -150,8 +150,7 @@ class SceneView:
     def _sees_ahead(self) -> bool:
         """Whether a run ahead takes some milliseconds: its machine code is in memory."""
         methods = {AHEAD, *(lane.setup.method for lane in self.session.lanes)}
-        kinds = {lane.chain.dissipative for lane in self.session.lanes}
-        return all(self.host.warmup.is_warm(method, kind) for method in methods for kind in kinds)
+        return all(self.host.warmup.is_warm(method) for method in methods)
 
     def _geometry(self) -> Geometry:
         self.board.single = (self.board.single or VELOCITIES) if self.host.explore else ""
