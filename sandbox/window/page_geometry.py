@@ -53,8 +53,8 @@ class Geometry:
 
     @property
     def below_beads(self) -> Rect:
-        """The rectangle from the foot of the lanes to the footer."""
-        left, bottom = self.lanes[0].left, self.lanes[-1].bottom
+        """The rectangle from the foot of lanes, insets and energy bars to the footer."""
+        left, bottom = self.lanes[0].left, self.energy_bars.bottom
         return Rect(left, bottom, self.lanes[0].width, self.footer.top - bottom)
 
 
