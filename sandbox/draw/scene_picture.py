@@ -215,7 +215,7 @@ class _LanePicture:
         self.insets.backdrop(surface)
         self.bars.backdrop(surface)
         for kind, (panel, values) in enumerate(zip(self.panels, _curves(self.motion), strict=False)):
-            peaks = values[-1] if kind == 0 else _extremes(values)
+            peaks = (values[-1], _extremes(values), values.max(axis=0))[kind]  # an open contact is no overlap, however wide
             panel.backdrop(surface, self.motion.time, values, peaks, self.ahead)
 
     def paint(self, surface: pygame.Surface, row: int, centre: float | None) -> None:
