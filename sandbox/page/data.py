@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 from softcradle.physics.scales import speed_scale
 from softcradle.sandbox.draw import Scales
 from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, cluster_ends, is_gear, mass_labels, solid_force

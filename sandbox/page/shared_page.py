@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics import Trajectory
-from softcradle.physics.default_step import default_step
+from softcradle.physics.scales import default_step
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.scene_motion import quiet_end
 from softcradle.sandbox.motion import Array

@@ -11,9 +11,8 @@ from softcradle.physics.advice.auto_method import LIVE_ERROR as ERROR
 from softcradle.physics.advice.auto_method import conserving_step
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.default_step import STEPS_A_CONTACT
 from softcradle.physics.methods import find_method, refusal_of
-from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.scales import STEPS_A_CONTACT, contact_scales, speed_scale
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.scene_runs import KEEPING, SHOWN

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from softcradle.physics import Chain, draft_gear, simulate
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.chain import GRAVITY
 from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.data_table import Array

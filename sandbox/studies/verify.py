@@ -22,8 +22,7 @@ from softcradle.physics import (
     simulate,
     step_force,
 )
-from softcradle.physics.analysis.closed_forms import long_linear_chain, one_on_one, rigid_stroke
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed, long_linear_chain, one_on_one, rigid_stroke
 from softcradle.physics.chain import GRAVITY
 from softcradle.sandbox.studies.paper import crest
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.dataset import checked_output, dataset_of, lost_points, opened_dataset, write_dataset
@@ -245,7 +244,6 @@ def _compute_missing(
     take: Callable[[Chunk], None] = lambda _: None,
 ) -> None:
     """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
-    log_compilation()  # says at once where nothing can be compiled
     count, tell = work.points.count, progress or _untold
 
     def keep(chunk: Chunk) -> None:

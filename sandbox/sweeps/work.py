@@ -102,7 +102,7 @@ class Work:
 
     def _runs_at_once(self) -> bool:
         """Whether ends of runs are all that is measured, and the kernels that run chains side by side are at hand."""
-        from softcradle.physics.batch.batch_ends import KERNELS
+        from softcradle.physics.batch.ends import KERNELS
 
         ends_alone = isinstance(self.source, ScenePoints) and set(self.measures) <= set(OF_ENDS)
         kernels = KERNELS["adaptive"]

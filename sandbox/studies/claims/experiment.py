@@ -4,10 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 from softcradle.physics import Chain, Contact, draft_gear, one_on
-from softcradle.physics.analysis.closed_forms import rigid_collision
-from softcradle.physics.analysis.contact_distance import GRADED, squared_difference
-from softcradle.physics.analysis.critical_speed import critical_speed
-from softcradle.physics.analysis.matching import match
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
+from softcradle.physics.analysis.matching import GRADED, match, squared_difference
 from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.experiment import MASS, PRECOMPRESSION, STIFFNESS, deficits, friction_for

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 from softcradle.physics import Trajectory
-from softcradle.physics.analysis.cluster_scaling import spread_variable
-from softcradle.physics.analysis.measures import depth_law, time_scale_separation
+from softcradle.physics.analysis.measures import depth_law, spread_variable, time_scale_separation
 from softcradle.sandbox.scene_runs import TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
 from softcradle.sandbox.film.formats import check

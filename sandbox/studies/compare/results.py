@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from softcradle.physics import Trajectory
-from softcradle.physics.analysis.collision import collide, measured
-from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures, collide, measured
 from softcradle.physics.trajectory_file import versions
 from softcradle.sandbox.console import print_rows
 from softcradle.sandbox.draw.number_format import number_text, subscript

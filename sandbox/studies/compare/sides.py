@@ -6,8 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from softcradle.physics.analysis.collision import struck_contact
-from softcradle.physics.analysis.contact_distance import Distance
-from softcradle.physics.analysis.matching import ALPHAS, NEAR, Match, match, only_contact
+from softcradle.physics.analysis.matching import ALPHAS, NEAR, Distance, Match, match, only_contact
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene, SceneError, View

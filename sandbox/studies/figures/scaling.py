@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from softcradle.physics import ensemble
-from softcradle.physics.analysis.cluster_scaling import spread_variable
-from softcradle.physics.analysis.measures import response_times, rigidity
+from softcradle.physics.analysis.measures import response_times, rigidity, spread_variable
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import SAMPLES, psi_limit, soft_chain, start

@@ -8,7 +8,7 @@ import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.window.gallery.page import GalleryPage
-from softcradle.sandbox.window.widgets import KEYS, Slider
+from softcradle.sandbox.window.widgets import KEYS, REPEAT, Slider
 
 from tests.helpers.windows import Driver
 
@@ -96,3 +96,10 @@ def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
     driver.frames(2)
     assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
     assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
+
+
+def test_keys_that_are_held_repeat_after_something_was_typed(driver: Driver) -> None:
+    driver.click(driver.bead(1))
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.key(pygame.K_RETURN)
+    assert pygame.key.get_repeat() == REPEAT

@@ -6,7 +6,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, gettext, use_language
-from softcradle.sandbox.window.keys import COLUMN, COLUMNS, CTRL, KEYS_ROOM, MOUSE, SHIFT, action_of, bindings, groups
+from softcradle.sandbox.window.keys import COLUMN, CTRL, KEYS_ROOM, MOUSE, ORDER, SHIFT, action_of, bindings, groups
 
 from tests.helpers.windows import Driver
 
@@ -126,4 +126,4 @@ def test_every_text_fits_into_its_column(code):
 
 
 def test_every_group_is_shown():
-    assert sorted(name for column in COLUMNS for name in column) == sorted([*groups(), "Mouse"])
+    assert sorted(ORDER) == sorted([*groups(), "Mouse"])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pygame
+import pytest
 from softcradle.sandbox.session.inputs import (
     Drag,
     Place,
@@ -57,3 +58,22 @@ def test_text_that_is_dropped_opens_as_a_scene(driver: Driver, tmp_path: Path) -
     pygame.event.post(pygame.Event(pygame.DROPTEXT, text=text))
     driver.frames(2)
     assert driver.session.lanes[0].chain.mass[1] == 2.5
+
+
+@pytest.mark.parametrize("start", ["one-on-four", "hanging-cradle"])
+@pytest.mark.parametrize(("scale", "text"), [(1.0, "short"), (1.0, "word " * 60), (2.0, "word " * 12)])
+def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale: float, text: str) -> None:
+    driver = Driver(start)
+    driver.app.scale = scale
+    driver.app.rebuild()
+    for number in range(3):
+        driver.app.messages.show(f"{number} {text}")
+    driver.frames(2)
+    page = driver.app.page
+    footer = page.view.places.footer if start == "one-on-four" else page.places.footer
+    places = driver.app.messages._places
+    assert "2 " in places[0][1].text
+    for rect, _message in places[: 1 if len(text) > 100 else None]:
+        assert footer.top - 60 * driver.app.unit * (len(text) > 100) <= rect.top
+        assert rect.bottom <= footer.bottom
+        assert not any(rect.colliderect(one.rect) for one in page.time_controls.buttons.values())

@@ -6,7 +6,7 @@ import pygame
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.sandbox.window.scene.editor import Pick
-from softcradle.sandbox.window.scene.sweep_board import COUNT, SweepBoard
+from softcradle.sandbox.window.scene.inspector import COUNT, SweepBoard
 
 from tests.helpers.windows import Driver
 
