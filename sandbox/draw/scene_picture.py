@@ -215,7 +215,9 @@ class _LanePicture:
         self.insets.backdrop(surface)
         self.bars.backdrop(surface)
         for kind, (panel, values) in enumerate(zip(self.panels, _curves(self.motion), strict=False)):
-            peaks = (values[-1], _extremes(values), values.max(axis=0))[kind]  # an open contact is no overlap, however wide
+            peaks = (values[-1], _extremes(values), values.max(axis=0))[
+                kind
+            ]  # an open contact is no overlap, however wide
             panel.backdrop(surface, self.motion.time, values, peaks, self.ahead)
 
     def paint(self, surface: pygame.Surface, row: int, centre: float | None) -> None:
