@@ -214,8 +214,7 @@ class _LanePicture:
         self.drawing.backdrop(surface)
         self.insets.backdrop(surface)
         self.bars.backdrop(surface)
-        for kind, (panel, values) in enumerate(zip(self.panels, _curves(self.motion), strict=False)):
-            peaks = values[-1] if kind == 0 else _extremes(values)
+        for panel, values, peaks in zip(self.panels, _curves(self.motion), _peaks(self.motion), strict=False):
             panel.backdrop(surface, self.motion.time, values, peaks, self.ahead)
 
     def paint(self, surface: pygame.Surface, row: int, centre: float | None) -> None:
@@ -239,8 +238,7 @@ def _speed(slow: float) -> str:
     return _("quick motion {times}", times=factor(1.0 / slow))
 
 
-def _extremes(values: Array) -> Array:
-    """(n,) the value of each curve (T, n) that is farthest from 0."""
-    low, high = values.min(axis=0), values.max(axis=0)
-    found: Array = np.where(-low > high, low, high)
-    return found
+def _peaks(motion: Motion) -> tuple[Array, Array, Array]:
+    """Values beside which names stand: velocities at the end, strongest pushes or pulls, greatest overlaps: no gap is one."""
+    low, high = motion.force.min(axis=0), motion.force.max(axis=0)
+    return motion.velocity[-1], np.where(-low > high, low, high), motion.overlap.max(axis=0)

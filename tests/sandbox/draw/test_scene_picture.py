@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
-from softcradle.sandbox.draw.curve_panels import ticks_apart
+from softcradle.sandbox.draw.curve_panels import LABEL_GAP, ticks_apart
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import spread
 from softcradle.sandbox.draw.palette import tones
@@ -19,6 +19,8 @@ from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfa
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes.catalogue import parse
+
+from tests.helpers.drawn_text import drawn_texts
 
 SIZE = (960, 540)
 
@@ -216,6 +218,19 @@ def test_magnified_overlaps_move_beads_about_their_mean():
     edges = left_edges(position, overlap, 1.0, 3.0)
     assert np.diff(edges) == pytest.approx([1.0 - 3.0 * 0.1, 1.5])
     assert (edges - left_edges(position, overlap, 1.0, 1.0)).mean() == pytest.approx(0.0)
+
+
+def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(soft):
+    scene, motions = soft
+    assert (motions[0].overlap.min(axis=0) < -motions[0].overlap.max(axis=0)).any()
+    with drawn_texts(SIZE) as texts:
+        picture = Picture(scene, motions, SIZE)
+    panel = picture.lanes[0].panels[2]
+    places = panel.area.top + panel.y(panel.axis.on(motions[0].overlap.max(axis=0)))
+    written = {text.text: text.rect.centery for text in texts}
+    heights = [written[name] for name in panel.names]
+    assert heights == sorted(heights)
+    assert np.abs(heights - places).max() <= 2 * LABEL_GAP * panel.unit
 
 
 @pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])
