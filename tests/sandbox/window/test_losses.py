@@ -265,7 +265,7 @@ app.run()
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_signal_while_filming_keeps_the_film(tmp_path: Path, number: signal.Signals) -> None:
     import av
 
