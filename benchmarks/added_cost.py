@@ -1,9 +1,10 @@
-"""What is added to a solve by `accurate` at 1e-6: 201 samples in place of 2, friction of the bed, loss of the contacts."""
+"""What is added to a solve: samples, friction and loss by `accurate` at 1e-6; and to its kernels, by Python around them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from time import thread_time
+from itertools import product
+from time import perf_counter, thread_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from softcradle import warm
 TOLERANCE = 1e-6
 SAMPLES_AIM, DISSIPATION_AIM = 1.5, 3.0  # times the cost without
 ROUNDS = 15
+CALLS = 2000  # of a solve that is measured without its kernels
 
 
 class Pair(NamedTuple):
@@ -54,9 +56,20 @@ def measure(pair: Pair, rounds: int = ROUNDS) -> dict[str, float]:
     return {"with": least[0], "without": least[1], "ratio": least[0] / least[1]}
 
 
+def measure_python(method: str, new: bool, rounds: int = CALLS) -> float:
+    """Seconds of one on 4 to its end outside of its kernels, the least of all rounds; with a `new` chain each time or not."""
+    law, velocity, least = power_law(1.0, 0.1), [1.0, 0.0, 0.0, 0.0, 0.0], np.inf
+    chain = one_on(4, law)
+    for _ in range(rounds):
+        began = perf_counter()
+        found = solve(one_on(4, law) if new else chain, velocity, method=method, samples=2, tolerance=TOLERANCE)
+        least = min(least, perf_counter() - began - found.seconds)
+    return float(least)
+
+
 def reports() -> Iterator[Report]:
-    """Milliseconds with and without, and their ratio beside its aim."""
-    warm("accurate")
+    """Milliseconds with and without, and their ratio beside its aim; milliseconds of Python."""
+    warm(["accurate", "conserving"])
     found = {pair.name: (pair, measure(pair)) for pair in pairs()}
     rows = [
         [name, f"{1e3 * one['with']:.3f}", f"{1e3 * one['without']:.3f}", at_most(one["ratio"], pair.aim)]
@@ -65,3 +78,9 @@ def reports() -> Iterator[Report]:
     columns = ["", "with [ms]", "without [ms]", "ratio (aim)"]
     data = {name: one for name, (_, one) in found.items()}
     yield Report(f"What is added to a solve at {TOLERANCE:g}", columns, rows, [], data)
+    python = {
+        f"{method}, {'a new chain' if new else 'the same chain'}": measure_python(method, new)
+        for method, new in product(("accurate", "conserving"), (False, True))
+    }
+    rows = [[name, f"{1e3 * seconds:.3f}"] for name, seconds in python.items()]
+    yield Report("Python around the kernels of one on 4", ["", "[ms]"], rows, [], python)

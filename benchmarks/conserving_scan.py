@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from softcradle.physics.default_step import default_step
-from softcradle.physics.scales import closing_speed
+from softcradle.physics.scales import closing_speed, default_step
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import WarningCode
 

@@ -32,7 +32,6 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
         (
             "physics/fixed_step/discrete_gradient.py",
             "physics/numerics/contact_solve.py",
-            "physics/numerics/fixed_step_friction.py",
             "physics/numerics/resolvent.py",
         ),
         (
@@ -48,13 +47,11 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
         (
             "physics/adaptive/radau.py",
             "physics/adaptive/radau_error.py",
-            "physics/adaptive/radau_guess.py",
-            "physics/adaptive/radau_tableau.py",
         ),
         ("tests/physics/adaptive/test_radau_step.py", "tests/physics/adaptive/test_radau_guess.py"),
     ),
     "events": (
-        ("physics/adaptive/event_location.py", "physics/adaptive/first_root.py"),
+        ("physics/adaptive/corners.py", "physics/adaptive/crossing.py"),
         (
             "tests/physics/adaptive/test_first_root.py",
             "tests/physics/adaptive/test_find_event.py",

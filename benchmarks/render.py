@@ -1,17 +1,13 @@
 """The rate of rendering: drawing alone, one encoder alone, both in order, and segments encoded side by side.
 
-    python -m benchmarks.render [--scene one-on-four] [--size 1280x720] [--json]
-
 All encode the same frames, those of the scene's film, because a moving picture costs the encoder more than a still one.
 Rates are of a machine that does nothing else; processor time is nearly the same on one that does.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -22,6 +18,7 @@ from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.scene_film import Shot, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import scene_motions
 
+from benchmarks.reports import Report, at_least, at_most
 from softcradle import scenes
 
 if TYPE_CHECKING:
@@ -96,24 +93,12 @@ def _painted(picture: Picture, shot: Shot, surface: Surface) -> Surface:
     return surface
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scene", default="one-on-four")
-    parser.add_argument("--size", default="1280x720")
-    parser.add_argument("--json", action="store_true")
-    args = parser.parse_args(arguments)
-    width, height = map(int, args.size.split("x"))
-    found = measure(args.scene, (width, height))
-    if args.json:
-        print(json.dumps(found))
-        return 0
-    print(f"{found['scene']} at {width}x{height}, frames a second and ms of processor a frame (medians of 5):")
-    for way, title in WAYS.items():
-        print(f"  {title:<28}{found[way]:7.0f} {found[f'{way}_ms']:7.2f}")
-    print(f"segments over in order: {found['gain']:.2f}")
-    print(f"first frame after {found['first_frame_seconds']:.2f} s, whole film {found['whole_film_seconds']:.1f} s")
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+def reports() -> Iterator[Report]:
+    """Frames a second of each way."""
+    found = measure("one-on-four", (1280, 720))
+    rows = [[title, f"{found[way]:.0f}", f"{found[f'{way}_ms']:.2f}"] for way, title in WAYS.items()]
+    rows.append(["segments over in order", at_least(f"{found['gain']:.2f}", found["gain"], 1.7), ""])
+    rows.append(["first frame [s]", at_most(found["first_frame_seconds"], 2.0), ""])
+    note = f"median of 5 rounds of {found['frames']} frames"
+    columns = ["", "frames a second (aim)", "processor ms a frame"]
+    yield Report("one-on-four as mp4, 1280x720", columns, rows, [note], found)

@@ -1,26 +1,26 @@
 """The window: time to the first frame, with and without cached kernels, frames of a busy page, and what a paused one costs.
 
-python -m benchmarks.window [--json] [--seconds 10]
-
 A frame is everything: events, physics, drawing, showing; 1280x720, 50 beads in collision, plots shown. It is measured on
 the display of the machine; where there is none, with SDL's dummy driver, whose showing costs nothing.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from time import perf_counter, thread_time
 from typing import Any
 
 import numpy as np
 
+from benchmarks.reports import Report
+
 FRAME = 1.0 / 60.0  # s
+SECONDS = 10.0  # of frames
 STARTS = 3  # of which the fastest counts
 FRAMES_TO_RESTART = 600  # after them the collision is over
 SCENE = """
@@ -55,17 +55,18 @@ print(100.0 * (worked - work) / (ended - began))
 """
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("--seconds", type=float, default=10.0, help="of frames to take")
-    args = parser.parse_args()
+def reports() -> Iterator[Report]:
+    """Start, pause and frames."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("win32", "darwin")):
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
-    found = {"start": starts(), "paused_percent": paused(), "frame": frames(args.seconds)}
-    print(json.dumps(found, indent=2) if args.json else _report(found))
+    found: dict[str, Any] = {"start": starts(), "paused": paused(), "frame": frames(SECONDS)}
+    frame = found["frame"]
+    rows = [[name.replace("_", " "), f"{value:.2f}"] for name, value in found["start"].items()]
+    rows += [["paused, per cent of a core", f"{found['paused']:.2f}"]]
+    rows += [[name.replace("_", " "), f"{value:.2f}"] for name, value in frame.items() if name.endswith("_ms")]
+    note = f"{frame['frames']} frames, driver {frame['driver']}, {frame['late']} later than a sixtieth of a second"
+    yield Report("The window, 50 beads at 1280x720", ["", ""], rows, [note], found)
 
 
 def starts() -> dict[str, float]:
@@ -134,23 +135,3 @@ def _opened_app() -> Any:
     app.frame(FRAME)
     app.act("play_pause")
     return app
-
-
-def _report(found: dict[str, Any]) -> str:
-    start, frame = found["start"], found["frame"]
-    return "\n".join(
-        (
-            f"first frame: {start['cached_seconds']:.2f} s with cached kernels, "
-            f"{start['uncached_seconds']:.2f} s without",
-            f"paused: {found['paused_percent']:.1f} % of a core",
-            f"frames at 1280x720, 50 beads, plots shown, driver {frame['driver']} ({frame['frames']} of them):",
-            f"  median {frame['median_ms']:.1f} ms, 95th percentile {frame['p95_ms']:.1f} ms, "
-            f"99th percentile {frame['p99_ms']:.1f} ms, worst {frame['worst_ms']:.1f} ms",
-            f"  of this thread's processor time: 99th percentile {frame['processor_p99_ms']:.1f} ms",
-            f"  {frame['late']} later than {1e3 * FRAME:.1f} ms; physics {frame['physics_median_ms']:.2f} ms a frame",
-        )
-    )
-
-
-if __name__ == "__main__":
-    main()

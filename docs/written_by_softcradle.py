@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
-from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
 from softcradle.sandbox.draw.number_format import scientific

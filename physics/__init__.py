@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from softcradle.physics.advice.stability_limits import stable_step as stable_step
-    from softcradle.physics.batch.batch_ends import EnsembleEnds as EnsembleEnds
-    from softcradle.physics.batch.batch_ends import ensemble_ends as ensemble_ends
     from softcradle.physics.batch.chain_batch import ChainBatch as ChainBatch
+    from softcradle.physics.batch.ends import EnsembleEnds as EnsembleEnds
+    from softcradle.physics.batch.ends import ensemble_ends as ensemble_ends
     from softcradle.physics.chain import Chain as Chain
     from softcradle.physics.chain import cluster_on_cluster as cluster_on_cluster
     from softcradle.physics.chain import one_on as one_on
@@ -49,8 +49,8 @@ _HOME = {
     "simulate": "simulation",
     "ensemble": "ensemble_runs",
     "ChainBatch": "batch.chain_batch",
-    "ensemble_ends": "batch.batch_ends",
-    "EnsembleEnds": "batch.batch_ends",
+    "ensemble_ends": "batch.ends",
+    "EnsembleEnds": "batch.ends",
     "advance": "simulation",
     "Trajectory": "trajectory",
     "METHODS": "methods",

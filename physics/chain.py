@@ -55,8 +55,7 @@ class Chain:
         Masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
     contact : Contact, law or sequence of them
         One Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it
-        takes, is one too; euler, verlet, yoshida4, conserving, pymunk and scipy carry it. A
-        :class:`Coupler` pulls, too.
+        takes, is one too. A :class:`Coupler` pulls, too.
     gap : float or array_like, optional
         Distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0
         the contact is pressed from the start, by the overlap -gap.
@@ -140,7 +139,7 @@ class Chain:
     @cached_property
     def anchor(self) -> int:
         """Index of the heaviest bead (a wall if there is one): the bead whose position and velocity are in the State."""
-        return int(np.argmax(self.mass))
+        return self.mass.index(max(self.mass))
 
     @cached_property
     def own_laws(self) -> tuple[OwnLaw, ...]:
@@ -189,12 +188,7 @@ class Chain:
         Those of a coupler are of the gear that it pushes with.
         """
         laws = [contact.push if isinstance(contact, Coupler) else contact for contact in self.contact]
-        law = np.array(
-            [
-                (c.preload, c.stiffness, c.exponent) if isinstance(c, Contact) else (c.preload, math.nan, math.nan)
-                for c in laws
-            ]
-        )
+        law = np.array([(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws])
         law.setflags(write=False)
         return law
 
@@ -254,7 +248,7 @@ class Chain:
     @cached_property
     def dissipative(self) -> bool:
         """Whether beads are braked or a contact has loss."""
-        return self.on_bed or bool(self.loss.any())
+        return self.on_bed or any(contact.loss for contact in self.contact)
 
     @property
     def driven(self) -> bool:
@@ -343,13 +337,13 @@ def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
     masses = number_array("mass", mass)
     if masses.ndim != 1 or len(masses) < 2:
         raise ValueError(f"a chain needs a list of at least 2 masses, not {shown(mass)}")
-    for value in masses[~((masses >= SMALLEST) & (masses <= LARGEST))].tolist():
-        if value != math.inf:
+    found = tuple(masses.tolist())
+    for value in found:
+        if not (SMALLEST <= value <= LARGEST or value == math.inf):
             magnitude("every mass (inf is a wall)", value)
-    infinite = np.isinf(masses)
-    if (infinite[:-1] & infinite[1:]).any():
+    if math.inf in found and (math.inf, math.inf) in pairwise(found):
         raise ValueError("two walls side by side: a contact between them could never be solved")
-    return tuple(masses.tolist())
+    return found
 
 
 def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
@@ -375,6 +369,8 @@ def _contact(item: object) -> Joint:
 
 
 def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
+    if isinstance(gap, float) and gap == 0.0:
+        return (0.0,) * n
     gaps = number_array("gap", gap)
     if gaps.ndim > 1 or (gaps.ndim == 1 and len(gaps) != n):
         raise ValueError(f"{n + 1} masses need one gap for all or {n} gaps, not shape {gaps.shape}")

@@ -22,6 +22,7 @@ from softcradle.physics.checked_input import magnitude, require_kind
 from softcradle.physics.contact import Contact, Numbers, hooke
 
 Array = NDArray[np.float64]
+Segment = tuple[float, ...]
 
 
 class Part(NamedTuple):
@@ -42,8 +43,8 @@ class Part(NamedTuple):
 class Coupler:
     """A coupler between two beads that pushes and, after its slack, pulls; its gears go solid at full travel.
 
-    Methods euler, verlet, yoshida4 (without loss), conserving and scipy carry couplers; the adaptive ones, "auto" and pymunk
-    raise a ValueError. Results count pulls as negative forces.
+    All methods but pymunk carry couplers (yoshida4 without loss); the adaptive ones and "auto" those whose gears that pull or go
+    solid have exponents of 1 or more. Others raise a ValueError. Results count pulls as negative forces.
 
     Parameters
     ----------
@@ -103,9 +104,32 @@ class Coupler:
         return tuple(found)
 
     @property
+    def segments(self) -> list[Segment]:
+        """The pieces of its graph for adaptive methods, from left to right: solid and pulling first, solid and pushing last.
+
+        Each is (side, origin, preload, stiffness, exponent, way of the gear before it, stop, loss, length), see
+        `softcradle.physics.adaptive.row_graphs`.
+        """
+        pulls = self._gear(self.pull, -1.0, -self.slack)[::-1] if self.pull else []
+        return pulls + self._gear(self.push, 1.0, 0.0)
+
+    def _gear(self, law: Contact, side: float, origin: float) -> list[Segment]:
+        """The segments of a gear from its origin outward: as it is pressed in, and solid."""
+        found = [gear_segment(law, side, origin, length=self.travel)]
+        if self.stop:
+            found.append(gear_segment(law, side, origin + side * self.travel, self.travel, self.stop))
+        return found
+
+    @property
     def pulls_below(self) -> float:
         """Overlap [m] below which it pulls; -inf where it never does."""
         return -math.inf if self.pull is None else -self.slack
+
+    @property
+    def smooth(self) -> bool:
+        """Whether no gear that pulls or goes solid has an exponent below 1."""
+        gears = [self.pull] if self.pull else []
+        return all(gear.exponent >= 1.0 for gear in (gears if self.stop == 0.0 else [self.push, *gears]))
 
     @property
     def preload(self) -> float:
@@ -134,6 +158,13 @@ class Coupler:
     def energy(self, overlap: ArrayLike) -> Numbers:
         """Energy stored [J] at `overlap` [m], any shape."""
         return _summed(overlap, [part.contact.energy(_own(part, overlap)) for part in self.parts])
+
+
+def gear_segment(
+    law: Contact, side: float, origin: float, before: float = 0.0, stop: float = 0.0, length: float = math.inf
+) -> Segment:
+    """A piece of a graph, ``f = side (F + K (x + before)**a + stop x)`` with ``x = side (d - origin)``, up to a length."""
+    return side, origin, law.preload, law.stiffness, law.exponent, before, stop, law.loss, length
 
 
 def _own(part: Part, overlap: ArrayLike) -> Array:

@@ -87,9 +87,9 @@ def ensemble(
     found = part(range(min(1, count)))  # loads the kernels once, before threads would all wait for it
     if progress is not None and found:
         progress(1)
-    parts = _parts(len(found), count, threads)
-    done: list[list[Trajectory]] = [[] for _ in parts]
-    for k, runs in in_threads(part, parts, threads):
+    blocks = parts(len(found), count, threads)
+    done: list[list[Trajectory]] = [[] for _ in blocks]
+    for k, runs in in_threads(part, blocks, threads):
         done[k] = runs
         if progress is not None:
             progress(len(runs))
@@ -149,9 +149,9 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _parts(begin: int, end: int, threads: int) -> list[range]:
-    """The chains from `begin` to `end` in parts of nearly the same number."""
-    size = max(1, min(MOST_AT_ONCE, (end - begin) // (threads * PARTS)))
+def parts(begin: int, end: int, threads: int, least: int = 1) -> list[range]:
+    """The chains from `begin` to `end` in parts of nearly the same number, `least` of them or more."""
+    size = max(least, min(MOST_AT_ONCE, (end - begin) // (threads * PARTS)))
     return [range(first, min(end, first + size)) for first in range(begin, end, size)]
 
 

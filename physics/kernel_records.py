@@ -7,10 +7,20 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.chain import GRAVITY, Chain
-from softcradle.physics.numerics.coupler_kernels import Joints
+from softcradle.physics.chain import GRAVITY, Chain, per_chain
 from softcradle.physics.numerics.own_contacts import OwnLaws
-from softcradle.physics.numerics.records import COUNTERS, NO_KNOTS, SWITCH, Dissipation, Knots, SwitchLog
+from softcradle.physics.numerics.records import (
+    COUNTERS,
+    NO_DISSIPATION,
+    NO_JOINTS,
+    NO_KNOTS,
+    NOTHING,
+    SWITCH,
+    Dissipation,
+    Joints,
+    Knots,
+    SwitchLog,
+)
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
@@ -22,27 +32,35 @@ FRAME_LOG = 256  # of `advance`: more switches within a frame are chatter, which
 ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 KEPT_TABLES = 64  # combinations of laws of one's own
-NOTHING = np.zeros(0)
 NO_FLAGS = np.zeros(0, dtype=np.int8)
 
 
-def chain_records(chain: Chain, state: State) -> tuple[tuple[Any, ...], Dissipation | None]:
-    """The fields of ChainData, and a Dissipation or None; forces from outside are those of `state` now.
+def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
+    """The fields of ChainData; forces from outside are those of `state` now.
 
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
-    law, inverse_mass = chain.law_rows.copy(), chain.inverse_mass.copy()
-    special = _own_laws(chain), _joints(chain), knots_of(chain, state)
-    dissipates = chain.dissipative or chain.couplers  # kernels for couplers are compiled once, with loss and without
-    dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else None
+    law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
+    dissipates = chain.dissipative or chain.couplers  # couplers are solved as if they lost something
+    dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
+    special = _own_laws(chain), _joints(chain), knots_of(chain, state), dissipation
     push = state.external(chain)
     if chain.timed:
         push = np.zeros(chain.contacts + 1) if push is None else push.copy()
     if push is None:
-        return (law, inverse_mass, NOTHING, NOTHING, chain.anchor, *special), dissipation
+        return law, inverse_mass, NOTHING, NOTHING, chain.anchor, *special
     acceleration = push * inverse_mass
     external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
-    return (law, inverse_mass, push, external, chain.anchor, *special), dissipation
+    return law, inverse_mass, push, external, chain.anchor, *special
+
+
+@per_chain
+def law_rows(chain: Chain) -> Array:
+    """(n, 3) preload, stiffness, exponent of each contact; of a law of one's own those that it begins with."""
+    rows = chain.law_rows.copy()
+    for i, law in chain.own_contacts:
+        rows[i] = law.onset
+    return rows
 
 
 def _own_laws(chain: Chain) -> OwnLaws | None:
@@ -63,15 +81,18 @@ def _tables(laws: tuple[OwnLaw, ...]) -> tuple[Any, ...]:
         np.cumsum([0, *(len(table.force) for table in tables)]),
         np.concatenate([table.edge[:-1] for table in tables]),
         np.array([table.edge[-1] for table in tables]),
+        np.array([(law.digits_from, law.onset[1] * law.digits_from ** law.onset[2]) for law in laws]),
         np.concatenate([table.force for table in tables]),
         np.concatenate([table.energy for table in tables]),
+        np.cumsum([0, *(len(table.bend) for table in tables)]),
+        np.concatenate([table.bend for table in tables]),
     )
 
 
-def _joints(chain: Chain) -> Joints | None:
-    """The record of the couplers; None for a chain without."""
+def _joints(chain: Chain) -> Joints:
+    """The record of the couplers."""
     if not chain.couplers:
-        return None
+        return NO_JOINTS
     count, below, rows = np.zeros(chain.contacts + 1, dtype=np.int64), np.full(chain.contacts, -np.inf), []
     for i, coupler in chain.couplers:
         count[i + 1], below[i] = len(coupler.parts), coupler.pulls_below

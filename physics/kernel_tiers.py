@@ -20,8 +20,7 @@ from types import FunctionType
 from typing import Any, TypeVar
 from zlib import crc32
 
-from softcradle.physics.compile_log import tell_first
-from softcradle.physics.numerics.float_bits import COMPILED
+from softcradle.physics.numerics.float_bits import COMPILED, INSTALLED
 from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, target
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
@@ -41,7 +40,16 @@ WAITING = (
     "Ctrl+C is harmless"
 )
 
+FIRST = "compiling for this machine, about half a minute for a method; the next start loads it from the disk"
+SLOW = "numba is not installed: methods run as plain Python, a hundred times slower; pip install 'softcradle[fast]'"
+
 logger = logging.getLogger("softcradle")
+
+
+@cache
+def tell_once(what: str) -> None:
+    """Say it once in a process."""
+    logger.warning(what)
 
 
 class KernelTiers:
@@ -61,24 +69,27 @@ class KernelTiers:
         self._process: _Detached | None = None
         self._loader: threading.Thread | None = None
         self._here = threading.local()  # of the thread that loads: its calls run machine code
+        if not INSTALLED:
+            tell_once(SLOW)
 
     # ---- which tier
 
     def of(self, kernel: Kernel, work: float = 0.0) -> Kernel:
         """The tier of `kernel` for a run of `work`, counted as `spent`, of which plain Python does no more than it should."""
-        if self.in_memory:
-            return kernel
-        if not self.on_disk:
+        self.load_made()
+        if not self.in_memory:
             self.compile_behind()
             if self.spent + work <= PLAIN_WORK:
                 return plain(kernel)
-            tell_first()
+            tell_once(FIRST)
             self.wait()
-        self._loaded = True
+            self._loaded = True
         return kernel
 
     def of_frame(self, kernel: Kernel) -> Kernel:
         """The tier of `kernel` for a frame of live use, which waits for nothing: machine code is loaded on a thread."""
+        if self._first:
+            self.load()
         if self.in_memory:
             return kernel
         if self._loader is None and monotonic() - self._looked > LOOKING:
@@ -94,8 +105,8 @@ class KernelTiers:
 
     @property
     def in_memory(self) -> bool:
-        """Whether kernels are called as they are: with machine code in memory, or compiled at the first call, or by nothing."""
-        return self._loaded or self._first or getattr(self._here, "forced", False)
+        """Whether kernels are called as they are: with machine code in memory, or compiled by nothing."""
+        return self._loaded or getattr(self._here, "forced", False)
 
     @property
     def on_disk(self) -> bool:
@@ -104,13 +115,14 @@ class KernelTiers:
 
     def load(self) -> None:
         """Load the machine code; where there is none it is compiled, in a process behind, because that hears signals."""
-        if self._loaded:
+        if self.in_memory:
             return
-        if not (self.in_memory or self.on_disk):
-            tell_first()
+        if not self.on_disk:
+            tell_once(FIRST)
             logger.info("compiling the kernels of %s", self.name)
             try:
-                self.wait()
+                if not self._first:
+                    self.wait()
             except BaseException:
                 self._stop()
                 raise
@@ -127,8 +139,8 @@ class KernelTiers:
             logger.info("%s: compiled kernels cannot be kept", self._made.parent)
 
     def load_made(self) -> None:
-        """Load the machine code if it has been made and is not in memory."""
-        if not self.in_memory and self.on_disk:
+        """Load the machine code if it has been made, or is to be made first, and is not in memory."""
+        if not self.in_memory and (self._first or self.on_disk):
             self.load()
 
     def compile_behind(self, niceness: int = 0) -> bool:

@@ -33,7 +33,6 @@ class Method:
         summary: one line for menus.
         purpose: what to take it for.
         dissipative: True: carries bed friction and contacts with loss.
-        own_laws: True: carries contacts with laws of one's own.
         couplers: True: carries couplers.
     """
 
@@ -45,7 +44,6 @@ class Method:
     summary: str
     purpose: str
     dissipative: bool = True
-    own_laws: bool = False
     couplers: bool = False
 
 
@@ -58,7 +56,6 @@ METHODS: tuple[Method, ...] = (
         Family.FIXED_STEP,
         "symplectic Euler, what one pymunk step does",
         "to see what a step of pymunk does",
-        own_laws=True,
         couplers=True,
     ),
     Method(
@@ -69,7 +66,6 @@ METHODS: tuple[Method, ...] = (
         Family.FIXED_STEP,
         "leapfrog",
         "Hertz and Hooke contacts at errors of 1e-3 to 1e-5",
-        own_laws=True,
         couplers=True,
     ),
     Method(
@@ -81,7 +77,6 @@ METHODS: tuple[Method, ...] = (
         "fourth-order composition of leapfrogs",
         "Hertz and Hooke contacts at errors of 1e-5, without friction or loss",
         dissipative=False,
-        own_laws=True,
         couplers=True,
     ),
     Method(
@@ -92,7 +87,6 @@ METHODS: tuple[Method, ...] = (
         Family.FIXED_STEP,
         "discrete gradient: energy exact at any step",
         "live use and long runs: energy and momentum to round-off",
-        own_laws=True,
         couplers=True,
     ),
     Method(
@@ -103,6 +97,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "implicit, adaptive, every contact law",
         "soft contacts and draft gears, to a tolerance",
+        couplers=True,
     ),
     Method(
         "dop853",
@@ -112,6 +107,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "explicit, adaptive, for contacts that are not soft",
         "Hertz and Hooke contacts, to a tolerance",
+        couplers=True,
     ),
     Method(
         "accurate",
@@ -121,6 +117,7 @@ METHODS: tuple[Method, ...] = (
         Family.ADAPTIVE,
         "dop853 where no contact is stiff, radau where one is",
         "wherever the answer matters; the default",
+        couplers=True,
     ),
     Method(
         "pymunk",
@@ -130,7 +127,6 @@ METHODS: tuple[Method, ...] = (
         Family.PYMUNK,
         "bodies in a pymunk Space; the digits of euler",
         "to compare with the engine of a game",
-        own_laws=True,
     ),
     Method(
         "scipy",
@@ -140,7 +136,6 @@ METHODS: tuple[Method, ...] = (
         Family.REFERENCE,
         "the reference: solve_ivp between located contact switches",
         "to check the others: slow, shares no code with them",
-        own_laws=True,
         couplers=True,
     ),
 )
@@ -157,30 +152,30 @@ def known_methods() -> list[str]:
 def refusal_of(method: str, chain: Chain) -> str:
     """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
     found = None if method == AUTO else find_method(method)
-    if chain.own_laws and (found is None or not found.own_laws):
-        law = chain.own_laws[0].name
-        return (
-            f"method {method!r} takes contacts force = preload + stiffness * overlap**exponent, not a law of your own, "
-            f"{law!r}: take 'conserving', 'verlet' or 'scipy'"
-        )
-    if chain.couplers and (found is None or not found.couplers):
-        return (
-            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
-            "take 'conserving' or 'scipy'"
-        )
-    if chain.couplers and chain.own_laws and found is not None and found.family is Family.REFERENCE:
-        return (
-            "method 'scipy' carries couplers beside preloaded power laws only, not laws of your own: take 'conserving'"
-        )
+    refusal = _refusal_of_couplers(method, found, chain) if chain.couplers else ""
+    if refusal:
+        return refusal
     if not chain.dissipative or found is None:
         return ""
-    if chain.own_laws and found.family is Family.REFERENCE:
-        return "method 'scipy' carries laws of your own without bed friction and contacts with loss only: take 'conserving'"
     return "" if found.dissipative else _refusal_of_friction(found, chain)
 
 
+def _refusal_of_couplers(method: str, found: Method | None, chain: Chain) -> str:
+    if found is not None and not found.couplers:
+        return (
+            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
+            "take 'accurate', 'conserving' or 'scipy'"
+        )
+    if (found is None or found.family is Family.ADAPTIVE) and not all(link.smooth for _, link in chain.couplers):
+        return (
+            f"method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
+            "take 'conserving' or 'scipy'"
+        )
+    return ""
+
+
 def _refusal_of_friction(method: Method, chain: Chain) -> str:
-    other = "scipy" if chain.couplers else "verlet" if chain.own_laws else "accurate"
+    other = "scipy" if chain.couplers else "accurate"
     reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
     return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or {other!r}"
 

@@ -23,11 +23,14 @@ from softcradle.physics.own_law_table import LawTable, law_table
 Array = NDArray[np.float64]
 
 LEAST_OVERLAP = 2.0**-900  # [m] below 1e-270: the force there is the preload of the law
-MOST_OVERLAP = 2.0**84  # [m] no contact that is computed is pressed further
 PROBES = 33  # overlaps at which a law is looked at before a run, evenly spaced, and as many by powers
 PROBED_DECADES = 12  # below the depth that is expected
 RISE = 1e-9  # of the largest force: a fall by more than that is none of round-off
 TRUE_ENERGY = 1e-6  # relative: what the energy of a law may differ from the integral of its force
+OWN_DIGITS = 1e-9  # relative: a force that its table does not give so well has no digits of its own
+FEW_DIGITS = 1e-6  # of the preload: by so much the force is above it where its growth is seen
+LEAST_FORCE = 1e-250  # [N] smaller ones may have lost digits
+NEARLY_LINEAR = 1e-4  # an exponent so near 1 is 1
 SLOPE_WIDTH = 1e-5  # of the overlap: over which the slope of the force is taken
 
 
@@ -39,11 +42,24 @@ class Law(Protocol):
         """Force [N] at `overlap` > 0 [m]."""
 
 
+class TabledLaw:
+    """A law of one's own as its table alone, which is what a file holds of it."""
+
+    def __init__(self, name: str, table: LawTable) -> None:
+        """`name` is that of the function or class that the table was made of."""
+        self.__name__, self.table = name, table
+
+    def force(self, overlap: Any) -> Any:
+        """Force [N] at overlaps > 0 [m], any shape."""
+        found = self.table.values(self.table.force, np.atleast_1d(overlap))
+        return found if np.ndim(overlap) else float(found[0])
+
+
 @dataclass(frozen=True, repr=False)
 class OwnLaw:
     """A contact that only pushes, with a force of your own: ``f = law.force(overlap)`` while the beads overlap.
 
-    A Chain takes the law as it is, too. Methods euler, verlet, yoshida4, conserving, pymunk and scipy carry such contacts.
+    A Chain takes the law as it is, too. Every method carries such contacts.
 
     Parameters
     ----------
@@ -100,12 +116,52 @@ class OwnLaw:
 
     @cached_property
     def preload(self) -> float:
-        """Force [N] at which the contact begins to yield, the limit of the law at overlap 0."""
-        return float(self._force(np.array([LEAST_OVERLAP]))[0])
+        """Force [N] at which the contact begins to yield, the limit of the law at overlap 0.
+
+        Of ``F + K d**a`` it is F, however small the exponent is and however far from F the force at all overlaps.
+        """
+        last, middle, first = self._force(np.array([LEAST_OVERLAP ** (k / 3.0) for k in (3, 2, 1)])).tolist()
+        if first == 0.0 or middle == last:
+            return last
+        fall, further = (first - middle) / first, (middle - last) / first
+        found = last - first * further * further / (fall - further) if fall > further else last
+        return found if found > OWN_DIGITS * last else 0.0
+
+    @property
+    def onset(self) -> tuple[float, float, float]:
+        """What the law begins like, ``F + K d**a``: preload F [N], stiffness K [N/m**a] and exponent a.
+
+        One that begins flat has K = 0 and a = 1.
+        """
+        return self._begins[0]
+
+    @property
+    def digits_from(self) -> float:
+        """Overlap [m] below which the force above a preload has no digits of its own: there the law is its onset."""
+        return self._begins[1]
+
+    @cached_property
+    def _begins(self) -> tuple[tuple[float, float, float], float]:
+        """The onset, and from which overlap [m] on the table is better."""
+        table, preload = self.table, self.preload
+        overlaps = table.edge[1:-1]
+        above = table.values(table.force, overlaps) - preload
+        seen = (above > max(FEW_DIGITS * preload, LEAST_FORCE)) & (table.error < OWN_DIGITS)[1:]
+        if not seen.any():
+            return (preload, 0.0, 1.0), 0.0
+        at = float(overlaps[np.argmax(seen)])
+        half, once, twice = (table.values(table.force, at * np.array([0.5, 1.0, 2.0])) - preload).tolist()
+        if not 0.0 < half < once < twice:
+            return (preload, 0.0, 1.0), 0.0
+        exponent = math.log2(twice / once)
+        exponent = 1.0 if abs(exponent - 1.0) < NEARLY_LINEAR else exponent
+        return (preload, once / at**exponent, exponent), at if preload > 0.0 else 0.0
 
     @cached_property
     def table(self) -> LawTable:
         """The law as kernels take it: polynomials that are the force to round-off wherever it has no jump, see its `error`."""
+        if isinstance(self.law, TabledLaw):
+            return self.law.table
         return law_table(lambda overlaps: self._values(self.force_of, overlaps, self._takes_arrays))
 
     @overload
@@ -133,28 +189,21 @@ class OwnLaw:
 
     def overlap(self, force: ArrayLike) -> Numbers:
         """Overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload, inf out of reach."""
-        forces = np.asarray(force, dtype=np.float64)
+        forces, table = np.asarray(force, dtype=np.float64), self.table
         found = [
-            self._reach(value, self.force_of) if value > self.preload else 0.0 for value in forces.ravel().tolist()
+            table.overlap(table.force, value) if value > self.preload else 0.0 for value in forces.ravel().tolist()
         ]
         return found[0] if forces.ndim == 0 else np.reshape(found, forces.shape)
 
     def depth(self, energy: float) -> float:
         """Overlap [m] at which the contact stores `energy` [J]; inf where it never does."""
-        return self._reach(energy, self.scalar_energy) if energy > 0.0 else 0.0
+        return self.table.overlap(self.table.energy, energy) if energy > 0.0 else 0.0
 
     def slope(self, overlap: float) -> float:
         """Slope df/dd of the force [N/m] at an overlap > 0 [m], by a difference."""
         low, high = overlap * (1.0 - SLOPE_WIDTH), overlap * (1.0 + SLOPE_WIDTH)
         below, above = self._force(np.array([low, high])).tolist()
         return float(max(above - below, 0.0) / (high - low))
-
-    @cached_property
-    def scalar_energy(self) -> Callable[[float], SupportsFloat]:
-        """The energy [J] at one overlap > 0 [m]: that of the law, or the integral of its force."""
-        if self.energy_of is not None:
-            return self.energy_of
-        return lambda overlap: float(self._integrated(np.array([overlap]))[0])
 
     def _integrated(self, overlaps: Array) -> Array:
         return self.table.values(self.table.energy, overlaps)
@@ -205,23 +254,6 @@ class OwnLaw:
             found[pressed] = function(overlaps[pressed])
         return float(found) if overlaps.ndim == 0 else found
 
-    def _reach(self, wanted: float, function: Callable[[float], SupportsFloat]) -> float:
-        """The overlap at which a function that does not fall reaches `wanted`; inf where it does not."""
-
-        def lacks(power: float) -> float:
-            value = _number(function, 2.0**power)
-            return (
-                value - wanted if math.isfinite(value) else wanted
-            )  # beyond what the law can say it is pressed too far
-
-        low, high = math.log2(LEAST_OVERLAP), math.log2(MOST_OVERLAP)
-        with np.errstate(all="ignore"):
-            if lacks(low) >= 0.0:
-                return LEAST_OVERLAP
-            if lacks(high) < 0.0:
-                return math.inf
-            return float(2.0 ** zero_of(lacks, low, high))
-
     def require_usable(self, depth: float) -> None:
         """ValueError where force or energy are no numbers >= 0 up to `depth` [m], or the energy is not that of the force."""
         overlaps = self.probes(depth)
@@ -254,16 +286,6 @@ class OwnLaw:
         """Overlaps (k,) [m] at which the law is looked at, ascending to `depth`."""
         by_power = depth * 10.0 ** np.linspace(-PROBED_DECADES, 0.0, PROBES)
         return np.unique(np.concatenate((by_power, np.linspace(0.0, depth, PROBES)[1:])))
-
-
-def zero_of(rising: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that does not fall passes 0, between `low` and `high`, to the last digit: by halving."""
-    while low < (middle := 0.5 * (low + high)) < high:
-        if rising(middle) < 0.0:
-            low = middle
-        else:
-            high = middle
-    return high
 
 
 def is_law(value: object) -> bool:

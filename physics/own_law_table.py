@@ -8,6 +8,7 @@ integral. Pieces are powers of two, halved until the force between the points ag
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -27,6 +28,10 @@ MOST_RISE = 1e3  # of the force on a piece: where it begins three digits of the 
 STEEP = 8  # halvings after which a force that still rises by more does so by noise
 MOST_HALVINGS = 48  # one in another: what is left around a bend then is no more than round-off
 MOST_FORCE = 1e280  # [N] sums of larger ones overflow
+NO_WIDTH = 1e-6  # of its end: a piece narrower than this is around a bend
+DIGITS = 1e-9  # relative error of a piece whose force has digits
+BENT = 1e-5  # of force or slope: two pieces that differ by more where they meet do so at a bend
+ROUND_OFF = 2.0**-53  # of half a piece
 NOISE = 0.25  # of the error of a piece: where both halves have more, the force has no more digits
 
 POINTS: Array = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)  # of a piece, on [-1, 1]
@@ -44,12 +49,14 @@ class LawTable(NamedTuple):
         force: (K, DEGREE+1) coefficients of the force [N].
         energy: (K, DEGREE+2) coefficients of the energy [J].
         error: (K,) largest error of the force that was seen, relative to the largest force of each piece.
+        bend: (B, 3) overlap [m] of each bend or jump, and by how much the force [N] and its slope [N/m] jump there.
     """
 
     edge: Array
     force: Array
     energy: Array
     error: Array
+    bend: Array
 
     def values(self, coefficients: Array, overlaps: Array) -> Array:
         """The force or the energy at overlaps (k,) >= 0 by its `coefficients`; nan beyond the last edge."""
@@ -58,6 +65,23 @@ class LawTable(NamedTuple):
         place = (2.0 * overlaps - low - high) / (high - low)
         found = polyval(place, coefficients[piece].T, tensor=False)
         return np.where(overlaps <= self.edge[-1], found, np.nan)
+
+    def overlap(self, coefficients: Array, value: float) -> float:
+        """The overlap [m] at which the force or the energy, by its `coefficients`, reaches `value`.
+
+        Where it does not it is inf, or the last edge of a law that has no numbers beyond it.
+        """
+        piece = int(np.searchsorted(coefficients.sum(axis=1), value))
+        if piece == len(coefficients):
+            return math.inf if self.edge[-1] >= 2.0**MOST_POWER else float(self.edge[-1])
+        row, low, high = coefficients[piece, ::-1].tolist(), -1.0, 1.0
+        while high - low > ROUND_OFF:
+            middle, found = 0.5 * (low + high), 0.0
+            for number in row:
+                found = found * middle + number
+            low, high = (middle, high) if found < value else (low, middle)
+        begin, end = self.edge[piece : piece + 2].tolist()
+        return float(0.5 * (begin + end + high * (end - begin)))
 
 
 def law_table(force: Force) -> LawTable:
@@ -108,9 +132,31 @@ def _joined(start: Array, end: Array, values: Array, error: Array) -> LawTable:
     whole = int(np.argmin(holds)) + 1
     start, end, values, error = (row[:whole] for row in (start, end, values, error))
     force = values @ _TO_CHEBYSHEV.T @ _TO_POWERS.T  # at once the two would lose four digits
-    energy = np.zeros((whole, DEGREE + 2))
-    energy[:, 1:] = 0.5 * (end - start)[:, None] * force / np.arange(1, DEGREE + 2)
+    return table_of(np.append(start, end[-1]), force, error, _bends(start, end, values, force, error))
+
+
+def table_of(edge: Array, force: Array, error: Array, bend: Array) -> LawTable:
+    """The table with these fields; its energy is the integral of its force."""
+    energy = np.zeros((len(force), DEGREE + 2))
+    energy[:, 1:] = 0.5 * np.diff(edge)[:, None] * force / np.arange(1, DEGREE + 2)
     signs = (-1.0) ** np.arange(DEGREE + 2)
     gained = energy.sum(axis=1) - energy @ signs
     energy[:, 0] = np.append(0.0, np.cumsum(gained[:-1])) - energy @ signs
-    return LawTable(np.append(start, end[-1]), force, energy, error)
+    return LawTable(edge, force, energy, error, bend)
+
+
+def _bends(start: Array, end: Array, values: Array, force: Array, error: Array) -> Array:
+    """Bends and jumps between pieces that are wide, and have digits: where the ends of two that follow each other differ."""
+    wide = np.flatnonzero((end - start > NO_WIDTH * end) & (error < DIGITS) & (start > 0.0))
+    left, right, order = wide[:-1], wide[1:], np.arange(DEGREE + 1)
+    half = 0.5 * (end - start)
+    slope_before = (force[left] @ order) / half[left]
+    slope_after = (force[right] @ (order * (-1.0) ** (order + 1))) / half[right]
+    rise, turn = values[right, 0] - values[left, -1], slope_after - slope_before
+    apart = start[right] - end[left]
+    rise -= 0.5 * apart * (slope_before + slope_after)
+    largest = np.maximum(np.maximum(np.abs(slope_before), np.abs(slope_after)), values[right, 0] / end[left])
+    bent = (np.abs(turn) > BENT * largest) | (np.abs(rise) > BENT * values[right, 0])
+    near = apart <= (STEEP + 1) * NO_WIDTH * end[left]
+    found = np.column_stack((0.5 * (end[left] + start[right]), np.abs(rise), np.abs(turn)))
+    return found[bent & near]

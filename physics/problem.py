@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,11 @@ from softcradle.physics.state import State
 from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
+Kept = TypeVar("Kept")
 
 MOST_STEPS = 200_000  # steps of an adaptive method, rejected ones included, before a run gives up
 NO_TIMES = np.zeros(0)
+MOST_CHECKPOINTS = 512  # of a run in Python
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,31 @@ class KeptRun(Protocol):
 
     def record(self, found: Record, times: Array, /) -> Record:
         """The record `found` of the run with its samples at `times` (T,) [s]."""
+
+
+class CheckpointList(Generic[Kept]):
+    """What a run keeps every few steps; where it is full, every second one goes and the steps between them double.
+
+    Attributes:
+        items: what is kept, in order.
+        due: steps after which the next one is kept.
+    """
+
+    def __init__(self, spacing: int) -> None:
+        """With `spacing` steps between two at first."""
+        self.items: list[Kept] = []
+        self.due = 0
+        self._spacing = spacing
+
+    def offer(self, steps: int, make: Callable[[], Kept]) -> None:
+        """Keep what `make` gives, if it is due after so many `steps` of the run."""
+        if steps < self.due:
+            return
+        if len(self.items) == MOST_CHECKPOINTS:
+            self.items = self.items[::2]
+            self._spacing *= 2
+        self.items.append(make())
+        self.due = steps + self._spacing
 
 
 class Runner(Protocol):

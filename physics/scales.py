@@ -14,23 +14,28 @@ from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-13  # of the fastest bead: beads that close slower do not close
+NO_APPROACH = 1e-13  # of the fastest bead: beads that close slower do not close
 # of the largest difference of velocities: the least scale, for round-off of velocities ends not far below
 LEAST_SCALE = 1e-10
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
+# of a default step: in the shortest contact time; at the least, in the time in which bed friction stops a bead
+STEPS_A_CONTACT, STEPS_A_STOP = 1000, 100
 
 
 def closing_speed(velocity: ArrayLike) -> float:
     """Largest speed [m/s] at which any two beads approach or part; 1 where nothing moves, so that scales stay finite."""
     speeds = np.asarray(velocity, dtype=np.float64)
-    return float(np.ptp(speeds)) or 1.0
+    return float(speeds.max() - speeds.min()) or 1.0
 
 
 def _approach(values: Array) -> float:
     """Largest of ``values[j] - values[k]`` for beads j to the left of k; 0 where none is positive."""
-    ahead = np.maximum.accumulate(values)[:-1] - np.minimum.accumulate(values[::-1])[-2::-1]
-    return max(float(ahead.max()), 0.0)
+    found, ahead = 0.0, -math.inf
+    for value in values.tolist():
+        ahead = max(ahead, value)
+        found = max(found, ahead - value)
+    return found
 
 
 def speed_scale(chain: Chain, velocity: ArrayLike) -> float:
@@ -58,12 +63,15 @@ def closing_scale(
 ) -> float:
     """The speed [m/s] that the tolerance of a motion from here is relative to: that of the fastest closing there can be.
 
-    It is the largest of the speeds at which beads approach, that contacts have stored, that `external` forces (n+1,) [N] can
-    give by pressing on contacts and over the gaps; in a motion without any of these, of what moves at all.
+    It is the largest of the speeds at which beads approach, or go apart where couplers pull, that contacts have stored, that
+    `external` forces (n+1,) [N] can give by pressing on contacts and over the gaps; in a motion without any of these, of what
+    moves at all.
     """
     high, low, approach = float(velocity.max()), float(velocity.min()), _approach(velocity)
-    if approach <= ROUND_OFF * max(high, -low):
+    if approach <= NO_APPROACH * max(high, -low):
         approach = 0.0
+    if chain.pulls:  # what goes apart comes back
+        approach = high - low
     found = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external))
     if chain.forces:
         until = chain.knots[-1] if duration is None else duration
@@ -173,13 +181,18 @@ def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
     return scales_at(chain, speed_scale(chain, velocity))
 
 
-def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
-    """(n,) overlaps [m] and times [s] of contacts that are struck alone at `speed` [m/s]."""
-    preload, stiffness, exponent = chain.law_rows.T
-    energy = 0.5 * speed * speed / chain.inverse_reduced_mass
+def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Array) -> Array:
+    """Overlaps [m] at which contacts of these laws store `energy` [J]: the smaller of the two one-term solutions; any shape."""
     with np.errstate(divide="ignore"):
         by_power = powers((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent))
-        depth = np.minimum(energy / preload, by_power)
+        return np.minimum(energy / preload, by_power)
+
+
+def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
+    """(n,) overlaps [m] and times [s] of contacts that are struck alone at `speed` [m/s]."""
+    energy = 0.5 * speed * speed / chain.inverse_reduced_mass
+    preload, stiffness, exponent = chain.law_rows.T
+    depth = struck_depth(preload, stiffness, exponent, energy)
     for i, law in chain.own_contacts:
         depth[i] = law.depth(float(energy[i]))
     times = 2.0 * depth / speed
@@ -187,6 +200,18 @@ def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
         if coupler.stop:
             times[i] = min(times[i], math.pi / math.sqrt(coupler.stop * chain.inverse_reduced_mass[i]))
     return depth, times
+
+
+def default_step(chain: Chain, velocity: ArrayLike) -> float:
+    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact time.
+
+    With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
+    """
+    shortest = float(contact_scales(chain, velocity)[1].min()) / STEPS_A_CONTACT
+    strongest = float(chain.bed.max(initial=0.0))
+    if not strongest:
+        return shortest
+    return min(shortest, speed_scale(chain, velocity) / strongest / STEPS_A_STOP)
 
 
 def speeds_to_depth(chain: Chain, depth: ArrayLike) -> Array:
@@ -207,8 +232,18 @@ def _computable_speeds(chain: Chain) -> tuple[float, float]:
     """Scales of speed [m/s] between which every contact is pressed to depths that are computed; none with laws of one's own."""
     if chain.own_laws:
         return math.inf, 0.0
-    least, most = speeds_to_depth(chain, [[LEAST_DEPTH], [MOST_DEPTH]])
-    return max(SMALLEST, float(least.max())), float(most.min())
+    least, most = SMALLEST, math.inf
+    for preload, stiffness, exponent, inverse_mass in set(map(tuple, _contact_rows(chain).tolist())):
+        power = 1.0 + exponent
+        low, high = (max(preload * d, stiffness * d**power / power) for d in (LEAST_DEPTH, MOST_DEPTH))
+        least = max(least, math.sqrt(2.0 * low * inverse_mass))
+        most = min(most, math.sqrt(2.0 * high * inverse_mass))
+    return least, most
+
+
+def _contact_rows(chain: Chain) -> Array:
+    """(n, 4) the law of each contact, and 1/m of its two beads together [1/kg]."""
+    return np.column_stack((chain.law_rows, chain.inverse_reduced_mass))
 
 
 def require_computable(chain: Chain, velocity: ArrayLike) -> None:

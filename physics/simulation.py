@@ -14,11 +14,9 @@ from softcradle.physics.advice.stability_limits import coarse_warnings, explicit
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
-from softcradle.physics.compile_log import log_compilation
-from softcradle.physics.default_step import default_step
 from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
-from softcradle.physics.scales import require_computable
+from softcradle.physics.scales import default_step, require_computable
 from softcradle.physics.state import NO_SWITCHES, State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
@@ -107,7 +105,6 @@ def solve(
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
     if most_steps is not None:
         problem = replace(problem, most_steps=most_steps)
-    log_compilation()
     began = perf_counter()
     record = dispatch.run(problem)
     record.seconds = record.seconds or perf_counter() - began
@@ -180,7 +177,6 @@ def move(
     fineness = tolerance if chosen.adaptive else 0.0
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
-    log_compilation()
     state.warnings, state.switched = (), NO_SWITCHES
     before = chain.impulse(state.time)
     state.status = dispatch.advance(problem)

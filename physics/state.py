@@ -136,8 +136,10 @@ class State:
 @per_chain
 def _start(chain: Chain) -> tuple[Array, float, Array]:
     """Overlaps (n,) [m] at the start, the position [m] of the anchor bead, and contact forces (n,) [N]."""
-    gap = np.array(chain.gap)
     force = np.zeros(chain.contacts)
+    if not any(chain.gap) and not chain.couplers:
+        return np.zeros(chain.contacts), 0.0, force
+    gap = np.array(chain.gap)
     pulled = [i for i, coupler in chain.couplers if -gap[i] < coupler.pulls_below]
     for i in [*np.flatnonzero(gap < 0.0).tolist(), *pulled]:
         force[i] = float(chain.contact[i].force(-gap[i]))

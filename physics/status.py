@@ -28,7 +28,6 @@ class WarningCode(StrEnum):
 
     GAVE_UP = "gave-up"  # the run stopped before its end
     UNCONVERGED = "unconverged"  # steps were taken although their contact forces did not converge
-    FALLBACK = "fallback"  # steps of `conserving` stand in for steps that failed
     LOG_FULL = "log-full"  # contacts switched more often than the log has rows
     ENERGY = "energy"  # energy has not come back within what the tolerance promises
     SENSITIVE = "sensitive"  # finer runs disagree by more than the tolerance promises

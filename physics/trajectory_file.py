@@ -11,25 +11,31 @@ import json
 import platform
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from os import PathLike
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.atomic_files import output_file
-from softcradle.physics.chain import Chain
-from softcradle.physics.contact import Contact
+from softcradle.physics.chain import Chain, Joint
+from softcradle.physics.contact import Contact, hooke
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.own_law import OwnLaw, TabledLaw
+from softcradle.physics.own_law_table import table_of
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 from softcradle.physics.timed_force import TimedForce
 from softcradle.physics.version import version
 
-FORMAT = 5
-# 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers
-READABLE = 1, 2, 3, 4, 5
+FORMAT = 6
+# 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers, 5 no own laws
+READABLE = 1, 2, 3, 4, 5, 6
+OWN_LAW = (
+    "own_law"  # key of a contact with a law of one's own, and what the names of the arrays of its table begin with
+)
 
 Array = NDArray[np.float64]
+NO_LAWS: Mapping[str, Array] = {}
 Path = str | PathLike[str]
 Intervals = tuple[tuple[tuple[float, float], ...], ...]
 
@@ -52,20 +58,16 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
 
     Raises:
         OSError: it cannot be written.
-        ValueError: the chain has a law of one's own, a function, which no file holds.
     """
-    if values["chain"].own_laws:
-        name = values["chain"].own_laws[0].name
-        raise ValueError(
-            f"{path}: a trajectory with a law of your own, {name!r}, cannot be read back from an .npz file: "
-            "save a .csv by to_csv(), or the Dataset of to_xarray()"
-        )
     both = {**values, **extra}
     arrays: dict[str, Any] = {name: value for name, value in both.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in values.items() if name not in arrays}
     arrays["contact_intervals"] = _interval_rows(plain.pop("contact_intervals"))
-    chain, warnings = asdict(plain.pop("chain")), [_stored_warning(warning) for warning in plain.pop("warnings")]
-    metadata = {"format": FORMAT, "versions": versions(), "chain": chain, "warnings": warnings, **plain}
+    chain, warnings = plain.pop("chain"), [_stored_warning(warning) for warning in plain.pop("warnings")]
+    arrays |= _law_arrays(chain)
+    metadata = {
+        "format": FORMAT, "versions": versions(), "chain": _chain_table(chain), "warnings": warnings, **plain
+    }  # fmt: skip
     arrays["metadata"] = np.array(json.dumps(metadata))
     with output_file(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, **arrays)
@@ -81,7 +83,8 @@ def load_motion(path: Path) -> dict[str, Any]:
     arrays, plain = _read(path)
     for name in ("position", "velocity"):
         arrays.pop(name, None)
-    chain = chain_from_table(plain.pop("chain"))
+    chain = chain_from_table(plain.pop("chain"), arrays)
+    arrays = {name: value for name, value in arrays.items() if not name.startswith(OWN_LAW)}
     return {
         **arrays,
         **{name: value for name, value in plain.items() if name not in ("format", "versions")},
@@ -143,14 +146,40 @@ def _read(path: Path) -> tuple[dict[str, Array], dict[str, Any]]:
     return contents, metadata
 
 
-def chain_from_table(stored: dict[str, Any]) -> Chain:
-    """The chain of which `stored` is ``asdict(chain)``; keys that earlier versions did not write have their defaults."""
+def _chain_table(chain: Chain) -> dict[str, Any]:
+    """What JSON can say of a chain: ``asdict(chain)``, with the number and the name of a law of one's own in its place."""
+    contacts = [
+        {OWN_LAW: chain.own_laws.index(item), "name": item.name} if isinstance(item, OwnLaw) else asdict(item)
+        for item in chain.contact
+    ]
+    return {**asdict(replace(chain, contact=(hooke(1.0),) * chain.contacts)), "contact": contacts}
+
+
+def _law_arrays(chain: Chain) -> dict[str, Array]:
+    """The tables of the laws of one's own; the energy is the integral of the force."""
+    return {
+        f"{OWN_LAW}{k}_{name}": getattr(law.table, name)
+        for k, law in enumerate(chain.own_laws)
+        for name in ("edge", "force", "error", "bend")
+    }
+
+
+def chain_from_table(stored: dict[str, Any], arrays: Mapping[str, Array] = NO_LAWS) -> Chain:
+    """The chain that `_chain_table` and `_law_arrays` say; keys that earlier versions did not write have their defaults."""
     timed = {name: [TimedForce(**item) for item in stored.get(name, ())] for name in ("forces", "brakes")}
-    return Chain(**{**stored, **timed, "contact": [_contact(item) for item in stored["contact"]]})
+    laws: dict[int, OwnLaw] = {}
+    contacts = [_contact(item, laws, arrays) for item in stored["contact"]]
+    return Chain(**{**stored, **timed, "contact": contacts})
 
 
-def _contact(stored: dict[str, Any]) -> Contact | Coupler:
-    """The contact or coupler of which `stored` is ``asdict``."""
+def _contact(stored: dict[str, Any], laws: dict[int, OwnLaw], arrays: Mapping[str, Array]) -> Joint:
+    """The contact of the file; one law for all contacts that have it is in `laws` by its number."""
+    if OWN_LAW in stored:
+        number = stored[OWN_LAW]
+        if number not in laws:
+            fields = (arrays[f"{OWN_LAW}{number}_{name}"] for name in ("edge", "force", "error", "bend"))
+            laws[number] = OwnLaw(TabledLaw(stored["name"], table_of(*fields)))
+        return laws[number]
     if "push" not in stored:
         return Contact(**stored)
     gears = {name: None if stored[name] is None else Contact(**stored[name]) for name in ("push", "pull")}

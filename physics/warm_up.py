@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
@@ -34,7 +33,6 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     names = [methods] if isinstance(methods, str) else methods
     if names is None:
         names = [*(method.name for method in METHODS), SOFT_CHAIN, ENSEMBLE_ENDS]
-    log_compilation()
     for name in names:
         for kernels in _kernels_called(name):
             kernels.load()
@@ -47,23 +45,21 @@ def _kernels_called(name: str) -> list[KernelTiers]:
 
         return [KERNELS]
     if name == ENSEMBLE_ENDS:
-        from softcradle.physics.batch.batch_ends import TIERS
+        from softcradle.physics.batch.ends import TIERS
 
         return list(TIERS.values())
-    found = (kernels_of(find_method(name), dissipative) for dissipative in (False, True))
-    return [kernels for kernels in found if kernels is not None]
+    found = kernels_of(find_method(name))
+    return [] if found is None else [found]
 
 
-def kernels_of(method: Method, dissipative: bool) -> KernelTiers | None:
-    """The kernels of a method for chains with or without friction and loss; None where it has none, or takes no such chains."""
-    if dissipative and not method.dissipative:
-        return None
+def kernels_of(method: Method) -> KernelTiers | None:
+    """The kernels of a method; None where it has none. Those for laws of one's own are apart."""
     if method.family is Family.FIXED_STEP:
         from softcradle.physics.fixed_step.runner import TIERS
 
-        return TIERS["fixed-step-dissipative" if dissipative else "fixed-step"]
+        return TIERS["fixed-step"]
     if method.family is Family.ADAPTIVE:
-        from softcradle.physics.adaptive.runner import KERNELS
+        from softcradle.physics.adaptive.runner import TIERS
 
-        return KERNELS
+        return TIERS["adaptive"]
     return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -125,6 +126,23 @@ def table(*columns: str, numbers: bool = False) -> Table:
     for i, name in enumerate(columns):
         grid.add_column(name, justify="right" if numbers and i > 0 else "left", overflow="fold")
     return grid
+
+
+def print_rows(
+    titles: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = False, output: Console | None = None
+) -> None:
+    """Print rows of texts below their titles, see `table` and `print_table`."""
+    grid = table(*titles, numbers=numbers)
+    for row in rows:
+        grid.add_row(*row)
+    print_table(output or console(), grid)
+
+
+def print_json(content: object) -> None:
+    """Print JSON; what is no number must be None."""
+    import json
+
+    print(json.dumps(content, indent=2, allow_nan=False))
 
 
 def print_table(output: Console, grid: Table) -> None:

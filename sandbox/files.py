@@ -1,7 +1,5 @@
 """Files: assets of the package; what commands write, complete or not at all, with a UserError where that cannot be."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress

@@ -1,7 +1,5 @@
 """Motion: what one chain did as arrays, a row a time. Drawing, live plots and the export of a session read it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Quantities of a motion: name, unit, symbol, whose it is, its values. Plots, pictures, tables and notebooks read this table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -61,11 +59,7 @@ RATE = Quantity(
 )
 FORCE = Quantity(N_("contact force (N)"), NP_("column", "force (N)"), "f", CONTACT, lambda motion, _: motion.force)
 STORED = Quantity(
-    N_("stored energy (J)"),
-    NP_("column", "stored energy (J)"),
-    "S",
-    CHAIN,
-    lambda motion, _: motion.stored[:, None],
+    N_("stored energy (J)"), NP_("column", "stored energy (J)"), "S", CHAIN, lambda motion, _: motion.stored[:, None]
 )
 
 # by the letter that a person types

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from softcradle.sandbox.user_error import UserError
 
 # Methods of runs for which neither a scene nor a person has chosen one; `simulate` itself, and so every study, takes "accurate".
-SHOWN = "conserving"  # of what is looked at, live or in a film: exact energy at any step, and a kernel that compiles in seconds
+KEEPING = "conserving"  # of what must keep energy and momentum at any step
+SHOWN = KEEPING  # of what is looked at, live or in a film; its kernel compiles in seconds
 TOLD = "accurate"  # of what says how far another run is off
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # of units, the one that suits first
 STILL = 0.01  # of the closing speed: a slower bead is said to stand still
+SLOW = 0.1  # of the closing speed: a slower bead nearly stands still, where few words are wanted
 ALIKE = 0.05  # of the closing speed: neighbours whose velocities differ by less go together
 MOST_CLUSTERS = 6  # that are named one by one
 
@@ -101,10 +102,11 @@ class Summary:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """Titles with units, and rows of texts: what a terminal, a page and a notebook show, each in its own way."""
+    """Titles with units, rows of texts, and what rows mean: what a terminal, a page and a notebook show, each in its own way."""
 
     titles: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    hints: tuple[str, ...] = ()
 
 
 def bead_table(summary: Summary) -> ResultTable:
@@ -287,10 +289,11 @@ def hit_in_words(contact: int, time: float, speed: float) -> str:
 
 
 def clusters_in_words(velocities: Sequence[float], scale: float, brief: bool = False) -> str:
-    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. A `brief` speed is read, not spoken."""
+    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. What is `brief` is read, not spoken."""
     clusters: list[list[int]] = [[0]]
+    still = scale * (SLOW if brief else STILL)
     for bead in range(1, len(velocities)):
-        if _alike(velocities[bead], velocities[clusters[-1][0]], scale):
+        if _alike(velocities[bead], velocities[clusters[-1][0]], scale, still):
             clusters[-1].append(bead)
         else:
             clusters.append([bead])
@@ -299,18 +302,20 @@ def clusters_in_words(velocities: Sequence[float], scale: float, brief: bool = F
     return " ".join([*said, *([ngettext("And {n} more group.", "And {n} more groups.", rest)] if rest > 0 else [])])
 
 
-def _alike(one: float, other: float, scale: float) -> bool:
+def _alike(one: float, other: float, scale: float, still: float) -> bool:
     """Whether two beads stay together: slow ones may differ by less than fast ones, for what they have gone tells them apart."""
     faster = max(abs(one), abs(other))
-    return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster < STILL * scale
+    return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster < still
 
 
 def _cluster(cluster: list[int], velocities: Sequence[float], scale: float, brief: bool) -> str:
     mean = math.fsum(velocities[bead] for bead in cluster) / len(cluster)
-    one, still = len(cluster) == 1, abs(mean) < STILL * scale
+    one, still = len(cluster) == 1, abs(mean) < scale * (SLOW if brief else STILL)
     between = N_("{first} and {last}") if len(cluster) == 2 else N_("{first} to {last}")
     beads = str(cluster[0]) if one else _(between, first=cluster[0], last=cluster[-1])
-    if still:
+    if still and brief and mean != 0.0:
+        text = N_("Bead {beads} nearly stands still.") if one else N_("Beads {beads} nearly stand still.")
+    elif still:
         text = N_("Bead {beads} stands still.") if one else N_("Beads {beads} stand still.")
     elif mean > 0.0:
         text = (
@@ -324,7 +329,7 @@ def _cluster(cluster: list[int], velocities: Sequence[float], scale: float, brie
             if one
             else N_("Beads {beads} go together to the left at {speed}.")
         )
-    speed = localized(f"{abs(mean):.2g} m/s") if brief else speed_in_words(abs(mean))
+    speed = localized(f"{abs(mean):.2g}\u00a0m/s") if brief else speed_in_words(abs(mean))
     return _(text, beads=beads, speed=speed)
 
 

@@ -1,7 +1,5 @@
 """UserError, the one exception that a user sees: a sentence about what to change, without a traceback."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar

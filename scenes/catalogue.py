@@ -1,7 +1,5 @@
 """The catalogue of scenes, and scenes by name or by the path of a file."""
 
-from __future__ import annotations
-
 import difflib
 import os
 import tomllib

@@ -1,7 +1,5 @@
 """The kinds of contact by name: what files and lines of text call them, their numbers, and what makes them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -40,10 +38,6 @@ KINDS = (
     # the limit alpha -> 0: f0 [N] at any overlap
     ContactKind("step_force", physics.step_force, {"f0": Positive}, former="step"),
     # preload [N] + stiffness * overlap**exponent, the law that all others are cases of
-    ContactKind(
-        "preloaded",
-        physics.Contact,
-        {"preload": NotNegative, "stiffness": Positive, "exponent": Positive},
-    ),
+    ContactKind("preloaded", physics.Contact, {"preload": NotNegative, "stiffness": Positive, "exponent": Positive}),
 )
 KIND_BY_NAME = {name: kind for kind in KINDS for name in (kind.law, kind.former) if name}

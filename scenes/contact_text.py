@@ -1,7 +1,5 @@
 """Contacts in one line of text, as on a command line: ``power_law(1, 1/10)``, ``draft_gear(770, ...)``, and back."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from typing import Any

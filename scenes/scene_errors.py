@@ -1,7 +1,5 @@
 """What is wrong with a scene file, one sentence for each problem: file, key, what is allowed, and the value there is."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from pydantic import ValidationError

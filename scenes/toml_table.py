@@ -1,7 +1,5 @@
 """The base of all tables in a scene file, which refuses unknown keys, and its types of numbers, fractions such as "1/14" too."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Iterable, Mapping

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, State, advance, power_law
-from softcradle.physics.default_step import default_step
+from softcradle.physics.scales import default_step
 
 from softcradle import scenes
 from tools.wasm_runner import RUNNERS, WasmKernels, installed

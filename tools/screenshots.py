@@ -22,8 +22,8 @@ from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.scene.editor import Pick
+from softcradle.sandbox.window.scene.inspector import SweepBoard
 from softcradle.sandbox.window.scene.page import ScenePage
-from softcradle.sandbox.window.scene.sweep_board import SweepBoard
 
 from softcradle import scenes
 

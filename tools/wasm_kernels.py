@@ -43,8 +43,9 @@ def march({names}):
     no_flags, none, none_2 = view(closed, (0,)), view(law, (0,)), view(law, (0, 1))
     m = n + 1 if pushed else 0
     knots = Knots(none, view(law, (0, 0)), view(law, (0, 0)), none, none, none, none, none)
+    joints = Joints(view(counter, (0,)), view(law, (0, 6)), none)
     outside = view(push, (m,)), view(push, (m,))
-    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), None, None, knots
+    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), None, joints, knots, {dissipation}
     motion = (
         view(overlap, (n,)), view(rate, (n,)), view(anchor, (2,)), view(force, (n,)), view(absorbed, (2,)), no_flags, no_flags
     )
@@ -53,14 +54,14 @@ def march({names}):
     kept = none, none_2, none_2, none_2, none_2, none_2, view(plan, (3,))
     pause = view(plan, (3,))[1:], none  # that step of `plan` that never comes, and 0: not begun
     status, time = step_loop.march(
-        step_loop.DISCRETE_GRADIENT, none, none, h, start, end, False, int64(most_steps), chain, {dissipation}, motion, motion,
-        samples, log, kept, pause, view(beads, (BEAD_ROWS, n + 1)), view(work, (WORK_ROWS, n)),
+        step_loop.DISCRETE_GRADIENT, none, none, h, start, end, False, int64(most_steps), chain, motion, motion, samples,
+        log, kept, pause, view(beads, (BEAD_ROWS, n + 1)), view(work, (WORK_ROWS, n)),
     )
     reached[0] = time
     return status
 """
 KERNELS = {
-    "march": (f"{NUMBERS}, {ARRAYS}", "None"),
+    "march": (f"{NUMBERS}, {ARRAYS}", "Dissipation(none, none)"),
     "march_lossy": (f"{NUMBERS}, {ARRAYS}, {LOSSY}", "Dissipation(view(loss, (n,)), view(bed, (beds,)))"),
 }
 
@@ -120,8 +121,8 @@ def kernel(name: str) -> tuple[Any, Any]:
     from numpy import int64
     from softcradle.physics.fixed_step import step_loop
     from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Knots
-    from softcradle.physics.numerics.solver_rows import BEAD_ROWS
+    from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Joints, Knots
 
     floats, flags, counts = (types.CPointer(kind) for kind in (types.float64, types.int8, types.int64))
     whole, number = types.int32, types.float64
@@ -132,7 +133,7 @@ def kernel(name: str) -> tuple[Any, Any]:
     names, dissipation = KERNELS[name]
     found: dict[str, Any] = {
         "view": view_intrinsic(), "int64": int64, "step_loop": step_loop, "WORK_ROWS": WORK_ROWS, "COUNTERS": COUNTERS,
-        "Dissipation": Dissipation, "Knots": Knots, "BEAD_ROWS": BEAD_ROWS,
+        "Dissipation": Dissipation, "Joints": Joints, "Knots": Knots, "BEAD_ROWS": BEAD_ROWS,
     }  # fmt: skip
     exec(KERNEL.format(names=names, dissipation=dissipation), found)
     return found["march"], types.int32(*(kinds.get(each, floats) for each in names.split(", ")))

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, State
-from softcradle.physics.fixed_step.checkpoints import NEVER
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
+from softcradle.physics.fixed_step.step_loop import NEVER
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS, DONE
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 
 from tools import browser
 from tools.wasm_kernels import ARRAYS, FILE, LOSSY

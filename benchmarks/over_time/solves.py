@@ -10,7 +10,7 @@ from softcradle.physics import warm
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
-from benchmarks.sweep_cost import measure_work
+from benchmarks.sweeps import measure_work
 
 CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
 COLLISIONS = 2000

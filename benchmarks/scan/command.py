@@ -19,6 +19,7 @@ from typing import Any
 
 from rich.console import Console
 from softcradle.physics.atomic_files import output_file
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.version import version
 from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.sweeps import listed
@@ -60,9 +61,14 @@ def main(arguments: list[str]) -> int:
         _verdicts(args).unlink(missing_ok=True)
     known = {(entry["family"], entry["seed"]): entry for entry in lines(_verdicts(args))}
     wanted = list(product(range(args.first, args.first + args.count), args.families))
-    _compute([task for task in wanted if task[::-1] not in known], truths, known, args)
-    found = [known[family, seed] for seed, family in wanted]
+    carried = [task for task in wanted if not refusal_of(args.method, motion(*task[::-1]).chain)]
+    _compute([task for task in carried if task[::-1] not in known], truths, known, args)
+    found = [known[family, seed] for seed, family in carried]
     report = _report(found, args.families, f"{args.method} at {args.tolerance:g}")
+    if len(carried) < len(wanted):
+        report.notes.append(
+            f"method {args.method!r} refuses {len(wanted) - len(carried)} of the chains, which are left out"
+        )
     report.notes.append(_how_it_was_made(args))
     report.show(Console(width=200))
     if args.markdown is not None:
@@ -128,8 +134,8 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
     notes = [
         f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
         "the run warns; silent: beyond both; unknown: the truth is known less well",
-        "truth: two fine runs that `conserving` confirms, else the reference in extended precision, else the median and spread "
-        "of eight fine runs, else those of runs of `conserving`: "
+        "truth: two fine runs that `conserving` confirms, else the reference in extended precision, for laws of one's own method "
+        "`scipy`, else the median and spread of eight fine runs, else those of runs of `conserving`: "
         + ", ".join(f"{count} by {source}" for source, count in sources.items()),
     ]
     return Report(f"Random chains, {title}", columns, rows, notes, entries)

@@ -9,7 +9,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, one_on, power_law, step_force
+from softcradle.physics import (
+    Chain,
+    Contact,
+    Coupler,
+    TimedForce,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    step_force,
+)
 from softcradle.physics.scales import contact_scales
 
 Array = NDArray[np.float64]
@@ -29,13 +40,38 @@ class Motion:
     @property
     def key(self) -> str:
         """Family, seed and a digest of the chain: what a truth is stored under."""
-        content = repr((self.chain, self.velocity, self.duration)).encode()
+        own = [law.law for law in self.chain.own_laws]  # whose numbers the chain does not tell
+        content = repr((self.chain, self.velocity, self.duration, *own)).encode()
         return f"{self.family}/{self.seed}/{hashlib.sha256(content).hexdigest()[:12]}"
 
     @property
     def speed(self) -> float:
         """What a tolerance is relative to [m/s]: the largest difference of start velocities, 1 where there is none."""
         return float(np.ptp(self.velocity)) or 1.0
+
+
+@dataclass(frozen=True)
+class FormLaw:
+    """A contact law that is no power: strength [N], length [m] and one of the FORMS."""
+
+    strength: float
+    length: float
+    form: str
+
+    def force(self, overlap: Array) -> Array:
+        """Force [N] at `overlap` [m]."""
+        found: Array = self.strength * FORMS[self.form](np.asarray(overlap) / self.length)
+        return found
+
+
+FORMS: dict[str, Callable[[Array], Array]] = {
+    "exponential": np.expm1,
+    "stiffening": lambda x: x + x**3,
+    "saturating": np.tanh,
+    "soft": lambda x: np.sqrt(x) + x,
+    "preloaded": lambda x: 1.0 + np.log1p(x),
+    "bent": lambda x: np.where(x < 0.3, x, 0.3 + 4.0 * (x - 0.3)),
+}
 
 
 def _log(draw: Draw, low: float, high: float, size: int | None = None) -> Array | float:
@@ -182,6 +218,76 @@ def one_on_n(draw: Draw) -> tuple[Chain, Array, float | None]:
     return one_on(n, power_law(1.0, float(_log(draw, 0.005, 0.5)))), np.eye(1, n + 1)[0], None
 
 
+def own_laws(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Laws of one's own, in half of the chains beside power laws, some with a wall at the end."""
+    n = int(draw.integers(1, 6))
+    laws = [_form(draw)] * n if draw.random() < 0.3 else [_form(draw) for _ in range(n)]
+    if draw.random() < 0.5:
+        laws = [_any_law(draw) if draw.random() < 0.4 else law for law in laws]
+    mass, velocity = _masses(draw, n), _strike(draw, n)
+    if n > 1 and draw.random() < 0.2:
+        mass[-1], velocity[-1] = math.inf, 0.0
+    gap = np.where(draw.random(n) < 0.7, 0.0, draw.uniform(0.0, 0.3, n))
+    chain = Chain(mass, laws, gap)
+    return chain, velocity, _time(draw, chain, velocity)
+
+
+def _form(draw: Draw) -> FormLaw:
+    form = str(draw.choice(list(FORMS)))
+    return FormLaw(float(_log(draw, 0.3, 30.0)), float(_log(draw, 0.1, 1.0)), form)
+
+
+def couplers(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Trains: couplers with gears that lose, with slack, with stops, some on a bed, some pulled by a force."""
+    n = int(draw.integers(1, 5))
+    link = _coupler(draw) if draw.random() < 0.5 else None
+    laws = [link or _coupler(draw) for _ in range(n)]
+    mass, velocity = _masses(draw, n, 0.5), _strike(draw, n)
+    rolling = float(_log(draw, 1e-3, 0.1)) if draw.random() < 0.3 else 0.0
+    drive = draw.normal(size=n + 1) if draw.random() < 0.3 else None
+    gap = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(-0.05, 0.2, n))
+    chain = Chain(mass, laws, gap, drive, rolling)
+    return chain, velocity, 2.0 * _time(draw, chain, velocity)
+
+
+def _coupler(draw: Draw) -> Coupler:
+    def gear() -> Contact:
+        strength, lost = float(_log(draw, 3.0, 300.0)), draw.choice([0.0, draw.uniform(0.05, 0.8)])
+        if draw.random() < 0.7:
+            return draft_gear(strength, float(_log(draw, 1e-3, 0.1)), float(lost))
+        return replace(hooke(strength), loss=float(lost))
+
+    solid = draw.random() < 0.4
+    pull = gear() if draw.random() < 0.8 else None
+    return Coupler(
+        gear(), pull, float(draw.choice([0.0, draw.uniform(0.0, 0.2)])) if pull else 0.0,
+        float(draw.uniform(0.02, 0.3)) if solid else math.inf, float(_log(draw, 1e3, 1e5)) if solid else 0.0,
+    )  # fmt: skip
+
+
+def timed(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Forces over time, in a third of the chains brakes over time, in a third a bed, from rest or from a strike."""
+    n = int(draw.integers(1, 6))
+    mass, laws = _masses(draw, n), _laws(draw, n)
+    velocity = _strike(draw, n) * float(draw.random() < 0.7)
+    gap = np.where(draw.random(n) < 0.7, 0.0, draw.uniform(0.0, 0.3, n))
+    end = _time(draw, Chain(mass, laws, gap), velocity)
+    strength = float(_log(draw, 0.01, 3.0))
+    forces = [_over_time(draw, n, end, strength * draw.normal(size=9)) for _ in range(int(draw.integers(1, 3)))]
+    brakes = [_over_time(draw, n, end, strength * draw.random(9))] if draw.random() < 0.3 else []
+    rolling = float(_log(draw, 1e-3, 0.3)) if draw.random() < 0.3 else 0.0
+    return Chain(mass, laws, gap, None, rolling, forces, brakes), velocity, end
+
+
+def _over_time(draw: Draw, n: int, end: float, values: Array) -> TimedForce:
+    """Pulse, ramps or steps on one bead or two."""
+    beads = draw.choice(n + 1, size=int(draw.integers(1, 3)), replace=False).tolist()
+    knots = np.sort(draw.uniform(0.0, end, int(draw.integers(1, 5))))
+    if draw.random() < 0.4:  # steps: each time twice
+        knots = np.repeat(knots, 2)
+    return TimedForce(beads, knots, np.append(values[: knots.size - 1], draw.choice([0.0, values[-1]])))
+
+
 FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "power": power,
     "mixed": mixed,
@@ -194,6 +300,9 @@ FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "loss": loss,
     "extreme": extreme,
     "one-on-n": one_on_n,
+    "timed": timed,
+    "own-laws": own_laws,
+    "couplers": couplers,
 }
 
 

@@ -1,9 +1,10 @@
 """The truth of a chain of the scan: fine runs where unlike methods confirm them, else the reference, else a spread.
 
 Most chains are easy, and the reference takes seconds: where two fine runs of unlike steps agree and `conserving`, which shares
-neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain
-that they do not agree on, is solved by the reference in extended precision. Where that gives up, the motion bounces often: eight
-fine runs by two methods tell how far it is determined, and where these give up too, the spread of runs of
+neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain that
+they do not agree on or do not carry, is solved by the reference in extended precision. It takes no laws of one's own: these are
+solved by method `scipy`, which asks the functions where the others read a table. Where the reference gives up, the motion bounces
+often: eight fine runs by two methods tell how far it is determined, and where these give up too, the spread of runs of
 `conserving`, which is the wider the coarser they are, tells how well its end is known.
 """
 
@@ -11,21 +12,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import Chain
-from softcradle.physics.reference.extended_precision import ReferenceGaveUpError
-from softcradle.physics.reference.reference_end import reference_end
+from softcradle.physics import Chain, Contact, Coupler, OwnLaw
+from softcradle.physics.chain import Joint
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.scales import contact_scales
 from softcradle.physics.simulation import solve
 
+from benchmarks.scan.extended_precision import ReferenceGaveUpError, reference_end
 from benchmarks.scan.families import Motion
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-12  # of the reference
+TOLERANCE = 1e-12  # of the reference in extended precision
+SCIPY = 1e-9, 1e-10  # tolerances of the two runs of method `scipy`,
+MOST_STEPS_OF_SCIPY = 20_000  # and of each, some seconds, before it gives up
 STEPS_AND_SQUARE = 60_000  # steps of the reference times the square of beads, some seconds, before it gives up
 LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000  # of it in any case
 SHAKE = 1e-10  # relative change of the forces from one run of `conserving` to the next
@@ -42,7 +46,9 @@ ROUND_OFF = 1e-14  # relative change of forces by which these are shaken: some u
 MOST_FINE_STEPS = 60_000  # of each
 LEAST_FINE_RUNS = 3  # of a method that come to their end, or they tell nothing
 # what a truth is known by
-FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD = SOURCES = ("fine runs", "reference", "spread of fine runs", "spread")
+FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD, BY_SCIPY = SOURCES = (
+    "fine runs", "reference", "spread of fine runs", "spread", "scipy",
+)  # fmt: skip
 BY_REFERENCE = 20  # every so many-th chain is solved by the reference in any case
 
 
@@ -66,16 +72,30 @@ class Truth:
 
 def truth_of(motion: Motion) -> Truth:
     """The truth, as well as it can be had."""
-    beads = motion.chain.contacts + 1
-    fine = _fine(motion) if motion.seed % BY_REFERENCE else None
+    chain, beads = motion.chain, motion.chain.contacts + 1
+    if chain.own_laws:
+        return _by_scipy(motion) or _spread(motion)
+    adaptive = not any(refusal_of(method, chain) for method in FINE)
+    fine = _fine(motion) if adaptive and motion.seed % BY_REFERENCE else None
     if fine is not None:
         return fine
     most_steps = max(LEAST_STEPS, min(STEPS_AND_SQUARE // beads**2, MOST_STEPS_OF_REFERENCE))
     try:
-        found = reference_end(motion.chain, motion.velocity, motion.duration, TOLERANCE, most_steps)
+        found = reference_end(chain, motion.velocity, motion.duration, TOLERANCE, most_steps)
     except ReferenceGaveUpError:
-        return _fine_spread(motion) or _spread(motion)
+        return (_fine_spread(motion) if adaptive else _by_scipy(motion)) or _spread(motion)
     return Truth(found.velocity, np.full(beads, found.error), REFERENCE)
+
+
+def _by_scipy(motion: Motion) -> Truth | None:
+    """The end of the finer of two runs of method `scipy`, and what they differ by."""
+    ends = []
+    for tolerance in SCIPY:
+        run = solve(motion.chain, motion.velocity, motion.duration, "scipy", None, 2, tolerance, MOST_STEPS_OF_SCIPY)
+        if run.status.gave_up:
+            return None
+        ends.append(run.final_velocity)
+    return Truth(ends[1], np.abs(ends[0] - ends[1]) + SCIPY[1] * motion.speed, BY_SCIPY)
 
 
 def _fine(motion: Motion) -> Truth | None:
@@ -130,8 +150,12 @@ def _largest_spread(ends: Array) -> float:
 def _spread(motion: Motion) -> Truth:
     """Mean and spread of `conserving` at five steps, with forces that differ in the last digits, and of the finest run."""
     method, tolerance = list(FINE.items())[-1]
-    finest = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
-    runs = np.vstack((_conserving(motion, SPREADING, float(finest.time[-1])), finest.final_velocity))
+    if refusal_of(method, motion.chain):
+        assert motion.duration is not None
+        runs = _conserving(motion, SPREADING, motion.duration)
+    else:
+        finest = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
+        runs = np.vstack((_conserving(motion, SPREADING, float(finest.time[-1])), finest.final_velocity))
     apart = float(np.ptp(runs, axis=0).max())
     return Truth(np.mean(runs, axis=0), np.full(runs.shape[1], 2.0 * apart), SPREAD)
 
@@ -152,8 +176,14 @@ def _conserving(motion: Motion, parts_of_contact: tuple[int, ...], last: float) 
 
 def _shaken(chain: Chain, part: float) -> Chain:
     factors = np.resize([1.0 + part, 1.0 - part], chain.contacts)
-    laws = [
-        replace(law, preload=law.preload * factor, stiffness=law.stiffness * factor)
-        for law, factor in zip(chain.contact, factors, strict=True)
-    ]
-    return replace(chain, contact=tuple(laws))
+    return replace(chain, contact=tuple(map(_times, chain.contact, factors.tolist())))
+
+
+def _times(contact: Joint, factor: float) -> Joint:
+    """The contact with `factor` times its force."""
+    if isinstance(contact, OwnLaw):
+        return OwnLaw(lambda overlap: factor * contact.force(overlap))
+    if isinstance(contact, Coupler):
+        push, pull = (gear and cast("Contact", _times(gear, factor)) for gear in (contact.push, contact.pull))
+        return replace(contact, push=push, pull=pull)
+    return replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)

@@ -11,14 +11,19 @@ from softcradle.physics.adaptive.constants import (
     FEW_TRIES,
     NEWTON_PART,
     ROUND_OFF,
-    SHRINK,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.event_location import SLIPS, acceleration_of, bead_acceleration
+from softcradle.physics.adaptive.crossing import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
-from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
-from softcradle.physics.adaptive.step import find_step
-from softcradle.physics.adaptive.step_control import first_step, propose_step, restart_control, update_control
+from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
+from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, count_from_touch, keep_step
+from softcradle.physics.adaptive.step_control import (
+    find_step,
+    first_step,
+    propose_step,
+    restart_control,
+    update_control,
+)
 from softcradle.physics.adaptive.step_records import (
     AT_ONCE,
     DOP853,
@@ -32,17 +37,7 @@ from softcradle.physics.adaptive.step_records import (
     Steps,
     Trial,
 )
-from softcradle.physics.adaptive.stick_slip_friction import put_drive
 from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
-from softcradle.physics.adaptive.switching import (
-    begin,
-    fall_back,
-    fly_to_event,
-    open_passed,
-    pass_knot,
-    slip_by,
-    switch,
-)
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.knots import BESIDE, next_knot
 from softcradle.physics.numerics.meeting import meets_again
@@ -91,7 +86,7 @@ def nothing_moves(chain, regime, motion):
     ):
         return False
     for i in range(motion.mode.size):
-        push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], chain.law[i, 0])
+        push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(abs(motion.force[i]), abs(chain.law[i, 0]))
         rest = ROUND_OFF * max(push, abs(chain.external[i]) if chain.external.size else 0.0)
         if motion.rate[i] != 0.0 or abs(acceleration_of(i, chain, motion.force, 0.0)) > rest:
             return False
@@ -127,6 +122,21 @@ def integrate(
         Scratch(*scratch_fields),
         SwitchLog(*log_fields),
     )
+    code, time = go_on(
+        allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain, regime, motion, trial, look, scratch,
+        steps, log,
+    )  # fmt: skip
+    if code != PAUSED:
+        count_from_touch(motion.overlap, regime, 1.0)
+    return code, time
+
+
+@inlined
+def go_on(
+    allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain, regime, motion, trial, look, scratch,
+    steps, log,
+):  # fmt: skip
+    """`integrate`, with overlaps of couplers from the origins of their segments."""
     wanted = TOLERANCE_PART * tolerance * scale
     slow, negligible = NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
     time, control, counter, firm = start, scratch.control, log.counter, regime.bed.size > 0
@@ -151,7 +161,7 @@ def integrate(
                 return (SEPARATED, time) if stop else (DONE, end)
             time = until
             continue
-        if not acts and nothing_pushes(chain, motion, negligible):
+        if not acts and nothing_pushes(chain, regime, motion, negligible):
             apart = stop and firm and until == end and not any_frozen(motion)  # what stays closed may only come to rest
             if apart and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
@@ -169,22 +179,16 @@ def integrate(
             restart_control(control, first_step(chain, motion, scale))
         kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
         past_step = control[PAST_STEP]
-        h, error, row, event, rejected = find_step(
+        h, error, row, side, rejected = find_step(
             time, proposed, kind, allowed == DOP853, chain, regime, motion, wanted, slow, past_step, trial, scratch, log,
             most_steps,
         )  # fmt: skip
-        if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * motion.mode.size:
+        if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * (motion.mode.size + regime.bed.size):
             control[AT_ONCE] += 1.0
-            switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
-            if event == SLIPS and regime.slide[row] == 0:
-                slip_by(row, proposed, trial.force[2], chain, regime, motion, slow, scratch)
+            cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
             continue
         if h == 0.0:
-            if counter[STEP] + counter[REJECTED] >= most_steps:
-                return OUT_OF_STEPS, time
-            h = SHRINK * proposed
-            time += fall_back(h, time, chain, regime, motion, wanted, slow, trial, scratch, log)
-            continue
+            return OUT_OF_STEPS, time
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)
         control[AT_ONCE] = 0.0
         control[LOCAL_SQUARE] += error * error
@@ -198,12 +202,12 @@ def integrate(
             acts = put_drive(time if time < until else before + (1.0 - BESIDE) * (time - before), chain, regime)
         control[PAST_STEP] = h if kind == RADAU else 0.0
         counter[STEP] += 1
-        if open_passed(row, event, chain, regime, motion, slow):
+        if open_passed(row, chain, regime, motion, slow):
             control[LAST] = 0.0
-        log_switches(before, time, motion, wanted, scratch, log)
-        grow_errors(row, event, chain, motion, wanted, scratch)
+        log_switches(before, time, regime, motion, wanted, scratch, log)
+        grow_errors(row, side, chain, regime, motion, wanted, scratch)
         if row >= 0:
-            switch(row, event, time, chain, regime, motion, wanted, slow, scratch, log)
+            cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
 
 
 @inlined

@@ -18,9 +18,12 @@ KINK = 0.01
 GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
 RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
+# times the velocity that counts as none: forces that decide which rows at rest give way are taken so much later
+MOMENT = 10.0
+
 # Lengths of steps
 SAFETY = 0.9  # of a length that something allows: what is tried
-SHRINK = 0.25  # of a step whose stages do not converge: the next try, or the fallback step in its place
+SHRINK = 0.25  # of a step whose stages do not converge: the next try
 LEAST_PART = 0.1  # of a step rejected: the next try is no shorter; of a step whose polynomial is coarse near its start: its start
 MOST_GROWTH = 8.0  # of a step over the one before
 # taken on trust: beyond that of the error, and of radau's step where stiffness alone limits dop853

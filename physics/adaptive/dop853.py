@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.active_ranges import next_range
-from softcradle.physics.adaptive.constants import GRAZE, KINK, ROUND_OFF
+from softcradle.physics.adaptive.constants import GRAZE, KINK, MARGIN, ROUND_OFF
 from softcradle.physics.adaptive.dop853_tableau import (
     FIFTH,
     FIFTH_SQUARE,
@@ -23,12 +22,49 @@ from softcradle.physics.adaptive.dop853_tableau import (
     WEIGHTS,
     WEIGHTS_SQUARE,
 )
-from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
-from softcradle.physics.numerics.law_curve import care, larger, signed_force, slope_at
-from softcradle.physics.numerics.records import FROZEN, LOADED, TOUCHING, ZERO
+from softcradle.physics.numerics.law_curve import care, curve_force, curve_slope, larger, pressed_force
+from softcradle.physics.numerics.own_contacts import bend_passed
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+
+
+@inlined
+def is_active(i, h, inactive, chain, motion):
+    """False for a contact that closes no faster than `inactive` [m/s], and neither now nor at the end of a step at this rate
+    holds more energy or changes velocities by more. A contact that touches passes on at once what pushes it: it is active."""
+    if motion.mode[i] == OPEN:
+        return False
+    if motion.mode[i] == TOUCHING:
+        return True
+    law, rate = chain.law, motion.rate[i]
+    if motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0):  # a coupler that pulls
+        return True
+    reach = motion.overlap[i] + max(rate, 0.0) * h
+    end = curve_force(law, chain.own, i, reach) if reach > 0.0 else 0.0
+    push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], law[i, 0], end)
+    return rate > inactive or push * h > inactive or push * max(reach, 0.0) > inactive * inactive
+
+
+@piece
+def next_range(after, h, inactive, chain, motion):
+    """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none."""
+    n = motion.mode.size
+    if chain.external.size:
+        return after, n
+    first = after
+    while first < n and not is_active(first, h, inactive, chain, motion):
+        first += 1
+    if first == n:
+        return n, n
+    last = first + 1
+    for i in range(first + 1, n):
+        if i >= last + 2 * MARGIN:
+            break
+        if is_active(i, h, inactive, chain, motion):
+            last = i + 1
+    return max(first - MARGIN, after), min(last + MARGIN, n)
 
 
 @piece
@@ -42,10 +78,10 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     touching = False
     for i in range(first, last):
         force[i] = 0.0
-        if mode[i] == LOADED and overlap[i] > 0.0:
-            force[i] = law[i, 0] + law[i, 1] * power(overlap[i], law[i, 2])
+        if mode[i] == LOADED and overlap[i] > 0.0 and law.shape[1] == 3:
+            force[i] = pressed_force(law, chain.own, i, overlap[i])
         elif mode[i] == LOADED:
-            force[i] = signed_force(law[i, 0], law[i, 1], law[i, 2], overlap[i])
+            force[i] = curve_force(law, chain.own, i, overlap[i])
         touching |= mode[i] == TOUCHING
     if first > 0:  # the edge of a range in mid-chain is inactive: the bead beyond would not feel it
         force[first] = 0.0
@@ -119,7 +155,7 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
         first, last = next_range(last, h, inactive, chain, motion)
         if first == n:
             break
-        worst = max(worst, step_of_range(h, first, last, chain, motion, trial, scratch))
+        worst = larger(worst, step_of_range(h, first, last, chain, motion, trial, scratch))
     end_anchor[0], end_anchor[1] = motion.anchor[0] + h * motion.anchor[1], motion.anchor[1]
     for k in range(STAGES):
         end_anchor[0] += h * h * WEIGHTS_SQUARE[k] * of_anchor[k]
@@ -127,7 +163,7 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     for i in range(n):
         trial.force[2, i] = force[i]
         if force[i] == 0.0 and mode[i] == LOADED and trial.overlap[2, i] > 0.0:  # an inactive contact
-            trial.force[2, i] = force_at(chain.law, i, trial.overlap[2, i])
+            trial.force[2, i] = force_at(chain, i, trial.overlap[2, i])
         if mode[i] == FROZEN:
             trial.force[2, i] = motion.force[i]
     if touching or firm:
@@ -208,8 +244,12 @@ def error_of_range(h, first, last, chain, motion, trial, force):
                 if law[i, 2] < 1.0:
                     rough = True
                 else:
-                    push = force_at(law, i, overlap[i] if opens else end_overlap[i])
+                    push = force_at(chain, i, overlap[i] if opens else end_overlap[i])
                     worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+    for i in range(first, last):
+        if mode[i] == LOADED:
+            push = bend_passed(chain.own, i, overlap[i], end_overlap[i])
+            worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     slowest = math.inf
     error, frequency = fifth, third  # from here on of each contact: its error, and its local frequency squared
     for i in range(first, last):
@@ -217,8 +257,8 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         frequency[i] = 0.0
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
-        if mode[i] == LOADED and at > 0.0:
-            frequency[i] = frequency_of(law, inverse_mass, i, at)
+        if mode[i] == LOADED and (at > 0.0 or law.shape[1] > 3):
+            frequency[i] = frequency_of(chain, i, at)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)
             if law[i, 2] < 1.0:
@@ -230,16 +270,16 @@ def error_of_range(h, first, last, chain, motion, trial, force):
 
 
 @piece
-def frequency_of(law, inverse_mass, i, overlap):
+def frequency_of(chain, i, overlap):
     """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
-    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force_at(law, i, overlap))
-    return (inverse_mass[i] + inverse_mass[i + 1]) * slope
+    slope = curve_slope(chain.law, chain.own, i, overlap, force_at(chain, i, overlap))
+    return (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * slope
 
 
 @piece
-def force_at(law, i, overlap):
+def force_at(chain, i, overlap):
     """Force of contact i, loaded, at `overlap`."""
-    return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
+    return curve_force(chain.law, chain.own, i, overlap)
 
 
 @piece

@@ -5,29 +5,26 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import ROUND_OFF
-from softcradle.physics.adaptive.event_location import CLOSES, NOTHING, STOPS
-from softcradle.physics.adaptive.stick_slip_friction import bead_push
+from softcradle.physics.adaptive.row_graphs import bead_push, side_of, slack_of
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 
 @piece
-def nothing_pushes(chain, motion, negligible):
+def nothing_pushes(chain, regime, motion, negligible):
     """True where no contact pushes a bead that can move, or only with what gives less than `negligible` [m/s]."""
     driven = chain.external.size > 0
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
-            weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-            left = weight * max(motion.force[i], 0.0) * max(motion.overlap[i], 0.0)
-            if left > negligible * negligible or motion.rate[i] > negligible:
+            weight, side = chain.inverse_mass[i] + chain.inverse_mass[i + 1], side_of(regime, i)
+            x, w, f = side * motion.overlap[i], side * motion.rate[i], side * motion.force[i]
+            if weight * max(f, 0.0) * max(x, 0.0) > negligible * negligible or w > negligible:
                 return False
-            if driven and (
-                motion.overlap[i] > 0.0 or motion.rate[i] > 0.0 or motion.force[i] > 0.0 or chain.external[i] > 0.0
-            ):
+            if driven and (x > 0.0 or w > 0.0 or f > 0.0 or side * chain.external[i] > 0.0):
                 return False
-        pressed = driven and chain.external[i] > 0.0
-        if motion.mode[i] == TOUCHING and (pressed or motion.force[i] > ROUND_OFF * chain.law[i, 0]):
+        pressed = driven and side_of(regime, i) * chain.external[i] > 0.0
+        if motion.mode[i] == TOUCHING and (pressed or abs(motion.force[i]) > ROUND_OFF * abs(chain.law[i, 0])):
             return False
     return True
 
@@ -64,13 +61,18 @@ def bend_of(chain, i):
 
 @inlined
 def next_flight_event(chain, regime, motion, negligible, velocity):
-    """(time, row, kind) of the first closing or stop of a bead; `velocity` (n+1,) is scratch memory."""
-    flight, row, kind = math.inf, NO_CONTACT, NOTHING
+    """(time, row, side) of the first closing or stop of a bead; `velocity` (n+1,) is scratch memory."""
+    flight, row, at = math.inf, NO_CONTACT, ZERO
     for i in range(motion.mode.size):
         if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
             time = closing_time(motion.overlap[i], motion.rate[i], bend_of(chain, i))
             if time < flight:
-                flight, row, kind = max(time, 0.0), i, CLOSES
+                flight, row, at = max(time, 0.0), ZERO + i, ZERO
+        slack = slack_of(regime, i)
+        if motion.mode[i] == OPEN and slack < math.inf:
+            time = max(closing_time(-motion.overlap[i] - slack, -motion.rate[i], -bend_of(chain, i)), 0.0)
+            if time < flight:
+                flight, row, at = time, ZERO + i, ZERO + 1
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(regime.bed.size):
@@ -79,17 +81,17 @@ def next_flight_event(chain, regime, motion, negligible, velocity):
                 if a * regime.slide[j] < 0.0:
                     time = max(-velocity[j] / a, 0.0)
                     if time < flight:
-                        flight, row, kind = time, j, STOPS
-    return flight, row, kind
+                        flight, row, at = time, ZERO + motion.mode.size + j, ZERO
+    return flight, row, at
 
 
 @piece
 def next_event(time, end, chain, regime, motion, negligible, velocity):
-    """Until when free flight lasts, to the first event or to `end`; row and kind of the event (-1: none before `end`)."""
-    flight, row, kind = next_flight_event(chain, regime, motion, negligible, velocity)
+    """Until when free flight lasts, to the first corner or to `end`; and row and side of the corner (-1: none before `end`)."""
+    flight, row, at = next_flight_event(chain, regime, motion, negligible, velocity)
     if time + flight > end or time + flight == math.inf:
-        return end, NO_CONTACT, NOTHING
-    return time + flight, row, kind
+        return end, NO_CONTACT, ZERO
+    return time + flight, row, at
 
 
 @piece

@@ -122,7 +122,7 @@ _spare = _Spare()
 
 
 def _no_steps(chain: Chain) -> Steps:
-    return empty_steps(0, chain.contacts, chain.dissipative)
+    return empty_steps(0, chain.contacts, chain.dissipative or bool(chain.couplers))
 
 
 def _block(chain: Chain) -> Steps:
@@ -136,4 +136,5 @@ def _block(chain: Chain) -> Steps:
             and block.flags.shape[1] == none.flags.shape[1]
         ):
             return block
-    return empty_steps(min(MOST_ROWS, MOST_NUMBERS // none.values.shape[1] + 1), chain.contacts, chain.dissipative)
+    rows = min(MOST_ROWS, MOST_NUMBERS // none.values.shape[1] + 1)
+    return empty_steps(rows, chain.contacts, chain.dissipative or bool(chain.couplers))

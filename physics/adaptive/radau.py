@@ -10,35 +10,180 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FORCE_PRECISION, HUGE, MOST_TRIES, ROUND_OFF
-from softcradle.physics.adaptive.radau_guess import first_guess
-from softcradle.physics.adaptive.radau_tableau import INVERSE, SQUARE_INVERSE, TABLEAU
+import numpy as np
+from softcradle.physics.adaptive.constants import (
+    FOLLOW,
+    FORCE_PRECISION,
+    HUGE,
+    MOST_GUESSED,
+    MOST_TRIES,
+    ROUND_OFF,
+    SUDDEN,
+)
+from softcradle.physics.numerics.elementary import exp, log
+from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import NODES, flow_into, move_along, slope_at
+from softcradle.physics.numerics.law_curve import (
+    NODES,
+    ROOT6,
+    SMALLEST,
+    cubic,
+    curve_force,
+    curve_overlap,
+    curve_slope,
+    flow_into,
+    move_along,
+    pressed_force,
+    put_on_curve,
+)
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
+
+TABLEAU = np.array(
+    [
+        [(88.0 - 7.0 * ROOT6) / 360.0, (296.0 - 169.0 * ROOT6) / 1800.0, (-2.0 + 3.0 * ROOT6) / 225.0],
+        [(296.0 + 169.0 * ROOT6) / 1800.0, (88.0 + 7.0 * ROOT6) / 360.0, (-2.0 - 3.0 * ROOT6) / 225.0],
+        [(16.0 - ROOT6) / 36.0, (16.0 + ROOT6) / 36.0, 1.0 / 9.0],
+    ]
+)
+INVERSE = exact_inverse(TABLEAU)  # stage rates from stage overlaps
+SQUARE_INVERSE = exact_product(INVERSE, INVERSE)
+GAMMA = 1.0 / 3.637834252744496  # the one real eigenvalue of the inverse is 3 + 9**(1/3) - 3**(1/3)
+EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * ROOT6, -13.0 + 7.0 * ROOT6, -1.0])  # Hairer & Wanner, IV.8
+_COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
+COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)  # its error, of one order less than the embedded one
+
+
+AFTER, INSIDE = 1.0, 0.0  # where a step begins in the one whose cubics it is guessed by, as part of it
+
+
+@inlined
+def first_guess(h, chain, motion, past_step, origin, past, trial):
+    """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
+
+    `past` (8, n): force at the start and stages of that step, then the overlaps; `origin` says whether the new one begins AFTER
+    it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others keep
+    their rate.
+    """
+    law, own_laws, inverse_mass = chain.law, chain.own, chain.inverse_mass
+    overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
+    stage_overlap, stage_force = trial.overlap, trial.force
+    follows = past_step > 0.0 and h < FOLLOW * past_step
+    since = time_since_onset(law, mode, overlap, rate, force)
+    for i in range(overlap.size):
+        preload, exponent = law[i, 0], law[i, 2]
+        for k in range(3):
+            flown = overlap[i] + h * NODES[k] * rate[i]
+            x = origin + NODES[k] * h / past_step if follows else 0.0
+            if mode[i] == OPEN:
+                stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+            elif mode[i] == TOUCHING or mode[i] == FROZEN:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                if follows and mode[i] == TOUCHING:
+                    stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
+            elif exponent < 1.0 and force[i] > preload:
+                stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+                weight = inverse_mass[i] + inverse_mass[i + 1]
+                stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
+                own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
+                time = overlap[i] / rate[i] if own else since
+                if (not follows or (origin == AFTER and h > SUDDEN * abs(time))) and overlap[i] > SMALLEST:
+                    growth = log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
+                    if own and flown <= 0.0 and preload == 0.0:
+                        stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+                        continue
+                    if not own:
+                        growth *= rate[i] * time / overlap[i]
+                    most = log(MOST_GUESSED) / exponent
+                    growth = min(max(growth, -most), most)
+                    stage_overlap[k, i] = overlap[i] * exp(growth)
+                    stage_force[k, i] = preload + (force[i] - preload) * exp(exponent * growth)
+                    put_on_curve(law, own_laws, i, k, stage_overlap, stage_force)
+                elif follows:
+                    excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
+                    if force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload):
+                        stage_overlap[k, i] = curve_overlap(law, own_laws, i, excess, 1.0)
+                        stage_force[k, i] = preload + excess
+            elif overlap[i] == 0.0 and rate[i] == 0.0:
+                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, own_laws, i, 0.0)
+                if i > 0 and preload == 0.0:
+                    set_pushed(h, chain, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
+            else:
+                if follows:
+                    flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
+                stage_overlap[k, i] = flown
+                stage_force[k, i] = curve_force(law, own_laws, i, flown)
+    for i in range(overlap.size - 2, -1, -1):
+        for k in range(3):
+            if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
+                set_pushed(h, chain, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
+                drive = drive_at(chain, i, h * NODES[k])
+                if drive > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                    push = drive / (inverse_mass[i] + inverse_mass[i + 1])
+                    set_pushed(h, chain, i, k, i + 1, push, stage_overlap, stage_force)
+
+
+@piece
+def time_since_onset(law, mode, overlap, rate, force):
+    """Time since the overlap of the soft contact that pushes most was zero, had its rate been constant; negative until then."""
+    largest, since = 0.0, 1e30
+    for i in range(overlap.size):
+        if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0 and force[i] > largest and rate[i] != 0.0:
+            largest, since = force[i], overlap[i] / rate[i]
+    return since
+
+
+@piece
+def set_pushed(h, chain, i, k, bead, push, stage_overlap, stage_force):
+    """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
+    if push <= 0.0:
+        return
+    time = h * NODES[k]
+    flown = 0.5 * (time * time) * chain.inverse_mass[bead] * push
+    stage_force[k, i] = min(0.8 * push, pressed_force(chain.law, chain.own, i, flown))
+    stage_overlap[k, i] = curve_overlap(chain.law, chain.own, i, stage_force[k, i], 1.0)
+
+
+@inlined
+def direction(i, chain, mode, weight, overlap, force):
+    """Direction (dd, df) = (along, across) z of the curve of a contact, scaled so that d + `weight` f moves by z."""
+    if mode in (OPEN, FROZEN):
+        return 1.0, 0.0
+    slope = curve_slope(chain.law, chain.own, i, overlap, force) if mode == LOADED else math.inf
+    if slope > HUGE:
+        return 0.0, 1.0 / weight
+    along = 1.0 / (1.0 + weight * slope)
+    return along, slope * along
 
 
 @inlined
 def directions(h, chain, mode, trial, scratch):
-    """Direction (dd, df) = (along, across) z of the curve at every stage, scaled so that both terms of a row are alike."""
-    law, inverse_mass, along, across = chain.law, chain.inverse_mass, scratch.along, scratch.across
-    stage_overlap, stage_force = trial.overlap, trial.force
-    n = mode.size
-    for i in range(n):
-        weight = h * h * (inverse_mass[i] + inverse_mass[i + 1])
+    """The direction of every contact at every stage."""
+    for i in range(mode.size):
+        weight = h * h * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
         for k in range(3):
-            if mode[i] == OPEN or mode[i] == FROZEN:
-                along[k, i], across[k, i] = 1.0, 0.0
-                continue
-            slope = math.inf
-            if mode[i] == LOADED:
-                slope = slope_at(law[i, 0], law[i, 1], law[i, 2], stage_overlap[k, i], stage_force[k, i])
-            if slope > HUGE:
-                along[k, i], across[k, i] = 0.0, 1.0 / weight
-            else:
-                along[k, i] = 1.0 / (1.0 + weight * slope)
-                across[k, i] = slope * along[k, i]
+            scratch.along[k, i], scratch.across[k, i] = direction(
+                i, chain, mode[i], weight, trial.overlap[k, i], trial.force[k, i]
+            )
+
+
+@inlined
+def move_stage(k, i, weight, change, chain, mode, trial, scratch):
+    """Move contact i at stage k along its curve by the Newton change; (|dd|, |df|), what was asked for where that is more."""
+    d, f = trial.overlap[k, i], trial.force[k, i]
+    by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
+    if mode[i] == LOADED:
+        if chain.law.shape[1] > 3 and chain.law[i, 2] >= 1.0:
+            end, pushes = d + by_overlap, curve_force(chain.law, chain.own, i, d + by_overlap)
+        else:
+            end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
+        trial.overlap[k, i], trial.force[k, i] = end, pushes
+        return max(abs(end - d), abs(by_overlap)), max(abs(pushes - f), abs(by_force))
+    if mode[i] == OPEN or mode[i] == FROZEN:
+        trial.overlap[k, i] += by_overlap
+    else:
+        trial.force[k, i] += by_force
+    return abs(by_overlap), abs(by_force)
 
 
 @inlined
@@ -114,12 +259,10 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     the curve makes shorter counts in full. Returns the iterations used, 0 where they did not converge.
     """
     law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
-    stage_overlap, stage_force = trial.overlap, trial.force
-    along, across, z = scratch.along, scratch.across, scratch.correction
     n = mode.size
     before, strongest = math.inf, 0.0
     for i in range(n):
-        strongest = max(strongest, force[i])
+        strongest = max(strongest, abs(force[i]))
     for iteration in range(MOST_TRIES):
         directions(h, chain, mode, trial, scratch)
         eliminate(h, chain, motion, trial, scratch)
@@ -128,29 +271,18 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             deep = (
                 law[i, 0] == 0.0 and law[i, 2] < 1.0
             )  # forces of such contacts span decades; touching ones may be undetermined
-            changed, largest = 0.0, max(force[i], FORCE_PRECISION * strongest) if deep else strongest
+            changed, largest = 0.0, max(abs(force[i]), FORCE_PRECISION * strongest) if deep else strongest
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
-                by_overlap, by_force = along[k, i] * z[k, i], across[k, i] * z[k, i]
-                asked_overlap, asked_force = abs(by_overlap), abs(by_force)
-                if not math.isfinite(by_overlap) or not math.isfinite(by_force):
+                if not math.isfinite(scratch.correction[k, i]):
                     return 0
-                if mode[i] == LOADED:
-                    d, f = move_along(
-                        law[i, 0], law[i, 1], law[i, 2], h * h * weight,
-                        stage_overlap[k, i], stage_force[k, i], by_overlap, by_force,
-                    )  # fmt: skip
-                    by_overlap, by_force = d - stage_overlap[k, i], f - stage_force[k, i]
-                    stage_overlap[k, i], stage_force[k, i] = d, f
-                elif mode[i] == OPEN or mode[i] == FROZEN:
-                    stage_overlap[k, i] += by_overlap
-                else:
-                    stage_force[k, i] += by_force
-                if not abs(stage_overlap[k, i]) < HUGE:
+                by_overlap, by_force = move_stage(
+                    k, i, h * h * weight, scratch.correction[k, i], chain, mode, trial, scratch
+                )
+                if not abs(trial.overlap[k, i]) < HUGE:
                     return 0
-                by_overlap, by_force = max(abs(by_overlap), asked_overlap), max(abs(by_force), asked_force)
                 size = max(size, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
-                changed, largest = max(changed, by_force), max(largest, abs(stage_force[k, i]))
+                changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
             settled &= changed <= FORCE_PRECISION * largest
             strongest = max(strongest, largest)
         if settled and (
@@ -159,6 +291,51 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             return iteration + 1
         before = size
     return 0
+
+
+@inlined
+def euler_change(k, time, chain, motion, trial, scratch):
+    """Newton change of stage k as an implicit Euler step of that `time`: d - d0 - t w0 + t² (L f - e) = 0, tridiagonal."""
+    inverse_mass, along, across, z = chain.inverse_mass, scratch.along[k], scratch.across[k], scratch.correction[k]
+    n, square, upper = motion.mode.size, time * time, scratch.block
+    for i in range(n):
+        left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
+        d, f = trial.overlap[k, i], trial.force[k, i]
+        along[i], across[i] = direction(i, chain, motion.mode[i], left + right, d, f)
+        flow = flow_into(i, inverse_mass, trial.force[k]) - drive_at(chain, i, time)
+        z[i] = motion.overlap[i] + time * motion.rate[i] - d - square * flow
+        pivot = along[i] + (left + right) * across[i]
+        if i > 0:
+            pivot -= left * across[i - 1] * upper[i - 1, 0]
+            z[i] += left * across[i - 1] * z[i - 1]
+        free = pivot <= ROUND_OFF * (left + right) * across[i]  # from wall to wall: not determined
+        z[i] = 0.0 if free else z[i] / pivot
+        upper[i, 0] = 0.0 if free or i == n - 1 else right * across[i + 1] / pivot
+    for i in range(n - 2, -1, -1):
+        z[i] += upper[i, 0] * z[i + 1]
+
+
+@piece
+def euler_stages(h, chain, motion, trial, scratch):
+    """Put first stages into `trial`: an implicit Euler step to each node, which has one solution, whatever the laws.
+
+    Collocation of three stages is not monotone where the slopes of the stages differ by much: Newton's iteration may go astray.
+    """
+    for k in range(3):
+        time = h * NODES[k]
+        for i in range(motion.mode.size):
+            trial.overlap[k, i], trial.force[k, i] = motion.overlap[i], motion.force[i]
+        for _ in range(MOST_TRIES * MOST_TRIES):
+            euler_change(k, time, chain, motion, trial, scratch)
+            changed, largest = 0.0, 0.0
+            for i in range(motion.mode.size):
+                weight = time * time * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
+                if not math.isfinite(scratch.correction[k, i]):
+                    return
+                _, by_force = move_stage(k, i, weight, scratch.correction[k, i], chain, motion.mode, trial, scratch)
+                changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
+            if changed <= FORCE_PRECISION * largest:
+                break
 
 
 @inlined
@@ -216,13 +393,18 @@ def move_anchor(h, chain, anchor, trial):
 
 @piece
 def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
-    """One step into `trial`; `past_step` is the length of the one before, or NO_GUESS; for `origin` see `first_guess`.
+    """One step into `trial`; `past_step` is the length of the one before; for `origin` see `first_guess`.
 
-    Returns the iterations used, 0 where the stages did not converge.
+    Returns the iterations used, 0 where the stages did not converge, and how many were tried.
     """
     first_guess(h, chain, motion, past_step, origin, scratch.past, trial)
     used = solve_stages(h, chain, motion, precision, trial, scratch)
+    tried = used
+    if used == 0:
+        euler_stages(h, chain, motion, trial, scratch)
+        used = solve_stages(h, chain, motion, precision, trial, scratch)
+        tried = MOST_TRIES + (used if used > 0 else MOST_TRIES)
     if used > 0:
         stage_rates(h, chain, motion, trial)
         move_anchor(h, chain, motion.anchor, trial)
-    return used
+    return used, tried

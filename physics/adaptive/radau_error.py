@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import RATIO, ROUND_OFF
-from softcradle.physics.adaptive.radau_tableau import COARSE, EMBEDDED, GAMMA
+from softcradle.physics.adaptive.constants import KINK, RATIO, ROUND_OFF
+from softcradle.physics.adaptive.radau import COARSE, EMBEDDED, GAMMA
 from softcradle.physics.numerics.jit import piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import care, flow_into, larger, slope_at
-from softcradle.physics.numerics.records import FROZEN, OPEN, TOUCHING
+from softcradle.physics.numerics.law_curve import care, curve_slope, flow_into, larger
+from softcradle.physics.numerics.own_contacts import bend_passed
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 
 @piece
-def compliance(law, mode, i, overlap, force):
+def compliance(chain, mode, i, overlap, force):
     """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
     if mode[i] == OPEN or mode[i] == FROZEN:
         return -1.0
     if mode[i] == TOUCHING:
         return 0.0
-    slope = slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
+    slope = curve_slope(chain.law, chain.own, i, overlap, force)
     return 1.0 / slope if slope > 0.0 else -1.0
 
 
@@ -49,7 +50,7 @@ def embedded_error(h, chain, motion, trial, work):
             coarse_w += COARSE[k] * by_rate
             coarse_d += COARSE[k] * by_overlap
         fine_rate[i], coarse_rate[i] = fine_w, coarse_w
-        give = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
+        give = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
         upper[i], fine[i], coarse[i] = 0.0, 0.0, 0.0
         if give >= 0.0:
             lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
@@ -70,13 +71,16 @@ def embedded_error(h, chain, motion, trial, work):
         coarse[i] -= upper[i] * coarse[i + 1]
     worst, slowest = 0.0, math.inf
     for i in range(n):
-        upper[i] = compliance(law, mode, i, stage_overlap[2, i], stage_force[2, i])
+        upper[i] = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
         if upper[i] > 0.0:
             slowest = min(slowest, (inverse_mass[i] + inverse_mass[i + 1]) / upper[i])
     for i in range(n):
         by_fine = abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine))
         by_coarse = abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse))
         times = 1.0
+        if mode[i] == LOADED:
+            push = bend_passed(chain.own, i, overlap[i], stage_overlap[2, i])
+            worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
         if upper[i] > 0.0:
             weight = inverse_mass[i] + inverse_mass[i + 1]
             by_fine = larger(by_fine, math.sqrt(weight * upper[i]) * abs(fine[i]))

@@ -6,14 +6,21 @@ A run keeps its steps, for without a duration it does not know before its end wh
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
-from softcradle.physics.adaptive.event_location import bead_acceleration
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
-from softcradle.physics.adaptive.radau_guess import INSIDE
-from softcradle.physics.adaptive.step import take_step
+from softcradle.physics.adaptive.radau import INSIDE
+from softcradle.physics.adaptive.row_graphs import (
+    ORIGIN,
+    bead_acceleration,
+    of_segment,
+    put_drive,
+    put_segment,
+    side_of,
+)
+from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
-from softcradle.physics.adaptive.stick_slip_friction import put_drive
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
+from softcradle.physics.numerics.law_curve import BEFORE
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into
@@ -28,8 +35,15 @@ def absorbed_between(chain, regime, before, moved, end, path):
     by_contacts, by_bed = 0.0, 0.0
     for i in range(regime.easing.size):
         if regime.easing[i] != 0:
-            preload, stiffness, exponent = regime.law[i, 0], regime.law[i, 1], regime.law[i, 2]
-            fall = energy(preload, stiffness, exponent, before[i]) - energy(preload, stiffness, exponent, end[i])
+            preload, stiffness, exponent, side = (
+                regime.law[i, 0],
+                regime.law[i, 1],
+                regime.law[i, 2],
+                side_of(regime, i),
+            )
+            way = regime.law[i, BEFORE] if regime.segment.size else 0.0
+            fall = energy(preload, stiffness, exponent, way + side * before[i])
+            fall -= energy(preload, stiffness, exponent, way + side * end[i])
             by_contacts += regime.loss[i] * fall
     if regime.bed.size:
         bead_paths(chain, before, end, path, moved)
@@ -96,7 +110,14 @@ def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, step
         for i in range(motion.mode.size):
             at = carry(keeps, row, at, chain.law[i])
         at = carry(keeps, row, carry(keeps, row, at, chain.inverse_mass), chain.external)
-        carry(keeps, flags, carry(keeps, flags, end, regime.slide), regime.easing)
+        end = carry(keeps, flags, carry(keeps, flags, end, regime.slide), regime.easing)
+        for i in range(regime.segment.size):
+            if keeps:
+                flags[end + i] = regime.segment[i]
+            else:
+                overlap = motion.overlap[i]
+                put_segment(i, flags[end + i], regime, motion)
+                motion.overlap[i] = overlap
     if steps.kind[k] == RADAU:
         for s in range(3):
             at = carry(keeps, row, carry(keeps, row, at, stage_force[s]), stage_overlap[s])
@@ -143,7 +164,21 @@ def sample_steps(
                 sample_inside(
                     passed, steps.length[k], steps.kind[k], wanted, chain, regime, motion, trial, scratch, samples, log
                 )
+            count_from_touch(samples.overlap[counter[SAMPLE]], regime, 1.0)
             counter[SAMPLE] += 1
+
+
+@inlined
+def shown_force(i, force, regime):
+    """The force of contact i without what a law that goes on beyond d = 0 has there."""
+    return min(force, 0.0) if side_of(regime, i) < 0.0 else max(force, 0.0)
+
+
+@inlined
+def count_from_touch(overlap, regime, sign):
+    """Let overlaps (n,) of couplers count from where they touch (`sign` 1), or again from the origins of their segments (-1)."""
+    for i in range(regime.segment.size):
+        overlap[i] += sign * of_segment(regime, i, ORIGIN)
 
 
 @piece
@@ -160,7 +195,7 @@ def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch
     rest = passed - length
     for i in range(motion.mode.size):
         samples.overlap[k, i] = trial.overlap[2, i] + rest * trial.rate[2, i]
-        samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], max(trial.force[2, i], 0.0)
+        samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], shown_force(i, trial.force[2, i], regime)
     samples.anchor[k, 0] = trial.anchor[0] + rest * trial.anchor[1]
     samples.anchor[k, 1] = trial.anchor[1]
     path = samples.anchor[k, 0] - motion.anchor[0]
@@ -181,7 +216,7 @@ def sample_flight(passed, chain, regime, motion, samples, k, velocity):
         length = passed if motion.mode[i] != FROZEN else 0.0
         samples.overlap[k, i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), length)
         samples.rate[k, i] = motion.rate[i] + length * bend_of(chain, i)
-        samples.force[k, i] = max(motion.force[i], 0.0)
+        samples.force[k, i] = shown_force(i, motion.force[i], regime)
     bend = bend_of(chain, n) if passed > 0.0 else 0.0
     samples.anchor[k, 0] = motion.anchor[0] + passed * (motion.anchor[1] + 0.5 * passed * bend)
     samples.anchor[k, 1] = motion.anchor[1] + passed * bend

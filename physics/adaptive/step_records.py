@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS as GRADIENT_ROWS
 
 Array = NDArray[np.float64]
 
@@ -32,8 +31,7 @@ GROWTH = 10  # by what factor, beside 1, bounces have made errors grow
 CONTROLS = 11
 
 STAGES = 12  # of dop853
-OWN_ROWS = 12  # rows of scratch memory that steps of radau, their events and modes name
-WORK_ROWS = max(OWN_ROWS, GRADIENT_ROWS)  # the fallback lends them to a step of the discrete gradient
+WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
 
 
 class Trial(NamedTuple):
@@ -62,13 +60,16 @@ class Regime(NamedTuple):
     see a chain without dissipation, and only switches change it.
     """
 
-    law: Array  # (n, 3)
+    law: Array  # (n, 3), with couplers (n, 6): see `row_graphs`
     inverse_mass: Array  # (n+1,)
     push: Array  # (n+1,) external force on each bead [N]; (0,) without any
     loss: Array  # (n,) part of its energy that each contact loses; (0,) without any
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
     easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any
+    segment: NDArray[np.int8]  # (n,) on which of its segments each contact is; this and all below (0,) without couplers
+    segments: Array  # (m, 9) of all contacts, see `row_graphs`
+    first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
 
 
 class Scratch(NamedTuple):
@@ -103,7 +104,7 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
     """Memory of `rows` steps."""
     values, flags = 9 * contacts + 6, contacts
     if dissipative:
-        values, flags = values + 5 * contacts + 2, flags + 2 * contacts + 1
+        values, flags = values + 8 * contacts + 2, flags + 3 * contacts + 1
     time, length, kind = np.empty(rows), np.empty(rows), np.empty(rows, dtype=np.int8)
     return Steps(time, length, kind, np.empty((rows, values)), np.empty((rows, flags), dtype=np.int8))
 

@@ -10,14 +10,13 @@ import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.event_location import OPENS, is_continued
-from softcradle.physics.adaptive.radau_guess import AFTER
-from softcradle.physics.adaptive.step import take_step
+from softcradle.physics.adaptive.radau import AFTER
+from softcradle.physics.adaptive.row_graphs import side_of
+from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
-from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import cubic, flow_into, signed_force
+from softcradle.physics.numerics.law_curve import cubic, curve_depth, flow_into, is_continued, pressed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
 
@@ -26,21 +25,21 @@ STEADY = 0.3
 
 
 @inlined
-def log_switches(before, time, motion, wanted, scratch, log):
+def log_switches(before, time, regime, motion, wanted, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
     after the start, or at the end where that is negative. Flights between bounces count in how errors grow, see `grow_errors`.
     """
     for i in range(motion.mode.size):
-        now = motion.mode[i] != OPEN and (motion.overlap[i] > 0.0 or motion.force[i] > 0.0)
+        now = motion.mode[i] != OPEN and (side_of(regime, i) * motion.overlap[i] > 0.0 or motion.force[i] != 0.0)
         if now != (log.closed[i] != 0):
             when = before if now else time
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)
             if now:
-                flight, speed = when - scratch.opened[i], motion.rate[i]
+                flight, speed = when - scratch.opened[i], side_of(regime, i) * motion.rate[i]
                 scratch.lateness[i] = flight / speed if flight > 0.0 and speed > 0.0 else 0.0
                 scratch.most_grown[i] = 2.0 * speed / wanted
             else:
@@ -49,24 +48,27 @@ def log_switches(before, time, motion, wanted, scratch, log):
 
 
 @inlined
-def grow_errors(row, event, chain, motion, wanted, scratch):
+def grow_errors(row, side, chain, regime, motion, wanted, scratch):
     """How the bounces that now go on, and returns to d = 0, make errors grow, and how often loaded contacts have turned.
 
     A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
-    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. `row` and `event` are what ended the step.
+    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. The step has ended at the corner of `row` on
+    that `side`.
     """
     course, slowest = scratch.course, wanted / TOLERANCE_PART
     for i in range(motion.mode.size):
-        loaded, rate = motion.mode[i] == LOADED, motion.rate[i]
+        inward = side_of(regime, i)
+        loaded, rate, overlap = motion.mode[i] == LOADED, inward * motion.rate[i], inward * motion.overlap[i]
         own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
         others = own - flow_into(i, chain.inverse_mass, motion.force)
-        others += drive_at(chain, i, 0.0)
+        others = inward * (others + drive_at(chain, i, 0.0))
+        own *= inward
         turned = abs(rate) > slowest and course[i] * rate < 0.0
-        if loaded and i == row and event == OPENS:
+        if loaded and i == row and side == 0:
             return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
         elif loaded and turned and rate > 0.0:
             bend = others - own
-            least = motion.overlap[i] - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
+            least = overlap - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
             return_to_touch(i, course[i], 0.0, least, others, chain, scratch.control)
         elif motion.mode[i] == OPEN and course[i] < 0.0:
             return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
@@ -84,13 +86,8 @@ def grow_errors(row, event, chain, motion, wanted, scratch):
 @piece
 def swing_push(i, weight, fastest, chain):
     """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
-    preload, stiffness, exponent = chain.law[i, 0], chain.law[i, 1], chain.law[i, 2]
-    half_square, depth = 0.5 * fastest * fastest / weight, math.inf
-    if preload > 0.0:
-        depth = half_square / preload
-    if stiffness > 0.0:
-        depth = min(depth, power((1.0 + exponent) * half_square / stiffness, 1.0 / (1.0 + exponent)))
-    return weight * signed_force(preload, stiffness, exponent, depth)
+    depth = curve_depth(chain.law, chain.own, i, 0.5 * fastest * fastest / weight)
+    return weight * pressed_force(chain.law, chain.own, i, depth)
 
 
 @piece
@@ -103,14 +100,14 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
     if chain.external.size == 0:  # nothing pushes steadily: what comes back does so by bounces, which are counted
         return
     weight, fastest = chain.inverse_mass[i] + chain.inverse_mass[i + 1], abs(fastest)
-    bend = others - weight * chain.law[i, 0]
+    bend = others - weight * abs(chain.law[i, 0])
     if bend <= 0.0 or fastest == 0.0 or others < STEADY * swing_push(i, weight, fastest, chain):
         return
     error = max(math.sqrt(control[LOCAL_SQUARE]), ROUND_OFF * fastest)
     square = fastest * error
     if bend * least > FEW_TRIES * square:
         return
-    missing = weight * signed_force(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], square / bend)
+    missing = weight * pressed_force(chain.law, chain.own, i, square / bend)
     grown = fastest / math.sqrt(max(rate * rate, 2.0 * square)) - 1.0
     if grown > 0.0:
         control[GROWTH] += 2.0 * missing / (bend + missing) * grown

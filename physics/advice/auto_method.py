@@ -47,7 +47,9 @@ class Choice:
 
 def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: float) -> Choice:
     """The method for `error`, relative to the closing speed, on `chain` from `velocity` (n+1,) [m/s]."""
-    if not chain.dissipative and nearly_yields(chain, velocity):
+    if chain.couplers:
+        return _adaptive("accurate", error, error, "couplers close, yield and pull at events that it ends its steps at")
+    if not (chain.dissipative or chain.own_laws) and nearly_yields(chain, velocity):
         return _adaptive(
             "radau", min(error, 2.0 * NEAR_CRITICAL), error, "a contact may yield for a moment near this critical speed"
         )
@@ -57,7 +59,7 @@ def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: flo
             f"conserving, step {step:.3g} s, for a wanted error of {error:g}: energy and momentum are exact at any step"
         )
         return Choice("conserving", step, 0.0, reason)
-    if all(law.preload > 0.0 for law in chain.power_laws):
+    if all(law.preload > 0.0 for law in chain.contact):
         return _adaptive("radau", error, error, "contacts with preload touch, and are one linear system to it")
     return _adaptive("accurate", error, error, _why_not_fixed(chain, duration, error))
 

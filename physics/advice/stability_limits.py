@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, require_kind
-from softcradle.physics.own_law import OwnLaw, zero_of
+from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import checked_velocity
@@ -90,7 +91,17 @@ def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: fl
     longest = math.log2(depth / speed)
     if impulse(longest) <= 0.0:
         return stiff, math.inf
-    return stiff, float(2.0 ** zero_of(impulse, longest - MOST_HALVINGS, longest))
+    return stiff, float(2.0 ** _zero_of(impulse, longest - MOST_HALVINGS, longest))
+
+
+def _zero_of(rising: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function that does not fall passes 0, between `low` and `high`, to the last digit: by halving."""
+    while low < (middle := 0.5 * (low + high)) < high:
+        if rising(middle) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, per_chain
-from softcradle.physics.scales import ROUND_OFF, contact_scales, speeds_to_depth
+from softcradle.physics.scales import NO_APPROACH, contact_scales, speeds_to_depth
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 LARGEST_TOLERANCE = 0.1  # of the closing speed: beyond, velocities are not determined
@@ -69,7 +69,7 @@ def _usual_speed_of_gears(chain: Chain) -> float:
     if not gears.any():
         return 0.0
     depth = np.divide(LEAST_YIELD * preload, stiffness, out=np.zeros(chain.contacts), where=gears)
-    return float(np.max(speeds_to_depth(chain, depth), where=gears, initial=0.0)) * (1.0 + ROUND_OFF)
+    return float(np.max(speeds_to_depth(chain, depth), where=gears, initial=0.0)) * (1.0 + NO_APPROACH)
 
 
 def _of_friction(friction: float) -> Warnings:

@@ -1,14 +1,26 @@
 """Matching: the power law nearest to a given draft gear in one collision, and the draft gear nearest to a power law.
 
 "The above form of f(delta) resembles the power-law form, f0 delta^alpha, with alpha << 1" (Appendix C): how nearly, and
-with which f0 and alpha, depends on the collision, and on the distance of two contacts that is made small
-(softcradle.physics.analysis.contact_distance). Where both clusters move as rigid bodies the outcome is nearly the same for all
-small alpha; the force is not.
+with which f0 and alpha, depends on the collision, and on the distance of two contacts that is made small:
+
+    force     sqrt(integral (f - g)^2 dt / integral f^2 dt) over the force of the struck contact, from the first touch
+              until both collisions are over
+    outcome   sqrt(mean ((v_i - w_i) / V)^2 + ln(T / S)^2) over the final velocities of all beads, V the closing speed
+              at the start, and the contact times T, S of the struck contact
+
+f, v, T belong to the given contact, g, w, S to the other; all contacts of the chain are replaced. Where both clusters move as
+rigid bodies the outcome is nearly the same for all small alpha; the force is not. A draft gear below its critical speed moves
+the clusters as rigid bodies, whatever its numbers: there the outcome is flat, and a search that starts there stays. So the
+search begins with contacts of every V/v_c, or of every alpha, that hold two rigid bodies together for a given time T:
+
+    draft gear   T = (2/w) atan(x), x = V/(w D) = (V/v_c) sqrt(1/r^2 - 1)
+    power law    T ~ K^(-1/p), p = 1 + alpha, from that of stiffness 1
 """
 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -16,16 +28,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
-from softcradle.physics.analysis.closed_forms import rigid_stroke
+from softcradle.physics.analysis.closed_forms import one_on_one, rigid_masses, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import struck_contact
-from softcradle.physics.analysis.contact_distance import DISTANCES, Distance, force_distance, outcome_distance
-from softcradle.physics.analysis.critical_speed import speed_ratio
-from softcradle.physics.analysis.matching_starts import gears_of_all_speeds, laws_of_all_exponents
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.contact import Contact, draft_gear, power_law
+from softcradle.physics.simulation import simulate
+from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 Family = Literal["power_law", "draft_gear"]
+Distance = Literal["force", "outcome"]
 
 NEAR = 0.1  # largest distance that counts as near: forces that differ by 10 %
 ALPHAS = (1.0 / 50.0, 3.0)  # range of the exponents that are searched
@@ -38,6 +50,16 @@ SIMPLEX_SIZES = (0.3, 0.1, 0.03)  # of the logarithms: the search begins again w
 MOST_COLLISIONS = 150  # of one descent; two numbers need about 60
 DESCENTS = {"force": 1, "outcome": 3}  # from the nearest starts, by distance: the outcome has several valleys
 
+DISTANCES: tuple[Distance, ...] = ("force", "outcome")
+TOLERANCE = 1e-6  # of the collisions: far below any distance; very soft chains need thousands of steps for less
+FAR = 1e3  # distance of a contact whose collision cannot be simulated
+# times of samples, in contact times: dense at both ends, where forces jump, and short of the ends themselves, where the force
+# has two values
+GRADED = np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 801)), 1e-9, 1.0 - 1e-9)
+
+RATIOS = tuple(np.geomspace(0.3, 30.0, 33).tolist())  # V/v_c of the gears that a search begins with
+EXPONENTS = tuple(np.geomspace(0.025, 2.5, 17).tolist())  # of the power laws that it begins with
+
 
 @dataclass(frozen=True)
 class Match:
@@ -45,7 +67,7 @@ class Match:
 
     Attributes:
         given, contact: the contact that was given, and the nearest of the other family.
-        distance: name of the distance that was made small; see softcradle.physics.analysis.contact_distance.
+        distance: name of the distance that was made small.
         residual: the least distance found; 0.1 for force curves that differ by 10 % in the root mean square.
         near: whether the residual is at most NEAR.
         outcome: how far final velocities and contact time are apart, whatever the distance was; equal forces do not mean them.
@@ -221,3 +243,97 @@ def _ranges(family: Family, guess: Contact, depth: float) -> Array:
     force = float(guess.force(0.5 * depth))
     second = ALPHAS if family == "power_law" else tuple(depth * factor for factor in PRECOMPRESSIONS)
     return np.array([[force * factor for factor in FORCES], second])
+
+
+def _solved(chain: Chain, velocity: Array, duration: float | None, samples: int | Array) -> Trajectory:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a contact whose run fails gets the distance FAR
+        return simulate(chain, velocity, duration, "accurate", None, samples, TOLERANCE)
+
+
+def _with(chain: Chain, contact: Contact) -> Chain:
+    return replace(chain, contact=(contact,) * chain.contacts)
+
+
+def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
+    """A function of a contact: how far the collision with it is from that of `chain`, by the force of contact `struck`."""
+
+    def curve(contact: Contact) -> tuple[Array, Array]:
+        """Force of the struck contact from its first touch to its last opening, and the times since that touch."""
+        candidate = _with(chain, contact)
+        spans = _solved(candidate, velocity, None, 2).contact_intervals[struck]
+        touched, opened = spans[0][0], spans[-1][1]
+        time = touched + (opened - touched) * GRADED
+        return time - touched, _solved(candidate, velocity, opened, time).force[:, struck]
+
+    time, force = curve(chain.power_laws[0])
+    whole = np.trapezoid(force**2, time)
+
+    def apart(contact: Contact) -> float:
+        other_time, other = curve(contact)
+        found = math.sqrt(squared_difference(time, force, other_time, other) / whole)
+        return found if math.isfinite(found) else FAR
+
+    return apart
+
+
+def squared_difference(time: Array, curve: Array, other_time: Array, other: Array) -> float:
+    """Integral of (f - g)^2 of two curves over times (T,), (S,) from 0 on; each curve is 0 after its last time.
+
+    >>> one = np.ones(2)
+    >>> squared_difference(np.array([0.0, 2.0]), one, np.array([0.0, 3.0]), 2.0 * one)
+    6.0
+    """
+    first = min(time[-1], other_time[-1])
+    both = np.unique(np.concatenate((time[time <= first], other_time[other_time <= first])))
+    off = np.interp(both, time, curve) - np.interp(both, other_time, other)
+    total = float(np.trapezoid(off**2, both))
+    for times, values in ((time, curve), (other_time, other)):
+        rest = np.concatenate(([first], times[times > first]))
+        total += float(np.trapezoid(np.interp(rest, times, values) ** 2, rest))
+    return total
+
+
+def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
+    """A function of a contact: how far the collision with it is from that of `chain`, by final velocities and contact time."""
+    closing = float(velocity[struck] - velocity[struck + 1])
+
+    def outcome(contact: Contact) -> tuple[Array, float]:
+        found = _solved(_with(chain, contact), velocity, None, 2)
+        closed = sum(opened - touched for touched, opened in found.contact_intervals[struck])
+        return found.final_velocity / closing, math.log(closed)
+
+    speeds, logarithm = outcome(chain.power_laws[0])
+
+    def apart(contact: Contact) -> float:
+        other_speeds, other_logarithm = outcome(contact)
+        off = float(np.mean((other_speeds - speeds) ** 2)) + (other_logarithm - logarithm) ** 2
+        found = math.sqrt(off)
+        return found if math.isfinite(found) else FAR
+
+    return apart
+
+
+def gears_of_all_speeds(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
+    """A draft gear for every V/v_c of RATIOS that holds two rigid bodies together for `time` [s]; none for one on one."""
+    first, second = rigid_masses(chain.mass, struck + 1)
+    carried = float(np.delete(mass_shares(chain.mass, struck), struck).max(initial=0.0))
+    if not 0.0 < carried < 1.0:
+        return []
+    found = []
+    for ratio in RATIOS:
+        x = ratio * math.sqrt(1.0 / carried**2 - 1.0)
+        frequency = 2.0 * math.atan(x) / time
+        found.append(draft_gear(frequency**2 / (1.0 / first + 1.0 / second), speed / (frequency * x)))
+    return found
+
+
+def laws_of_all_exponents(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
+    """A power law for every exponent of EXPONENTS that holds two rigid bodies together for `time` [s]."""
+    first, second = rigid_masses(chain.mass, struck + 1)
+    found = []
+    reduced = 1.0 / (1.0 / first + 1.0 / second)
+    for exponent in EXPONENTS:
+        unit = one_on_one(power_law(1.0, exponent), reduced, speed).contact_time  # of stiffness 1; T ~ K^(-1/p)
+        found.append(power_law((unit / time) ** (1.0 + exponent), exponent))
+    return found

@@ -14,7 +14,7 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-9  # of the range of a curve: a swing smaller than this is none
+LEAST_SWING = 1e-9  # of the range of a curve: a swing smaller than this is none
 FEWEST_TURNS = 4  # turning points that an oscillation on top of one rise and one fall has at least
 
 
@@ -36,7 +36,7 @@ class Ringing:
 
 
 def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.int_]:
-    """Indices of the samples at which `curve` (T,) turns; less than `swing`, or ROUND_OFF of its range, is none.
+    """Indices of the samples at which `curve` (T,) turns; less than `swing`, or LEAST_SWING of its range, is none.
 
     Where a curve may be constant, what it is determined to has to be given: all of its range is round-off.
 
@@ -46,7 +46,7 @@ def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.i
     [3]
     """
     values = np.asarray(curve, dtype=np.float64)
-    least = ROUND_OFF * float(np.ptp(values)) if swing is None else swing
+    least = LEAST_SWING * float(np.ptp(values)) if swing is None else swing
     found = []
     extreme, direction = 0, 0
     for i in range(1, values.size):

@@ -14,15 +14,11 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
-from softcradle.physics.numerics.contact_solve import solve_contacts
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
-from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.knots import add_half_work, put_mean
-from softcradle.physics.numerics.law_kernels import energy
-from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
-from softcradle.physics.numerics.resolvent import SMALLEST
-from softcradle.physics.numerics.solver_rows import (
+from softcradle.physics.numerics.contact_solve import (
+    DIAGONAL,
+    END,
     FORCE_AT_HOLD,
+    FREE,
     FREE_VELOCITY,
     FRICTION,
     HOLD,
@@ -30,12 +26,18 @@ from softcradle.physics.numerics.solver_rows import (
     SOLVER_ROWS,
     START_VELOCITY,
     loses,
+    solve_contacts,
 )
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.knots import add_half_work, put_mean
+from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
+from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import any_switched, copy_into
 
-# rows (n,) of scratch memory of a step, after those of the solver
-FREE, END, DIAGONAL, FIRST_FORCE = SOLVER_ROWS, SOLVER_ROWS + 1, SOLVER_ROWS + 2, SOLVER_ROWS + 3
-WORK_ROWS = SOLVER_ROWS + 4
+FIRST_FORCE = SOLVER_ROWS  # row (n,) of scratch memory beside those of the solver: forces before a step that may be cut
+WORK_ROWS = SOLVER_ROWS + 1
 # of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
 SMALLEST_PART = 2.0**-10
 # of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
@@ -65,13 +67,13 @@ def is_held(i, motion, work):
 
 
 @inlined
-def first_event(h, joints, dissipation, motion, beads, work):
+def first_event(h, chain, motion, beads, work):
     """Part of the step after which the first bead turns or contact with loss reverses, 1 where none does; an estimate."""
     first = 1.0
-    bed, overlap, rate = dissipation.bed, motion.overlap, motion.rate
+    bed, overlap, rate = chain.dissipation.bed, motion.overlap, motion.rate
     for i in range(overlap.size):
         least, full = work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i]
-        if full > least and rate[i] != 0.0 and (overlap[i] > 0.0 or is_joint(joints, i)):
+        if full > least and rate[i] != 0.0 and (overlap[i] > 0.0 or is_joint(chain.joints, i)):
             end = work[END, i]
             ended = 2.0 * (end - overlap[i]) / h - rate[i]
             kept = full if rate[i] > 0.0 else least
@@ -89,14 +91,14 @@ def first_event(h, joints, dissipation, motion, beads, work):
 
 
 @inlined
-def absorb(h, chain, dissipation, motion, beads, work):
+def absorb(h, chain, motion, beads, work):
     """Add what contacts and bed absorb in the step: what they take of the motion less what is stored."""
-    law, overlap, end, bed = chain.law, motion.overlap, work[END], dissipation.bed
+    law, overlap, end, bed = chain.law, motion.overlap, work[END], chain.dissipation.bed
     for i in range(overlap.size):
         if is_joint(chain.joints, i):
             fall = joint_fall(chain.joints, i, overlap[i], end[i], False)
             motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
-        elif loses(dissipation.loss[i], overlap[i], motion.rate[i]):
+        elif loses(chain.dissipation.loss[i], overlap[i], motion.rate[i]):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
             motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
@@ -120,18 +122,17 @@ def bead_acceleration(j, chain, force):
 
 
 @inlined
-def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
+def rate_after(h, i, chain, motion, left, right, beads, work):
     """Rate of contact i at the end of the step by its finest formula, from the accelerations of its two beads.
 
     It is w0 - h L g, or 2 (d1 - d0)/h - w0 where the overlap is so small that this is the finer number.
     """
     start, rate, end = motion.overlap[i], motion.rate[i], work[END, i]
-    slide = 0.0
-    if dissipation is not None:
-        lossy = is_joint(chain.joints, i) or loses(dissipation.loss[i], start, rate)
+    slide, loss, bed = 0.0, chain.dissipation.loss, chain.dissipation.bed
+    if loss.size:
+        lossy = is_joint(chain.joints, i) or loses(loss[i], start, rate)
         if lossy and is_held(i, motion, work):
             return 0.0
-        bed = dissipation.bed
         if bed.size:
             if math.isnan(beads[FRICTION, i]) or math.isnan(beads[FRICTION, i + 1]):
                 return velocity_after(h, i, beads, bed) - velocity_after(h, i + 1, beads, bed)
@@ -142,12 +143,13 @@ def rate_after(h, i, chain, dissipation, motion, left, right, beads, work):
 
 
 @inlined
-def move(h, chain, dissipation, motion, beads, work):
+def move(h, chain, motion, beads, work):
     """Put the end of the step into the motion."""
     n, overlap, rate, anchor, bead = motion.rate.size, motion.overlap, motion.rate, motion.anchor, chain.anchor_bead
-    by_velocity = dissipation is not None and dissipation.bed.size > 0
+    bed = chain.dissipation.bed
+    by_velocity = bed.size > 0
     if by_velocity:
-        ended = velocity_after(h, bead, beads, dissipation.bed)
+        ended = velocity_after(h, bead, beads, bed)
         anchor[0] += 0.5 * h * (anchor[1] + ended)
         anchor[1] = ended
     else:
@@ -158,59 +160,50 @@ def move(h, chain, dissipation, motion, beads, work):
     for i in range(n):
         right = bead_acceleration(i + 1, chain, motion.force)
         before = rate[i]
-        rate[i] = rate_after(h, i, chain, dissipation, motion, left, right, beads, work)
+        rate[i] = rate_after(h, i, chain, motion, left, right, beads, work)
         firm = by_velocity and math.isnan(beads[FRICTION, i]) and math.isnan(beads[FRICTION, i + 1])
         overlap[i] = overlap[i] + 0.5 * h * before if firm else work[END, i]
         left = right
 
 
 @inlined
-def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
+def single_step(h, chain, motion, beads, work, forced, whole):
     """One step in place. Returns the iterations used, negative where they did not converge, and the part of the step at
     which it should be cut (1: nowhere). The motion stays as it was where it is not `forced` and did not converge, or where it
     should be cut and is not `whole`.
     """
-    overlap, rate, force, outside, inverse_mass = (
-        motion.overlap,
-        motion.rate,
-        motion.force,
-        chain.push,
-        chain.inverse_mass,
-    )
-    free, end, diagonal = work[FREE], work[END], work[DIAGONAL]
+    overlap, rate, outside, inverse_mass = motion.overlap, motion.rate, chain.push, chain.inverse_mass
+    free, end, diagonal, dissipates = work[FREE], work[END], work[DIAGONAL], chain.dissipation.loss.size > 0
     for i in range(overlap.size):
         weight = inverse_mass[i] + inverse_mass[i + 1]
         # between beads that no force moves a row of its own, without effect
         diagonal[i] = weight if weight > 0.0 else 1.0
         if 0.0 < overlap[i] < SMALLEST:
             overlap[i] = 0.0
-        if dissipation is not None and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:
+        if dissipates and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:
             overlap[i] = 0.0
         free[i] = h * rate[i]
         if outside.size:
             free[i] += 0.5 * h * h * (outside[i] * inverse_mass[i] - outside[i + 1] * inverse_mass[i + 1])
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
-    if dissipation is not None and dissipation.bed.size:
+    if chain.dissipation.bed.size:
         bead_velocities(rate, chain.anchor_bead, motion.anchor[1], beads[START_VELOCITY])
-    used = solve_contacts(
-        h, chain.law, chain.own, chain.joints, dissipation, diagonal, inverse_mass, outside, free, overlap, rate, end, force,
-        beads, work,
-    )  # fmt: skip
+    used = solve_contacts(h, chain, motion, beads, work)
     if used < 0 and not forced:
         return used, 1.0
     for i in range(overlap.size):
         if inverse_mass[i] + inverse_mass[i + 1] == 0.0:
             end[i] = overlap[i] + free[i]
-    if dissipation is not None:
+    if dissipates:
         if not whole:
-            part = first_event(h, chain.joints, dissipation, motion, beads, work)
+            part = first_event(h, chain, motion, beads, work)
             if NEAR_END < part < 1.0 - NEAR_END:
                 return used, part
-        absorb(h, chain, dissipation, motion, beads, work)
+        absorb(h, chain, motion, beads, work)
     timed = chain.knots.time.size > 0
     if timed:
         add_half_work(h, chain, motion, beads[START_VELOCITY])
-    move(h, chain, dissipation, motion, beads, work)
+    move(h, chain, motion, beads, work)
     if timed:
         add_half_work(h, chain, motion, beads[START_VELOCITY])
     settle_joint_forces(chain.joints, motion)
@@ -218,7 +211,7 @@ def single_step(h, chain, dissipation, motion, beads, work, forced, whole):
 
 
 @jit
-def gradient_step(h, chain, dissipation, motion, beads, work):
+def gradient_step(h, chain, motion, beads, work):
     """One step in place, in shorter ones where it does not converge and cut where a bead stops or a contact reverses.
 
     `work` (WORK_ROWS, n), `beads` (BEAD_ROWS, n+1). Returns the iterations used, negative where even the shortest step did
@@ -227,10 +220,10 @@ def gradient_step(h, chain, dissipation, motion, beads, work):
     first_force, force = work[FIRST_FORCE], motion.force
     total, left, part, failed, cuts, event = 0, h, h, False, 0, False
     while left > 0.0:
-        if dissipation is not None:
+        if chain.dissipation.loss.size:
             copy_into(first_force, force)
         shortest = part <= SMALLEST_PART * h
-        used, cut = single_step(part, chain, dissipation, motion, beads, work, shortest, event or cuts >= MOST_CUTS)
+        used, cut = single_step(part, chain, motion, beads, work, shortest, event or cuts >= MOST_CUTS)
         total += abs(used)
         if used < 0 and not shortest:
             part *= 0.5
@@ -253,21 +246,19 @@ def gradient_step(h, chain, dissipation, motion, beads, work):
 
 
 @jit
-def gradient_steps(most, time, h, chain, dissipation, motion, closed, beads, work, counter):
+def gradient_steps(most, time, h, chain, motion, closed, beads, work, counter):
     """Up to `most` steps from `time` on in place, until a contact leaves the state in `closed` or, with dissipation, all rest.
 
     Counts evaluations and steps that did not converge in `counter`. Returns the steps taken.
     """
     for step in range(most):
         if chain.knots.time.size:
-            put_mean(
-                time + step * h, h, chain.knots, chain.push, chain.push if dissipation is None else dissipation.bed
-            )
-        used = gradient_step(h, chain, dissipation, motion, beads, work)
+            put_mean(time + step * h, h, chain.knots, chain.push, chain.dissipation.bed)
+        used = gradient_step(h, chain, motion, beads, work)
         counter[EVALUATION] += abs(used)
         counter[UNCONVERGED] += 1 if used < 0 else 0
         stopped = any_switched(motion, closed)
-        if dissipation is not None:
+        if chain.dissipation.loss.size:
             stopped |= at_rest(motion)
         if stopped:
             return step + 1

@@ -43,32 +43,32 @@ YOSHIDA4 = (
 
 
 @inlined
-def drift(part, chain, dissipation, motion):
-    """Move on for the time `part` at the present rates; add what contacts with loss keep to what they absorbed."""
-    law, overlap, rate = chain.law, motion.overlap, motion.rate
+def drift(part, chain, motion):
+    """Move on for the time `part` at the present rates; add what contacts with loss take to what they absorbed."""
+    law, loss, overlap, rate = chain.law, chain.dissipation.loss, motion.overlap, motion.rate
     for i in range(overlap.size):
         before = overlap[i]
         overlap[i] += part * rate[i]
         if is_joint(chain.joints, i):
             motion.taken[0] += joint_fall(chain.joints, i, before, overlap[i], True)
-        elif dissipation is not None and dissipation.loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
+        elif loss.size and loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
             fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            motion.taken[0] += dissipation.loss[i] * fall
+            motion.taken[0] += loss[i] * fall
     motion.anchor[0] += part * motion.anchor[1]
 
 
 @inlined
-def push(chain, dissipation, motion):
+def push(chain, motion):
     """The contact forces at the present overlaps."""
-    law, own, force = chain.law, chain.own, motion.force
+    law, own, loss, force = chain.law, chain.own, chain.dissipation.loss, motion.force
     for i in range(force.size):
         if is_joint(chain.joints, i):
             force[i] = joint_force(chain.joints, i, motion.overlap[i], motion.rate[i])
             continue
         force[i] = force_at(law, own, i, motion.overlap[i])
-        if dissipation is not None and motion.rate[i] < 0.0:
-            force[i] *= 1.0 - dissipation.loss[i]
+        if loss.size and motion.rate[i] < 0.0:
+            force[i] *= 1.0 - loss[i]
 
 
 @inlined
@@ -92,9 +92,9 @@ def kick(part, chain, motion):
 
 
 @inlined
-def kick_and_brake(part, chain, dissipation, motion, beads):
+def kick_and_brake(part, chain, motion, beads):
     """Change bead velocities by all forces during `part`, then brake them on the bed; `beads` (2 or more, n+1) scratch."""
-    n, inverse_mass, bed = motion.rate.size, chain.inverse_mass, dissipation.bed
+    n, inverse_mass, bed = motion.rate.size, chain.inverse_mass, chain.dissipation.bed
     rate, anchor, force = motion.rate, motion.anchor, motion.force
     if bed.size:
         bead_velocities(rate, chain.anchor_bead, anchor[1], beads[0])
@@ -115,34 +115,34 @@ def kick_and_brake(part, chain, dissipation, motion, beads):
 
 
 @jit
-def split_steps(most, time, h, drifts, kicks, chain, dissipation, motion, closed, beads):
+def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
     """Up to `most` steps from `time` on in place, until a contact leaves the state in `closed` or, with dissipation, all rest.
 
     `drifts`, `kicks` are the method's, none negative with dissipation. The kicks of a step follow each other in time: each gives
     the impulse that forces over time have in its part of the step. Returns the steps taken.
     """
-    stages, timed = kicks.size, chain.knots.time.size > 0
+    stages, timed, dissipates = kicks.size, chain.knots.time.size > 0, chain.dissipation.loss.size > 0
     for step in range(most):
         begun = time + step * h
         for stage in range(stages):
-            drift(h * drifts[stage], chain, dissipation, motion)
-            push(chain, dissipation, motion)
+            drift(h * drifts[stage], chain, motion)
+            push(chain, motion)
             length = h * kicks[stage]
             if timed:
-                put_mean(begun, length, chain.knots, chain.push, chain.push if dissipation is None else dissipation.bed)
+                put_mean(begun, length, chain.knots, chain.push, chain.dissipation.bed)
                 begun += length
                 add_half_work(length, chain, motion, beads[0])
-            if dissipation is None:
-                kick(length, chain, motion)
+            if dissipates:
+                kick_and_brake(length, chain, motion, beads)
             else:
-                kick_and_brake(length, chain, dissipation, motion, beads)
+                kick(length, chain, motion)
             if timed:
                 add_half_work(length, chain, motion, beads[0])
         if drifts[stages] != 0.0:
-            drift(h * drifts[stages], chain, dissipation, motion)
+            drift(h * drifts[stages], chain, motion)
         settle_joint_forces(chain.joints, motion)
         stopped = any_switched(motion, closed)
-        if dissipation is not None:
+        if dissipates:
             stopped |= at_rest(motion)
         if stopped:
             return step + 1

@@ -10,24 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.contact import Contact, hooke, power_law
-from softcradle.physics.coupler import Coupler
-from softcradle.physics.fixed_step.checkpoints import (
-    AT,
-    BEGUN,
-    NEXT,
-    SPACING,
-    Checkpoints,
-    Pause,
-    empty_checkpoints,
-    no_pause,
-)
+from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.explicit_steps import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.step_loop import (
+    AT,
+    BEGUN,
     DISCRETE_GRADIENT,
+    NEXT,
+    SPACING,
     SPLITTING,
+    Checkpoints,
+    Pause,
+    empty_checkpoints,
     march,
+    no_pause,
     sample_between,
 )
 from softcradle.physics.kernel_records import (
@@ -42,6 +39,7 @@ from softcradle.physics.kernel_records import (
     require_finite_motion,
 )
 from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
@@ -54,7 +52,6 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.state import State
@@ -63,7 +60,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 Array = NDArray[np.float64]
 
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
-MOST_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
+MOST_FIXED_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
 # Steps of a contact between two looks at signals, which Python hears between two calls of a kernel: some 0.1 s.
 PAUSE = 2_000_000
@@ -97,6 +94,11 @@ class Scratch:
         return cls(method, spare, beads, work, samples, empty_log(contacts, log_size), kept, no_pause())
 
 
+def kind_of(method: str) -> tuple[int, Array, Array]:
+    """The kind of its steps, drifts and kicks."""
+    return DISCRETE_GRADIENT if method == "conserving" else SPLITTING, *DRIFTS_AND_KICKS[method]
+
+
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
     _kernels(problem.chain).load_made()  # so that the cost measured is that of the motion
@@ -113,7 +115,7 @@ def advance(problem: Problem) -> Status:
     log.counter[:] = 0
     log.closed[:] = state.closed
     kernel = _kernels(problem.chain).of_frame(march)
-    status, state.time = _march_chain(kernel, MOST_STEPS, problem, state, end, False, scratch)
+    status, state.time = _march_chain(kernel, MOST_FIXED_STEPS, problem, state, end, False, scratch)
     state.note_switches(*kept_switches(log), int(log.counter[SWITCH]))
     return Status(status)
 
@@ -133,7 +135,7 @@ def _pass(
     seconds = perf_counter() - began
     if kernel is not march:
         _kernels(problem.chain).spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
-    if most < (problem.most_steps or MOST_STEPS) and Status(status).gave_up:
+    if most < (problem.most_steps or MOST_FIXED_STEPS) and Status(status).gave_up:
         return _pass(problem, end, times, stop, log_size, plain=False)
     larger = larger_log(scratch.log)
     if larger:
@@ -167,7 +169,7 @@ class _KeptRun:
         if kernel is not sample_between:
             _kernels(chain).spent += work
         none = tuple(empty_checkpoints(chain.contacts, False))
-        span = problem.step, problem.most_steps or MOST_STEPS
+        span = problem.step, problem.most_steps or MOST_FIXED_STEPS
         kept, pause = tuple(scratch.checkpoints), scratch.pause
         pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
         while not _call(kernel, span, problem, state, scratch, (kept, none, tuple(pause))):
@@ -178,14 +180,13 @@ class _KeptRun:
 
 
 def _kernels(chain: Chain) -> KernelTiers:
-    """The kernels for such a chain: they are compiled for what they need not ask for."""
-    what = "-couplers" if chain.couplers else "-dissipative" if chain.dissipative else ""
-    return TIERS[f"fixed-step{what}{'-own-laws' if chain.own_laws else ''}"]
+    """The kernels for such a chain: those without laws of one's own need not ask for them."""
+    return TIERS["fixed-step-own-laws" if chain.own_laws else "fixed-step"]
 
 
 def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[Any, int]:
     """The tier of the kernel for a run of `duration` [s], and the steps that it may take."""
-    chain, most = problem.chain, problem.most_steps or MOST_STEPS
+    chain, most = problem.chain, problem.most_steps or MOST_FIXED_STEPS
     if _kernels(chain).in_memory:
         return march, most
     ends = np.isfinite(duration)
@@ -218,12 +219,11 @@ def _call(
 ) -> Any:
     """Call a tier of a kernel on `state` with its `span` of time and steps and its `checkpoints`."""
     chain = problem.chain
-    data, dissipation = chain_records(chain, state)
-    kind = DISCRETE_GRADIENT if problem.method == "conserving" else SPLITTING
-    method = kind, *DRIFTS_AND_KICKS[problem.method]
     records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log), *checkpoints
     with kernel_arithmetic():
-        found = kernel(*method, *span, data, dissipation, *records, scratch.beads, scratch.work)
+        found = kernel(
+            *kind_of(problem.method), *span, chain_records(chain, state), *records, scratch.beads, scratch.work
+        )
     require_finite_motion(chain, state)
     return found
 
@@ -232,7 +232,7 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     """What a run could not do."""
     found = []
     if status.gave_up:
-        steps = problem.most_steps or MOST_STEPS
+        steps = problem.most_steps or MOST_FIXED_STEPS
         sentence = f"{problem.method} gave up after {steps} steps at t = {time:.6g} s: take a larger step"
         found.append(CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": steps, "time": time}))
     failed = int(log.counter[UNCONVERGED])
@@ -242,9 +242,9 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _call_kernels(first: Contact | Coupler, second: Contact | OwnLaw, friction: float) -> None:
-    """Call every kernel once for such contacts, with friction or without."""
-    chain = Chain([1.0, 1.0, 1.0], [first, second], friction=friction)
+def _call_kernels(contact: Contact | OwnLaw) -> None:
+    """Call every kernel once for such contacts."""
+    chain = Chain([1.0, 1.0, 1.0], contact)
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))
     run(Problem(chain, state, "conserving", 1e-3, 1e-3))
@@ -253,13 +253,7 @@ def _call_kernels(first: Contact | Coupler, second: Contact | OwnLaw, friction: 
         found.kept.record(found, np.array([5e-4]))
 
 
-OWN = OwnLaw(lambda overlap: overlap)
 TIERS = {
-    name + ending: KernelTiers(name + ending, __name__, partial(_call_kernels, contact, other, friction))
-    for name, contact, friction in (
-        ("fixed-step", power_law(1.0, 0.1), 0.0),
-        ("fixed-step-dissipative", power_law(1.0, 0.1), 0.1),
-        ("fixed-step-couplers", Coupler(hooke(1.0), hooke(1.0)), 0.0),
-    )
-    for ending, other in (("", power_law(1.0, 0.1)), ("-own-laws", OWN))
+    name: KernelTiers(name, __name__, partial(_call_kernels, contact))
+    for name, contact in (("fixed-step", power_law(1.0, 0.1)), ("fixed-step-own-laws", OwnLaw(lambda overlap: overlap)))
 }

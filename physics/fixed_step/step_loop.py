@@ -9,42 +9,26 @@ rest, or when all beads rest.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from softcradle.physics.fixed_step.checkpoints import (
-    AT,
-    BEGUN,
-    CLOSED,
-    COUNT,
-    DUE,
-    FLOWN_STEPS,
-    LEFT,
-    LOOK,
-    NEVER,
-    NEXT,
-    OVERLAPS,
-    RATES,
-    RESTS,
-    STILL,
-    Checkpoints,
-    Pause,
-    keep_checkpoint,
-    keep_pause,
-)
+import numpy as np
+from numpy.typing import NDArray
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.explicit_steps import split_steps
-from softcradle.physics.fixed_step.next_steps import FIRST_LOOK, FLOWN, GRID_TOLERANCE, RUNNING, look_ahead, seems_over
-from softcradle.physics.fixed_step.wall_distance import exact_sum, keep_wall_distance
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.coupler_kernels import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import put_mean
+from softcradle.physics.numerics.meeting import flight_time, meets_again, pushes_no_more
 from softcradle.physics.numerics.records import (
     DONE,
     EVALUATION,
     NO,
     ONE,
+    OUT_OF_STEPS,
     PAUSED,
     SAMPLE,
+    SEPARATED,
     STEP,
     ZERO,
     ChainData,
@@ -54,17 +38,194 @@ from softcradle.physics.numerics.records import (
 )
 from softcradle.physics.numerics.switches import (
     any_switched,
+    copy_into,
     copy_motion,
     is_closed,
     log_switch,
+    put_row,
     take_row,
     take_sample,
 )
+
+Array = NDArray[np.float64]
 
 # kinds of step
 SPLITTING, DISCRETE_GRADIENT = 0, 1
 
 STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
+RUNNING = -1  # in place of a status: there are steps to take
+FLOWN = -2  # in place of a status: it looks ahead once more
+
+GRID_TOLERANCE = 1e-9  # of a step: what is this near to the grid is on it
+FIRST_LOOK = 256  # steps after which a run looks if closed contacts still push; then twice as many, and so on
+MOST_COUNTED = 2**62  # steps of a run, those of flights included: their number stays one of 64 bits
+MOST_FLOWN = 2.0**61  # steps of a flight, for the same reason
+MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
+
+# entries of the plan
+COUNT = 0  # checkpoints kept
+DUE = 1  # steps after which the next one is kept
+SPACING = 2  # steps between two
+
+# entries of the counts of a pause
+AT = 0  # steps at which the loop hands back; for samples, steps that are made before it does
+BEGUN = 1  # nonzero: the run has paused and goes on
+LEFT = 2  # steps that were left when it paused, before it looks up again; 0: it paused where it looks up
+LOOK, FLOWN_STEPS, CLOSED, RESTS = 3, 4, 5, 6  # what the loop knew then
+NEXT = 7  # for samples: the checkpoint to go on from
+# entries of its numbers
+STILL, RATES, OVERLAPS = 0, 1, 3  # rates up to which nothing closes; exact sums at the start, two numbers each
+
+MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
+# steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
+FIRST_SPACING = 4
+NEVER = 2**62  # steps
+
+
+class Checkpoints(NamedTuple):
+    """Rows of a motion as of Samples, and the plan: how many there are and when the next is due."""
+
+    time: Array  # (R,) [s]
+    overlap: Array  # (R, n)
+    rate: Array  # (R, n)
+    anchor: Array  # (R, 2)
+    force: Array  # (R, n)
+    taken: Array  # (R, 4)
+    plan: NDArray[np.int64]  # (3,)
+
+
+class Pause(NamedTuple):
+    """When a run hands back, and what it needs to go on."""
+
+    counts: NDArray[np.int64]  # (8,)
+    numbers: Array  # (5,)
+
+
+def no_pause() -> Pause:
+    """Memory for the pauses of a run; as it is there are none."""
+    counts = np.zeros(8, dtype=np.int64)
+    counts[AT] = NEVER
+    return Pause(counts, np.zeros(5))
+
+
+def empty_checkpoints(contacts: int, kept: bool) -> Checkpoints:
+    """Rows for a chain with `contacts`; none where no checkpoints are `kept`."""
+    rows = min(MOST_ROWS, max(2, MOST_NUMBERS // (3 * contacts))) if kept else 0
+    wide, narrow = (rows, contacts), (rows, 2)
+    plan = np.array([0, 0 if kept else NEVER, FIRST_SPACING])
+    return Checkpoints(
+        np.empty(rows), np.empty(wide), np.empty(wide), np.empty(narrow), np.empty(wide), np.empty((rows, 4)), plan
+    )
+
+
+@inlined
+def keep_checkpoint(time, motion, kept, counter):
+    """Keep the motion at `time`; where there is no row left, first leave every second one out."""
+    plan, rows = kept.plan, kept.time.size
+    if plan[COUNT] == rows:
+        left = (rows + 1) // 2
+        for k in range(1, left):
+            kept.time[k] = kept.time[2 * k]
+            copy_into(kept.overlap[k], kept.overlap[2 * k])
+            copy_into(kept.rate[k], kept.rate[2 * k])
+            copy_into(kept.anchor[k], kept.anchor[2 * k])
+            copy_into(kept.force[k], kept.force[2 * k])
+            copy_into(kept.taken[k], kept.taken[2 * k])
+        plan[COUNT], plan[SPACING] = left, 2 * plan[SPACING]
+    k = plan[COUNT]
+    kept.time[k] = time
+    put_row(kept, k, motion)
+    plan[COUNT], plan[DUE] = k + 1, counter[STEP] + plan[SPACING]
+
+
+@inlined
+def keep_pause(pause, left, look, flown, closed, rests, still, rates, overlaps):
+    """Keep what the loop knows, `left` steps before it looks up again."""
+    counts, numbers = pause.counts, pause.numbers
+    counts[BEGUN], counts[LEFT], counts[LOOK], counts[FLOWN_STEPS] = 1, left, look, flown
+    counts[CLOSED], counts[RESTS] = closed, 1 if rests else 0
+    numbers[STILL], numbers[RATES], numbers[RATES + 1] = still, rates[0], rates[1]
+    numbers[OVERLAPS], numbers[OVERLAPS + 1] = overlaps[0], overlaps[1]
+
+
+@inlined
+def exact_sum(values):
+    """The sum as a number and what it lacks of being exact (Neumaier)."""
+    total, rest = 0.0, 0.0
+    for i in range(values.size):
+        found = total + values[i]
+        larger = abs(total) >= abs(values[i])
+        rest += (total - found) + values[i] if larger else (values[i] - found) + total
+        total = found
+    return total, rest
+
+
+@inlined
+def keep_wall_distance(elapsed, motion, rates, overlaps):
+    """Take what sums of rates and overlaps are off after `elapsed` [s] from the open contact that is slowest.
+
+    `rates` and `overlaps` are their exact sums at the start.
+    """
+    overlap, rate, slowest = motion.overlap, motion.rate, -1
+    for i in range(overlap.size):
+        if overlap[i] < 0.0 and rate[i] != 0.0 and (slowest < 0 or abs(rate[i]) < abs(rate[slowest])):
+            slowest = i
+    if slowest >= 0:
+        total, rest = exact_sum(rate)
+        rate[slowest] -= (total - rates[0]) + (rest - rates[1])
+        total, rest = exact_sum(overlap)
+        overlap[slowest] -= (total - overlaps[0]) + (rest - overlaps[1]) - elapsed * (rates[0] + rates[1])
+
+
+@inlined
+def fly(steps, h, motion):
+    """Take whole steps of free flight at once."""
+    for i in range(motion.overlap.size):
+        motion.overlap[i] += steps * h * motion.rate[i]
+    motion.anchor[0] += steps * h * motion.anchor[1]
+
+
+@inlined
+def seems_over(looks, closed, look, still, pushed, chain, motion, counter):
+    """Whether no contact pushes beads apart any more, and the step at which to look closer next, if it `looks`."""
+    over = closed == 0 and not pushed
+    if looks and not pushed and counter[STEP] >= look:
+        return pushes_no_more(chain, motion, still), 2 * counter[STEP]
+    return over, look
+
+
+@inlined
+def look_ahead(
+    time, end, until, stop, h, most_steps, closed, over, rests, still, pushed, chain, brakes, motion, counter, velocity
+):
+    """How a run goes on from `time`; a flight in which no contact closes is flown at once. `until` is the next sample or the end.
+
+    `closed` is the number of closed contacts, `over` as of `seems_over`, `rests` whether all beads rest whatever acts on them,
+    `pushed` whether a force from outside acts on any, `brakes` (n+1,) or (0,) as of `meets_again`, `velocity` (n+1,) scratch
+    memory. Returns a status, or RUNNING or FLOWN; how many steps to take at the most, or have been flown; their length; and
+    whether they end at `end`, off the grid.
+    """
+    bed = brakes.size > 0
+    if time > end - h * GRID_TOLERANCE:
+        return DONE, ONE, h, True
+    free = closed == 0 and not pushed
+    if stop and (rests or (over and not meets_again(chain, brakes, motion, still, velocity))):
+        return SEPARATED, ONE, h, True
+    if counter[STEP] >= min(most_steps, MOST_COUNTED):
+        return OUT_OF_STEPS, ONE, h, True
+    ahead = until - time
+    if rests or free:
+        flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
+        whole = 0.0 if bed and not rests else math.floor(min(flight, ahead, MOST_FLOWN * h) / h) - 1.0
+        if whole >= 1.0:
+            fly(whole, h, motion)
+            counter[STEP] += int(whole)
+            return FLOWN, np.int64(whole), h, False
+        # A contact may close and open within one step, where no flag tells of it.
+        ahead = min(ahead, flight + h)
+    if end - time < h * (1.0 - GRID_TOLERANCE):
+        return RUNNING, ONE, end - time, True
+    return RUNNING, np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP])), h, False
 
 
 @inlined
@@ -99,22 +260,22 @@ def largest(values):
 
 @jit
 def march(
-    kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
-    sample_fields, log_fields, checkpoint_fields, pause_fields, beads, work,
+    kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, motion_fields, spare_fields, sample_fields,
+    log_fields, checkpoint_fields, pause_fields, beads, work,
 ):  # fmt: skip
     """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
     Steps of free flight that are taken at once do not count among `most_steps`. Where the pause wants it, the status is PAUSED,
     and a call with the same arguments goes on.
 
-    Records come as plain tuples of their fields, `dissipation` as a Dissipation or None; `spare` is a second Motion for
-    samples, `beads` (BEAD_ROWS, n+1) and `work` (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
+    Records come as plain tuples of their fields; `spare` is a second Motion for samples, `beads` (BEAD_ROWS, n+1) and `work`
+    (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
     """
     chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
     motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)
     pause = Pause(*pause_fields)
     counter, wanted = log.counter, samples.time
-    bed = dissipation is not None and dissipation.bed.size > 0
-    brakes = chain.inverse_mass[:0] if dissipation is None else dissipation.bed
+    brakes, dissipates = chain.dissipation.bed, chain.dissipation.loss.size > 0
+    bed = brakes.size > 0
     between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
     if pause.counts[BEGUN] != 0:
         counts, numbers = pause.counts, pause.numbers
@@ -131,7 +292,7 @@ def march(
     while True:
         pushed, changing = chain.push.size > 0, False
         if knots.time.size:
-            put_mean(time, h, knots, chain.push, brakes if bed else chain.push)
+            put_mean(time, h, knots, chain.push, brakes)
             changing = time < knots.time[-1]
             pushed = changing or largest(chain.push) > 0.0
         if left == 0 and counter[STEP] >= pause.counts[AT]:
@@ -171,15 +332,15 @@ def march(
         if not sampling or length > h * GRID_TOLERANCE:
             moved = spare if sampling else motion
             if kind == DISCRETE_GRADIENT:
-                taken = gradient_steps(most, time, length, chain, dissipation, moved, log.closed, beads, work, counter)
+                taken = gradient_steps(most, time, length, chain, moved, log.closed, beads, work, counter)
             else:
-                taken = split_steps(most, time, length, drifts, kicks, chain, dissipation, moved, log.closed, beads)
+                taken = split_steps(most, time, length, drifts, kicks, chain, moved, log.closed, beads)
                 counter[EVALUATION] += taken * kicks.size
         if sampling:
             take_sample(samples, log, spare)
             continue
         counter[STEP] += taken
-        stopped = any_switched(motion, log.closed) or (dissipation is not None and at_rest(motion))
+        stopped = any_switched(motion, log.closed) or (dissipates and at_rest(motion))
         if taken == most and most < whole and not stopped:
             keep_pause(pause, whole - taken, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, start + counter[STEP] * h
@@ -195,7 +356,7 @@ def march(
 
 @jit
 def sample_between(
-    kind, drifts, kicks, h, most_steps, chain_fields, dissipation, motion_fields, spare_fields, sample_fields, log_fields,
+    kind, drifts, kicks, h, most_steps, chain_fields, motion_fields, spare_fields, sample_fields, log_fields,
     checkpoint_fields, no_checkpoints, pause_fields, beads, work,
 ):  # fmt: skip
     """Fill the samples of a run by going on from the last of its checkpoints before each.
@@ -217,7 +378,7 @@ def sample_between(
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
         march(
-            kind, drifts, kicks, h, begun, end, NO, most_steps, chain_fields, dissipation, motion_fields, spare_fields,
+            kind, drifts, kicks, h, begun, end, NO, most_steps, chain_fields, motion_fields, spare_fields,
             sample_fields, log_fields, no_checkpoints, pause_fields, beads, work,
         )  # fmt: skip
         made += counter[STEP]

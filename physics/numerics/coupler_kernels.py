@@ -3,45 +3,30 @@
 A part pushes (side 1) or pulls (side -1) by the preloaded power law of its own overlap x = side (d - origin). The force of the
 joint, sum of side * force, rises with d whatever its parts are. Where a part with loss comes out it has (1 - loss) of its force:
 pushing parts come out as d falls, pulling ones as it rises, so that the joint has one force on the way up and a smaller one on
-the way down. A kernel gets Joints, or None in their place: each function then is one that returns at once.
+the way down.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_kernels import energy, force
 from softcradle.physics.numerics.resolvent import EPSILON, MOST_SCALAR, mean_force, resolvent_slope
 
-Array = NDArray[np.float64]
-
 PRELOAD, STIFFNESS, EXPONENT, LOSS, SIDE, ORIGIN = 0, 1, 2, 3, 4, 5  # columns of the parts
-
-
-class Joints(NamedTuple):
-    """The parts of the couplers of a chain."""
-
-    first: NDArray[np.int64]  # (n+1,) row of the first part of each contact; as that of the next where it is no coupler
-    part: Array  # (m, 6) preload [N], stiffness, exponent, loss, side, and origin [m] of each part
-    pulls_below: Array  # (n,) overlap below which each contact pulls; -inf where it never does
 
 
 @inlined
 def is_joint(joints, i):
     """Whether contact i is a coupler."""
-    return joints is not None and joints.first[i + 1] > joints.first[i]
+    return joints.first.size > 0 and joints.first[i + 1] > joints.first[i]
 
 
 @jit
 def joint_force(joints, i, overlap, rate):
     """Force of coupler i at `overlap`, by the sign of its rate; 0 or more is the way up."""
-    if joints is None:
-        return 0.0
     total = 0.0
     for p in range(joints.first[i], joints.first[i + 1]):
         part = joints.part[p]
@@ -53,8 +38,6 @@ def joint_force(joints, i, overlap, rate):
 @jit
 def joint_fall(joints, i, before, after, lost):
     """By how much the energy of coupler i falls from one overlap to another; if `lost`, what it loses of that."""
-    if joints is None:
-        return 0.0
     fall = 0.0
     for p in range(joints.first[i], joints.first[i + 1]):
         part = joints.part[p]
@@ -71,8 +54,6 @@ def joint_mean_force(joints, i, start, moved, up):
 
     For `moved` = 0 the force at its start, on that side of it.
     """
-    if joints is None:
-        return 0.0, 0.0
     total, slope = 0.0, 0.0
     for p in range(joints.first[i], joints.first[i + 1]):
         part = joints.part[p]
@@ -102,8 +83,6 @@ def joint_resolvent(joints, i, start, ahead, weight, s):
     `ahead` is the way at whose end it stands still. There the way up and the way down meet, and at x = 0 a preload may begin: at
     both g may be anything between.
     """
-    if joints is None:
-        return 0.0, 0.0, 0.0
     low_force, _ = joint_mean_force(joints, i, start, ahead, False)
     high_force, _ = joint_mean_force(joints, i, start, ahead, True)
     if ahead + weight * low_force <= s <= ahead + weight * high_force and high_force > low_force:
@@ -178,7 +157,7 @@ def settle_joint_forces(joints, motion):
 
     The sign of the force of a coupler tells whether it pushes or pulls, and 0 that it does neither.
     """
-    if joints is not None:
+    if joints.first.size:
         for i in range(motion.overlap.size):
             overlap, present = motion.overlap[i], motion.force[i]
             pulls, pushes = overlap < joints.pulls_below[i], overlap > 0.0
@@ -192,7 +171,7 @@ def settle_joint_forces(joints, motion):
 @inlined
 def crossed_overlap(joints, i, overlap, rate):
     """The overlap at which contact i has closed or opened last: 0, or the end of the slack at which a coupler pulls."""
-    if joints is None:
+    if joints.first.size == 0:
         return 0.0
     below = joints.pulls_below[i]
     return 0.0 if overlap > 0.0 or (overlap >= below and rate < 0.0) or below == -math.inf else below

@@ -9,9 +9,9 @@ from hashlib import sha256
 try:
     import numba
 
-    COMPILED = not numba.config.DISABLE_JIT
+    INSTALLED, COMPILED = True, not numba.config.DISABLE_JIT
 except ImportError:
-    COMPILED = False
+    INSTALLED = COMPILED = False
 
 
 _packed, _unpacked = struct.Struct("<d"), struct.Struct("<q")

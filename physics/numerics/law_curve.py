@@ -4,6 +4,9 @@ Each contact is in one mode for a whole step, so that the step sees smooth motio
 
     OPEN      f = 0, whatever d does            LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
     TOUCHING  d = 0, f any number                         else 0 there
+
+A law of one's own is the curve of its table. Its row of the law table holds what it begins like at d = 0: its preload, and the
+K and a of f - F there; by these the steps know whether it is soft, and whether it is continued.
 """
 
 from __future__ import annotations
@@ -12,12 +15,14 @@ import math
 
 import numpy as np
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.own_contacts import own_force, own_inverse, own_slope
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
 MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
+BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with segments, after preload, stiffness, exponent
 
 
 @jit
@@ -62,37 +67,158 @@ def larger(a, b):
 
 
 @jit
-def move_along(preload, stiffness, exponent, weight, overlap, force, by_overlap, by_force):
+def depth_at(preload, stiffness, exponent, energy):
+    """An overlap at which a contact stores `energy`: the smaller of what its preload and its stiffness alone would need."""
+    depth = energy / preload if preload > 0.0 else math.inf
+    if stiffness > 0.0:
+        depth = min(depth, power((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent)))
+    return depth
+
+
+@inlined
+def by_table(own, i, overlap):
+    """Whether contact i has a law of its own, beyond what it begins like."""
+    return own.number[i] >= 0 and abs(overlap) >= own.onset[own.number[i], 0]
+
+
+@inlined
+def pressed_force(law, own, i, overlap):
+    """Force of contact i at an overlap > 0."""
+    if own is not None and by_table(own, i, overlap):
+        return own_force(own, own.number[i], overlap)
+    return law[i, 0] + law[i, 1] * power(overlap, law[i, 2])
+
+
+@inlined
+def is_continued(law, i):
+    """True where the force is continued beyond d = 0 within a step, so that a loaded contact opens at a corner."""
+    return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (law.shape[1] > 3 and law[i, 2] > 1.0)
+
+
+@inlined
+def curve_force(law, own, i, overlap):
+    """Force of contact i, LOADED, at any overlap; see `signed_force`, and `segment_force` of a coupler."""
+    if own is not None and overlap != 0.0 and by_table(own, i, overlap):
+        return own_signed_force(law, own, i, overlap)
+    if law.shape[1] > 3:
+        return segment_force(law, i, overlap)
+    return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
+
+
+@inlined
+def curve_slope(law, own, i, overlap, force):
+    """df/dd of contact i, LOADED, at a point of its curve, inf where that is vertical; see `slope_at`."""
+    if own is not None and abs(overlap) >= SMALLEST and by_table(own, i, overlap):
+        continued = overlap > 0.0 or is_continued(law, i)
+        return own_slope(own, own.number[i], abs(overlap)) if continued else 0.0
+    if law.shape[1] > 3 and law[i, 2] >= 1.0:
+        return segment_slope(law, i, overlap)
+    return slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
+
+
+@jit
+def segment_force(law, i, overlap):
+    """Force of a coupler's segment at `overlap` from its origin; beyond that it goes on oddly for a >= 1."""
+    x = law[i, LAW_SIDE] * overlap
+    y = x + law[i, BEFORE]
+    if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
+        return 0.0
+    own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
+    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, STOP] * x)
+
+
+@jit
+def segment_slope(law, i, overlap):
+    """Its slope, for a >= 1."""
+    y = abs(law[i, LAW_SIDE] * overlap + law[i, BEFORE])
+    if law[i, 2] == 1.0:
+        return law[i, 1] + law[i, STOP]
+    return law[i, STOP] + (law[i, 2] * law[i, 1] * power(y, law[i, 2] - 1.0) if y > SMALLEST else 0.0)
+
+
+@inlined
+def curve_overlap(law, own, i, excess, part):
+    """Overlap of contact i, LOADED, at ``excess / part`` > 0 of its force over its preload."""
+    if own is not None and own.number[i] >= 0 and excess / part >= own.onset[own.number[i], 1]:
+        return own_inverse(own, own.force, own.number[i], law[i, 0] + excess / part)
+    return power(excess / (part * law[i, 1]), 1.0 / law[i, 2])
+
+
+@inlined
+def curve_depth(law, own, i, energy):
+    """Overlap at which contact i stores `energy`; see `depth_at`."""
+    if own is not None and own.number[i] >= 0:
+        return own_inverse(own, own.energy, own.number[i], energy)
+    return depth_at(law[i, 0], law[i, 1], law[i, 2], energy)
+
+
+@inlined
+def put_on_curve(law, own, i, k, stage_overlap, stage_force):
+    """Make the force of a stage that a power law has guessed that of its overlap, where the law is another."""
+    if own is not None and own.number[i] >= 0:
+        stage_force[k, i] = curve_force(law, own, i, stage_overlap[k, i])
+
+
+@inlined
+def local_exponent(law, own, i, overlap, force):
+    """d f'/(f - F) of contact i at an overlap > 0: the exponent of a power law."""
+    if own is not None and force != law[i, 0] and by_table(own, i, overlap):
+        return overlap * own_slope(own, own.number[i], overlap) / (force - law[i, 0])
+    return law[i, 2]
+
+
+@inlined
+def short_of_zero(law, own, i, overlap, moved):
+    """Where a move in d ends: a law of one's own may be flat behind a steep beginning, and a Newton that passes d = 0 swings."""
+    if own is not None and own.number[i] >= 0 and moved * overlap < 0.0 and is_continued(law, i):
+        return 0.0
+    return moved
+
+
+@jit
+def own_signed_force(law, own, i, overlap):
+    """`signed_force` of a law of one's own at overlaps other than 0."""
+    if overlap > 0.0:
+        return own_force(own, own.number[i], overlap)
+    if not is_continued(law, i):
+        return 0.0
+    return 2.0 * law[i, 0] - own_force(own, own.number[i], -overlap)
+
+
+@jit
+def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
     """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
 
     Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
     """
+    preload, exponent = law[i, 0], law[i, 2]
+    continued = is_continued(law, i)
     excess = force + by_force - preload
     if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
-        reach = power(excess / stiffness, 1.0 / exponent)
+        reach = curve_overlap(law, own, i, excess, 1.0)
         if reach < 0.1 * weight * excess:
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
-        soft = 1.0 + weight * exponent * (force - preload) / overlap
+        soft = 1.0 + weight * local_exponent(law, own, i, overlap, force) * (force - preload) / overlap
         if soft < 2.0 and preload > 0.0:  # far to the right of the solution: d + weight K d**a = rest bounds both terms
             rest = overlap + weight * (force - preload) + soft * by_overlap
             if rest > 0.0:
-                reach = power(rest / (weight * stiffness), 1.0 / exponent)
+                reach = curve_overlap(law, own, i, rest, weight)
                 if rest < min(reach, overlap):
-                    return rest, preload + stiffness * power(rest, exponent)
+                    return rest, pressed_force(law, own, i, rest)
                 if reach < overlap:
                     return reach, preload + rest / weight
-    towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or preload > 0.0)
+    towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or continued)
     if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
         excess = force + by_force - preload
-        if excess > 0.0 or (preload > 0.0 and excess < 0.0):
-            reach = power(abs(excess) / stiffness, 1.0 / exponent)
+        if excess > 0.0 or (continued and excess < 0.0):
+            reach = curve_overlap(law, own, i, abs(excess), 1.0)
             return (reach if excess > 0.0 else -reach), preload + excess
-        if preload == 0.0 and excess <= 0.0:
+        if not continued and excess <= 0.0:
             return min(overlap + by_overlap, -SMALLEST), 0.0
         return 0.0, preload
-    moved = overlap + by_overlap
-    return moved, signed_force(preload, stiffness, exponent, moved)
+    moved = short_of_zero(law, own, i, overlap, overlap + by_overlap)
+    return moved, curve_force(law, own, i, moved)
 
 
 @jit

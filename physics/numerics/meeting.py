@@ -16,7 +16,7 @@ def flight_time(joints, overlap, rate, still):
     for i in range(overlap.size):
         if rate[i] > still:
             first = min(first, -overlap[i] / rate[i])
-        elif joints is not None and rate[i] < -still:
+        elif joints.first.size and rate[i] < -still:
             first = min(first, (joints.pulls_below[i] - overlap[i]) / rate[i])
     return first
 
@@ -24,7 +24,7 @@ def flight_time(joints, overlap, rate, still):
 @inlined
 def pushes_no_more(chain, motion, still):
     """Whether closed contacts can change no velocity by more than `still`; of laws of one's own and couplers it is not known."""
-    if chain.own is not None or chain.joints is not None:
+    if chain.own is not None or chain.joints.first.size > 0:
         return False
     for i in range(motion.overlap.size):
         if motion.overlap[i] > 0.0:

@@ -34,7 +34,6 @@ EVALUATION = 0  # evaluations of all contact forces
 STEP = 1  # steps taken
 REJECTED = 2  # steps tried and rejected
 UNCONVERGED = 3  # steps taken although the solver of the contact forces did not converge
-FALLBACK = 4  # steps of the discrete gradient in place of one that failed
 SAMPLE = 5  # sample rows filled
 SWITCH = 6  # contact switches, those beyond the end of the log included
 FLIGHT = 7  # free flights
@@ -58,6 +57,26 @@ class Knots(NamedTuple):
 NO_KNOTS = Knots(*(np.zeros(shape) for shape in (0, (0, 0), (0, 0), 0, 0, 0, 0, 0)))
 
 
+class Joints(NamedTuple):
+    """The parts of the couplers of a chain; no rows where no contact is a coupler."""
+
+    first: NDArray[np.int64]  # (n+1,) row of the first part of each contact; as that of the next where it is no coupler
+    part: Array  # (m, 6) preload [N], stiffness, exponent, loss, side, and origin [m] of each part
+    pulls_below: Array  # (n,) overlap below which each contact pulls; -inf where it never does
+
+
+class Dissipation(NamedTuple):
+    """What takes energy."""
+
+    loss: Array  # (n,) part of its energy that each contact loses; (0,) where nothing takes energy, and no coupler is
+    bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
+
+
+NOTHING = np.zeros(0)
+NO_JOINTS = Joints(np.zeros(0, dtype=np.int64), np.zeros((0, 6)), NOTHING)
+NO_DISSIPATION = Dissipation(NOTHING, NOTHING)
+
+
 class ChainData(NamedTuple):
     """A chain as arrays, and the forces on it: what does not move in a run."""
 
@@ -67,15 +86,9 @@ class ChainData(NamedTuple):
     external: Array  # (n+1,) accelerations by it of the overlaps, then of the anchor [m/s²]; (0,) without any
     anchor_bead: int  # index of the bead whose position and velocity are kept
     own: Any = None  # OwnLaws, or None where no contact has a law of one's own
-    joints: Any = None  # Joints, or None where no contact is a coupler
-    knots: Any = NO_KNOTS  # Knots; forces at one time, or in the mean of a step, are put into the push and the bed
-
-
-class Dissipation(NamedTuple):
-    """What takes energy; kernels get None in its place where nothing does, and compile to less."""
-
-    loss: Array  # (n,) part of its energy that each contact loses
-    bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
+    joints: Joints = NO_JOINTS
+    knots: Knots = NO_KNOTS  # forces at one time, or in the mean of a step, are put into the push and the bed
+    dissipation: Dissipation = NO_DISSIPATION  # the effective chain of adaptive steps has none
 
 
 class Motion(NamedTuple):

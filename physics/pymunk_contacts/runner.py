@@ -18,20 +18,20 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.kernel_records import knots_of
+from softcradle.physics.kernel_records import chain_records, knots_of, motion_record
 from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.knots import put_mean
-from softcradle.physics.problem import SAMPLED, Problem, Record, empty_samples, run_to_end
+from softcradle.physics.numerics.meeting import meets_again
+from softcradle.physics.numerics.records import ChainData, Motion
+from softcradle.physics.problem import SAMPLED, CheckpointList, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
-from softcradle.physics.pymunk_contacts.stopping import meets_again, rests
-from softcradle.physics.python_checkpoints import CheckpointList
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 20_000_000  # some minutes
+MOST_SPACE_STEPS = 20_000_000  # some minutes
 MOST_REACH = 2.0**90  # [m] of the anchors
 FIRST_SPACING = 4  # steps between two checkpoints at first
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
@@ -201,7 +201,7 @@ class _Run:
 
     def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
-        self.most_steps = problem.most_steps or MOST_STEPS
+        self.most_steps = problem.most_steps or MOST_SPACE_STEPS
         self.row = _row(problem.chain, problem.state, self.h)
         self.rows = empty_samples(times.size, problem.chain.contacts)
         self.evaluations = self.sampled = 0
@@ -230,7 +230,8 @@ class _Run:
                 break
             flight = self.flight_time()
             if stop and (
-                math.isinf(flight) or (self.steps and not self.changes() and rests(self.problem.chain, self.state))
+                math.isinf(flight)
+                or (self.steps and not self.changes() and not self.state.velocity(self.problem.chain).any())
             ):
                 self.status = Status.SEPARATED
                 break
@@ -245,9 +246,15 @@ class _Run:
         if pushed or self.row.external is not None or any(self.closed):
             return 0.0
         if chain.on_bed:  # no flight is free
-            return 0.0 if self.changes() or meets_again(chain, self.state) else math.inf
+            return 0.0 if self.changes() or self.meets_again() else math.inf
         both = zip(self.state.overlap.tolist(), self.state.rate.tolist(), strict=True)
         return min((-overlap / rate for overlap, rate in both if rate > 0.0), default=math.inf)
+
+    def meets_again(self) -> bool:
+        """Whether two beads that slide apart until they rest will meet."""
+        chain, motion = ChainData(*chain_records(self.problem.chain, self.state)), Motion(*motion_record(self.state))
+        found: bool = plain(meets_again)(chain, chain.dissipation.bed, motion, 0.0, np.zeros(chain.inverse_mass.size))
+        return found
 
     def changes(self) -> bool:
         """Whether forces or brakes are still to change."""

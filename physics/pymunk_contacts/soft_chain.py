@@ -14,14 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import number_array, require_kind, shown
 from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_tiers import KernelTiers
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS
+from softcradle.physics.numerics.records import NO_JOINTS, NOTHING
 from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,
     begin_chain_step,
     end_chain_step,
     solve_chain_step,
-    solve_lossy_chain_step,
     start_chain_step,
 )
 from softcradle.physics.pymunk_contacts.space_forces import SpaceForces, centres
@@ -287,10 +287,8 @@ class SoftChain:
             self._lag[self._gone] = self._outside[self._gone] = 0.0
         motion = outside.mobility, outside.expected, outside.velocity, self._direction, self._outside
         own_rows = self._overlap, self._rate, self._force, self._beads, self._work
-        if self._loss.any():
-            solved = _tier(solve_lossy_chain_step)(step, self._law, self._loss, self._absorbed, *motion, *own_rows)
-        else:
-            solved = _tier(solve_chain_step)(step, self._law, None, self._absorbed, *motion, *own_rows)
+        loss = self._loss if self._loss.any() else NOTHING
+        solved = _tier(solve_chain_step)(step, self._law, NO_JOINTS, loss, self._absorbed, *motion, *own_rows)
         self._unread = self._force.tolist()
         if not solved:
             warnings.warn(
@@ -373,13 +371,12 @@ class _Link(pymunk.DampedSpring):
 
 
 def _step_once() -> None:
-    """A step of a chain, with and without loss: it calls every kernel."""
-    for loss in (0.0, 0.1):
-        space, bodies = pymunk.Space(), [pymunk.Body(1, 1), pymunk.Body(1, 1)]
-        bodies[1].position = 1, 0
-        bodies[0].velocity = 1, 0
-        space.add(*bodies, *SoftChain(bodies, power_law(1.0, 1.0, loss), 1))
-        space.step(1e-3)
+    """A step of a chain: it calls every kernel."""
+    space, bodies = pymunk.Space(), [pymunk.Body(1, 1), pymunk.Body(1, 1)]
+    bodies[1].position = 1, 0
+    bodies[0].velocity = 1, 0
+    space.add(*bodies, *SoftChain(bodies, power_law(1.0, 1.0), 1))
+    space.step(1e-3)
 
 
 KERNELS = KernelTiers("soft-chain", __name__, _step_once)

@@ -13,20 +13,19 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.contact_solve import solve_contacts
+from softcradle.physics.numerics.contact_solve import DIAGONAL, END, FREE, HOLD, SOLVER_ROWS, loses, solve_contacts
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.law_kernels import energy
-from softcradle.physics.numerics.records import Dissipation
+from softcradle.physics.numerics.records import ChainData, Dissipation, Motion
 from softcradle.physics.numerics.resolvent import EPSILON
-from softcradle.physics.numerics.solver_rows import HOLD, SOLVER_ROWS, loses
 
 PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
 RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities
 DRIFT_TOLERANCE = 8.0 * EPSILON  # of one drift X + h V
 
 # rows (n,) of scratch memory of `solve_chain_step`, after those of the solver; the last has two
-DIAGONAL, FREE, END, GIVEN, COUPLING = (SOLVER_ROWS + k for k in range(5))
-CHAIN_ROWS = SOLVER_ROWS + 6
+GIVEN, COUPLING = SOLVER_ROWS, SOLVER_ROWS + 1
+CHAIN_ROWS = SOLVER_ROWS + 3
 
 
 @jit
@@ -111,13 +110,14 @@ def along(i, direction, j, mobility):
 
 @jit
 def solve_chain_step(
-    h, law, dissipation, absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force, beads, work
+    h, law, joints, loss, absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force, beads, work
 ):  # fmt: skip
     """Mean forces of the step into `force`; overlaps and rates to its end. Returns False where it did not converge.
 
     `velocity` (n+1, 2) is that of the drift, `expected` that at the end of the step without contacts, `mobility`
     (n+1, 2, 2) what impulses change of it; `outside` (n,) what others did to the rates in the last step beyond this.
-    What contacts with loss keep is added to `absorbed` (1,); `beads` (BEAD_ROWS, n+1) and `work` (CHAIN_ROWS, n) are scratch.
+    `joints` are none; `loss` (n,), or (0,) where nothing is lost. What contacts with loss take is added to `absorbed` (1,);
+    `beads` (BEAD_ROWS, n+1) and `work` (CHAIN_ROWS, n) are scratch.
     """
     n = overlap.size
     diagonal, free, end, given = work[DIAGONAL], work[FREE], work[END], work[GIVEN]
@@ -129,12 +129,12 @@ def solve_chain_step(
         free[i] = h * rate[i] + 0.5 * h * given[i]
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     coupling[n] = 0.0
-    used = solve_contacts(
-        h, law, None, None, dissipation, diagonal, coupling, coupling[:0], free, overlap, rate, end, force, beads, work
-    )  # fmt: skip
+    none = coupling[:0]
+    chain = ChainData(law, coupling, none, none, 0, None, joints, none, Dissipation(loss, none))
+    used = solve_contacts(h, chain, Motion(overlap, rate, none, force, none, none, none), beads, work)
     for i in range(n):
         held = False
-        if dissipation is not None and loses(dissipation.loss[i], overlap[i], rate[i]):
+        if loss.size and loses(loss[i], overlap[i], rate[i]):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
             absorbed[0] += force[i] * (end[i] - overlap[i]) + fall
@@ -150,17 +150,6 @@ def solve_chain_step(
             rate[i] += given[i] - h * own
         overlap[i] = end[i]
     return used >= 0
-
-
-@jit
-def solve_lossy_chain_step(
-    h, law, loss, absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force, beads, work
-):  # fmt: skip
-    """`solve_chain_step` for contacts with `loss` (n,)."""
-    return solve_chain_step(
-        h, law, Dissipation(loss, loss[:0]), absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force,
-        beads, work,
-    )  # fmt: skip
 
 
 @jit

@@ -1,1 +1,1 @@
-"""What the rest is checked against, sharing no kernel with it: SciPy's integrators, and collocation in extended precision."""
+"""What the rest is checked against, sharing no kernel with it: SciPy's integrators between located switches."""

@@ -7,7 +7,8 @@ import math
 import os
 import re
 import webbrowser
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from softcradle.sandbox.console import note
@@ -76,6 +77,41 @@ def scene_words(prefix: str = "", **_: object) -> list[str]:
 
     files = [f"{name}/" if os.path.isdir(name) else name for name in glob(escape(prefix) + "*")]
     return [*names(), *(name for name in files if name.endswith(("/", ".toml", ".npz")))]
+
+
+FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def figure_path(name: str, command: str) -> Path:
+    """The path of a picture that matplotlib draws. UserError for another kind, ImportError where that is missing."""
+    if Path(name).suffix not in FIGURE_SUFFIXES:
+        raise UserError(f"cannot write {name}: {command} writes {', '.join(FIGURE_SUFFIXES)}")
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
+
+    require_matplotlib()  # before the runs, not after them
+    return Path(name)
+
+
+@contextmanager
+def opened_outputs(paths: Iterable[Path]) -> Iterator[list[Path]]:
+    """Temporary files that become `paths` at the end; opened before the runs, so that an unwritable place is refused at once."""
+    from softcradle.sandbox.files import output_file
+
+    with ExitStack() as stack:
+        yield [stack.enter_context(output_file(path)) for path in paths]
+
+
+@contextmanager
+def picture_folder(name: str, kept: str) -> Iterator[tuple[Path, Path, WrittenFiles]]:
+    """The folder of a study's pictures, made before the runs; where in it points are kept until all is drawn; what it had."""
+    from softcradle.sandbox.files import filled_folder
+    from softcradle.sandbox.studies.plot_style import require_matplotlib
+    from softcradle.sandbox.sweeps.run_sweep import drop_kept
+
+    require_matplotlib()
+    with filled_folder(name) as folder:
+        yield folder, folder / kept, WrittenFiles(folder.iterdir())
+        drop_kept(folder / kept)
 
 
 class WrittenFiles:

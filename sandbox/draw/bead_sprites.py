@@ -1,7 +1,5 @@
 """Sprites of a bead, of a draft gear (cylinder and piston) and of a wall."""
 
-from __future__ import annotations
-
 import math
 
 import pygame

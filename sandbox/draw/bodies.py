@@ -1,7 +1,5 @@
 """What bodies look like, without drawing them: which contacts are gears, how tall bodies are, which masses are written."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Sequence

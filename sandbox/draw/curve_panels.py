@@ -1,18 +1,15 @@
 """Panels of curves against time: axes and curves are drawn once, and in each frame the curves up to the cursor appear."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import decades, ticks, time_unit
+from softcradle.sandbox.draw.number_format import decades, spread, ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line, draw_marker
 from softcradle.sandbox.draw.text import write
-from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.motion import Array
 
 # Design pixels around the axes, for ticks, names and title.

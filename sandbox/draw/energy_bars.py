@@ -1,7 +1,5 @@
 """The bars of energy and momentum: each bead's part, a total that must not change, and the errors of both as badges."""
 
-from __future__ import annotations
-
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import Colour, tones
@@ -12,11 +10,7 @@ from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import GOOD, Array, Motion, level_of
 
 # Titles of the energy bar, of which the longest that fits is written, and those of the momentum bar.
-ENERGY_TITLES = (
-    N_("energy: motion of each bead, stored in contacts"),
-    N_("energy, stored in contacts"),
-    N_("energy"),
-)
+ENERGY_TITLES = (N_("energy: motion of each bead, stored in contacts"), N_("energy, stored in contacts"), N_("energy"))
 MOMENTUM_TITLES = (
     N_("momentum of each bead; marks: zero and total"),
     N_("momentum; marks: zero, total"),

@@ -1,7 +1,5 @@
 """The drawing of one lane: its beads on the ground, a force bar over each contact, a velocity arrow under each bead."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Protocol

@@ -1,7 +1,5 @@
 """Magnified insets: each contact at a magnification of its own, because overlaps of neighbours differ by decades."""
 
-from __future__ import annotations
-
 import math
 
 import pygame

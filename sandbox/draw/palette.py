@@ -1,7 +1,5 @@
 """The colours: those of a light and of a dark theme, and of beads, which colour-blind people can distinguish too."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 
 Colour = tuple[int, int, int]

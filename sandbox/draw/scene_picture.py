@@ -1,7 +1,5 @@
 """The picture of a scene: all its parts at one size; every lane shows the same time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The scales of a picture: one time axis, one set of axes and one camera for all lanes, so that lanes can be compared."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Antialiased shapes: drawn at four times the size and averaged down. A sprite has an image for each quarter of a pixel."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 

@@ -1,7 +1,5 @@
 """Surfaces: a cache of drawn ones, bounded by the memory of their pixels, for zooming makes new sizes all the time; PNG files."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Callable
 from functools import wraps

@@ -1,7 +1,5 @@
 """Text on surfaces: two weights of one font; what was rendered is cached."""
 
-from __future__ import annotations
-
 import re
 from functools import lru_cache
 

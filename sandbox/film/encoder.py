@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import av
 import pygame
@@ -174,7 +174,7 @@ class _SegmentEncoder:
             self.segment.packets.append(packet)
 
 
-class Film(Protocol):
+class Film:
     """A film being written: a frame is drawn on a :meth:`free_surface`, which is then added."""
 
     def take_colours(self, sample: pygame.Surface) -> None:
@@ -182,23 +182,26 @@ class Film(Protocol):
 
     def free_surface(self) -> pygame.Surface:
         """A surface for the next frame, with any content; it is waited for until one is free."""
+        raise NotImplementedError
 
     def add(self, surface: pygame.Surface) -> None:
         """Add a finished frame. Its surface must not be drawn on any more."""
+        raise NotImplementedError
 
     def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
         """Add a frame for each of `pictures`, drawn by `paint`, in the order in which they are written soonest.
 
         A picture that equals the one before it need not be drawn.
         """
+        for picture in pictures:
+            surface = self.free_surface()
+            paint(surface, picture)
+            self.add(surface)
 
 
 @contextmanager
 def open_film(
-    output: Path | str,
-    size: tuple[int, int],
-    frame_rate: float,
-    pixel_format: str | None = None,
+    output: Path | str, size: tuple[int, int], frame_rate: float, pixel_format: str | None = None
 ) -> Iterator[Film]:
     """A film to add frames of `size` to; it is at `output` when the block ends without error, or not at all.
 
@@ -220,30 +223,11 @@ def open_film(
         yield film
 
 
-class _InOrder:
-    """A film whose frames are drawn one after the other."""
-
-    def free_surface(self) -> pygame.Surface:
-        raise NotImplementedError
-
-    def add(self, surface: pygame.Surface) -> None:
-        raise NotImplementedError
-
-    def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
-        for picture in pictures:
-            surface = self.free_surface()
-            paint(surface, picture)
-            self.add(surface)
-
-
-class _Pictures(_InOrder):
+class _Pictures(Film):
     """One PNG file, or a folder of numbered ones."""
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
         self._path, self._surface, self._count = path, pygame.Surface(size, 0, 32), 0
-
-    def take_colours(self, sample: pygame.Surface) -> None:
-        """Do nothing: a PNG has all colours."""
 
     def free_surface(self) -> pygame.Surface:
         return self._surface
@@ -254,7 +238,7 @@ class _Pictures(_InOrder):
         self._count += 1
 
 
-class _Encoder(_InOrder):
+class _Encoder(Film):
     """A film by PyAV. Its thread owns the container; surfaces circulate between this thread and the drawing one."""
 
     def __init__(self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float) -> None:

@@ -1,7 +1,5 @@
 """The formats of films: which file is encoded how and what its codec cannot do, and how a surface becomes a frame."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -107,14 +105,7 @@ CODECS: tuple[Codec, ...] = (
         options=(("quality", "85"), ("compression_level", "2")),
         container_options=REPEAT,
     ),
-    Codec(
-        ".avif",
-        "libsvtav1",
-        "avif",
-        "yuv420p",
-        options=(("preset", "9"), ("crf", "22")),
-        container_options=REPEAT,
-    ),
+    Codec(".avif", "libsvtav1", "avif", "yuv420p", options=(("preset", "9"), ("crf", "22")), container_options=REPEAT),
 )
 
 

@@ -1,7 +1,5 @@
 """A kymograph of each lane on one time axis, with scale bars and the trajectory as a fine line on the markers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

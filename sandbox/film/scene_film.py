@@ -1,7 +1,5 @@
 """A scene as a film: its motion is computed, every frame is drawn, and a thread of the film encodes the frames."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The motion of a scene for a film: a row for each frame, the same times for all lanes, free flight before and after."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Sequence

@@ -1,44 +1,21 @@
 """The languages of the window: English in the code, the others in a catalogue each, LC_MESSAGES/softcradle.po."""
 
-from softcradle.sandbox.languages.refusals import error_words, refusal_words
-from softcradle.sandbox.languages.translation import (
-    ENGLISH,
-    LANGUAGES,
-    N_,
-    NP_,
-    VARIABLES,
-    Language,
-    _,
-    english,
-    gettext,
-    label_words,
-    language,
-    language_of_environment,
-    localized,
-    ngettext,
-    pgettext,
-    scene_words,
-    use_language,
-)
-
-__all__ = [
-    "ENGLISH",
-    "LANGUAGES",
-    "NP_",
-    "N_",
-    "VARIABLES",
-    "Language",
-    "_",
-    "english",
-    "error_words",
-    "gettext",
-    "label_words",
-    "language",
-    "language_of_environment",
-    "localized",
-    "ngettext",
-    "pgettext",
-    "refusal_words",
-    "scene_words",
-    "use_language",
-]
+from softcradle.sandbox.languages.translation import ENGLISH as ENGLISH
+from softcradle.sandbox.languages.translation import LANGUAGES as LANGUAGES
+from softcradle.sandbox.languages.translation import N_ as N_
+from softcradle.sandbox.languages.translation import NP_ as NP_
+from softcradle.sandbox.languages.translation import VARIABLES as VARIABLES
+from softcradle.sandbox.languages.translation import Language as Language
+from softcradle.sandbox.languages.translation import _ as _
+from softcradle.sandbox.languages.translation import english as english
+from softcradle.sandbox.languages.translation import error_words as error_words
+from softcradle.sandbox.languages.translation import gettext as gettext
+from softcradle.sandbox.languages.translation import label_words as label_words
+from softcradle.sandbox.languages.translation import language as language
+from softcradle.sandbox.languages.translation import language_of_environment as language_of_environment
+from softcradle.sandbox.languages.translation import localized as localized
+from softcradle.sandbox.languages.translation import ngettext as ngettext
+from softcradle.sandbox.languages.translation import pgettext as pgettext
+from softcradle.sandbox.languages.translation import refusal_words as refusal_words
+from softcradle.sandbox.languages.translation import scene_words as scene_words
+from softcradle.sandbox.languages.translation import use_language as use_language

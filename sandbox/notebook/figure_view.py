@@ -1,7 +1,5 @@
 """Figures of a notebook: velocities and forces over time, in the style of the paper's figures."""
 
-from __future__ import annotations
-
 from io import BytesIO
 
 import numpy as np

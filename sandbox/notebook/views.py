@@ -3,8 +3,6 @@
 What draws is imported where it is called: a table needs neither pygame nor an encoder.
 """
 
-from __future__ import annotations
-
 import base64
 import tempfile
 from collections.abc import Iterable, Sequence

@@ -3,8 +3,6 @@
 write_page(trajectories, scene, "page.html")  # one Trajectory for each lane of the scene
 """
 
-from __future__ import annotations
-
 from softcradle.sandbox.page.shared_page import PageReport, render_page, scene_text, write_page
 
 __all__ = ["PageReport", "render_page", "scene_text", "write_page"]

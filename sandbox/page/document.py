@@ -1,6 +1,4 @@
-"""The document of a page: one HTML file with its style, scripts and kernels inside, which may load nothing."""
-
-from __future__ import annotations
+"""The document of a page: one HTML file with its style, scripts and kernels inside, which may load nothing; its controls."""
 
 import base64
 import gzip
@@ -12,6 +10,7 @@ from typing import Any
 
 from softcradle.physics.version import version
 from softcradle.sandbox.files import resource
+from softcradle.sandbox.languages.translation import LANGUAGES
 
 SCRIPTS = (
     "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
@@ -22,6 +21,19 @@ POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; img-src data:; "
     "base-uri 'none'; form-action 'none'"
 )
+
+# The page's script gives each control its work, and its words in the reader's language.
+PACES = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # seconds of motion for those of the scene's own pace
+ICONS = {
+    "play": "M8 5v14l11-7z",
+    "pause": "M7 5h4v14H7zM13 5h4v14h-4z",
+    "back": "M6 5h2.4v14H6zM19 5v14L9.5 12z",
+    "ahead": "M15.6 5H18v14h-2.4zM5 5v14l9.5-7z",
+    "again": "M12 5V1.5L7 6l5 4.5V7a5.5 5.5 0 1 1-5.4 6.6h-2A7.5 7.5 0 1 0 12 5z",
+}
+LAWS = ("scene", "soft", "gear", "steel")
+BESIDE = ("none", "steel", "soft", "gear")
+SHOWN = ("forces", "loupes", "balance", "charts")
 
 
 def document(title: str, parts: Sequence[str], data: object, computed: bool = False) -> str:
@@ -95,3 +107,104 @@ def json_text(content: Any) -> str:
     """JSON inside a script element, in which no text may look like markup."""
     text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
     return text.replace("<", "\\u003c")
+
+
+def heading(title: str, source: str) -> str:
+    """The title, where it is in the paper, and the language of the reader."""
+    names = "".join(f'<option value="{code}">{escape(entry.name)}</option>' for code, entry in LANGUAGES.items())
+    return (
+        f'<header class="top"><div><h1 id="title">{escape(title)}</h1><p class="source">{escape(source)}</p></div>'
+        f'<div class="tools"><button type="button" id="link" class="quiet live-only" data-say="link">Copy link</button>'
+        f'<select id="language" class="quiet" data-name="language" aria-label="Language">{names}</select></div></header>'
+        '<p id="notice" class="notice" role="status" hidden></p>'
+        "<noscript><p>The beads move by JavaScript.</p></noscript>"
+    )
+
+
+def player(uniform: bool, alone: bool, moving: bool) -> str:
+    """The beads with their clock, and the settings of the row.
+
+    `uniform`: its number of beads and its law can be chosen; `alone`: another row may stand beside it; `moving`: it has a
+    speed at the start.
+    """
+    return (
+        '<div class="play" id="play"><section class="hero"><div id="lanes" class="lanes"></div>'
+        f'<p id="words" role="status"></p>{_transport(alone)}<p class="ledger" id="energy"></p>'
+        '<div id="charts" class="charts"></div></section>'
+        f'<section class="settings"><h2 class="live-only" data-say="settings">The row</h2>{_settings(uniform, alone, moving)}'
+        f'{_shown()}</section></div><p id="said" class="unseen" role="status"></p>'
+    )
+
+
+def numbers(tables: str) -> str:
+    """The values now, as tables that the script fills, and the recorded `tables` below them."""
+    return (
+        '<details id="numbers"><summary data-say="in numbers">In numbers</summary>'
+        '<div id="tables" class="scroll" tabindex="0" role="region" data-name="in numbers" aria-label="In numbers"></div>'
+        f"{tables}</details>"
+    )
+
+
+def keys() -> str:
+    """What keys and fingers do."""
+    return '<details><summary data-say="keys">Keys and touch</summary><p data-say="help"></p></details>'
+
+
+def _transport(alone: bool) -> str:
+    paces = "".join(f'<option value="{pace:g}"></option>' for pace in PACES)
+    steel = f'<button type="button" id="steel" class="wide {"live-only" if alone else "never"}" aria-pressed="false"></button>'
+    return (
+        '<div class="transport"><input type="range" id="time" min="0" max="1000" step="1" value="0" data-name="time" '
+        'aria-label="Time of the motion"><div class="buttons">'
+        + _button("again", "again", "again")
+        + _button("toggle", "play", "play", "pause")
+        + _button("back", "back", "back")
+        + _button("ahead", "ahead", "ahead")
+        + '<output id="clock"></output>'
+        + f'<select id="pace" data-name="pace" aria-label="Pace">{paces}</select>{steel}</div></div>'
+    )
+
+
+def _button(name: str, word: str, icon: str, second: str = "") -> str:
+    """A button with an icon, and a `second` one that takes its place while the motion plays."""
+    paths = f'<path class="one" d="{ICONS[icon]}"/>' + (f'<path class="two" d="{ICONS[second]}"/>' if second else "")
+    return (
+        f'<button type="button" id="{name}" data-name="{word}" aria-label="{word}">'
+        f'<svg viewBox="0 0 24 24" aria-hidden="true">{paths}</svg></button>'
+    )
+
+
+def _settings(uniform: bool, alone: bool, moving: bool) -> str:
+    alpha = "alpha" if alone else "alpha upper"
+    parts = [
+        _choice("law", LAWS, uniform),
+        _slider("alpha", alpha),
+        _slider("targets", "targets", uniform),
+        _slider("strikers", "strikers", uniform),
+        _slider("speed", "speed", moving),
+        _choice("beside", BESIDE, alone),
+        _slider("friction", "friction"),
+        _slider("loss", "loss"),
+    ]
+    return f'<div class="sliders live-only">{"".join(parts)}</div>'
+
+
+def _slider(name: str, word: str, there: bool = True) -> str:
+    hidden = "" if there else ' class="never"'
+    return (
+        f'<label{hidden}><span data-say="{word}"></span><output id="{name}-value" for="{name}"></output>'
+        f'<input type="range" id="{name}" min="0" max="1000" step="1"></label>'
+    )
+
+
+def _choice(name: str, options: tuple[str, ...], there: bool) -> str:
+    found = "".join(f'<option value="{option}" data-say="{option}"></option>' for option in options)
+    hidden = "" if there else ' class="never"'
+    return f'<label{hidden}><span data-say="{name}"></span><select id="{name}">{found}</select></label>'
+
+
+def _shown() -> str:
+    boxes = "".join(
+        f'<label><input type="checkbox" id="show-{name}"><span data-say="{name}"></span></label>' for name in SHOWN
+    )
+    return f'<fieldset><legend data-say="show">Show</legend>{boxes}</fieldset>'

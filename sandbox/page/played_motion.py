@@ -1,7 +1,5 @@
 """The played motion: recorded trajectories as the player of a page shows them, and the tables of their exact numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

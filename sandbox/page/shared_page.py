@@ -1,7 +1,5 @@
 """The page to share: one HTML file in which a scene is played, computed in the browser, or as it was recorded."""
 
-from __future__ import annotations
-
 import math
 import os
 import warnings
@@ -13,15 +11,14 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics import Trajectory
-from softcradle.physics.default_step import default_step
+from softcradle.physics.scales import default_step
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.scene_motion import quiet_end
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.page.controls import heading, keys, numbers, player
 from softcradle.sandbox.page.data import can_be_computed, page_data
-from softcradle.sandbox.page.document import document, footer, paragraph, question
+from softcradle.sandbox.page.document import document, footer, heading, keys, numbers, paragraph, player, question
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion, result_notes, result_tables
-from softcradle.sandbox.scene_runs import run_scene
+from softcradle.sandbox.scene_runs import SHOWN, run_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
@@ -167,7 +164,7 @@ def recorded_coarsely(scene: Scene) -> list[Trajectory]:
         UserError: the scene cannot be simulated.
     """
     steps = [COARSE * default_step(lane.chain(), lane.velocity) for lane in scene.lanes]
-    scene = scene.model_copy(update={"method": "conserving", "step": min(steps), "tolerance": None})
+    scene = scene.model_copy(update={"method": SHOWN, "step": min(steps), "tolerance": None})
     found = run_scene(scene, samples=COARSE_SAMPLES)
     end = math.inf if scene.duration else quiet_end(found)[0]
     late = any(trajectory.time[-1] > end for trajectory in found)

@@ -1,7 +1,5 @@
 """Charts as inline SVG: curves against time or overlap, and bars of contact states; the page gives the colours."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

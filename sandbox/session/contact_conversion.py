@@ -1,7 +1,5 @@
 """Conversion of contacts: a power law, a draft gear and a hard contact that stop an impact at the scene's speed alike."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

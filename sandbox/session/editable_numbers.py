@@ -3,8 +3,6 @@
 Undo, recordings and replay follow from the edit that sets it, the scene file from the lane that the edit changes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Parts of edits: beads of a state are moved, immutable parts of a lane are replaced whole, numbers beyond use are refused."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Export of a session: its start with all edits as a scene, also as one line of letters; its history as a trajectory."""
 
-from __future__ import annotations
-
 import base64
 import binascii
 import math

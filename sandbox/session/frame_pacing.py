@@ -1,7 +1,5 @@
 """Frame pacing: wall time into whole frames within a budget. Frames beyond it are dropped: the clock slows down."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import perf_counter
 

@@ -1,7 +1,5 @@
 """Slices of the history: frames of one lane with one setup, as the arrays that plots and exports read."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ A recording names them by their classes: a renamed class could no longer be repl
 `lane` counts from 0; `bead` 0 ... n and `contact` 0 ... n-1 from left to right; None means all of them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar
@@ -89,7 +87,6 @@ class Place(LaneInput):
     position: float
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         check_index(N_("bead"), self.bead, setup.chain.contacts + 1)
         place_bead(setup.chain, state, self.bead, finite(N_("position"), self.position))
         return setup, state
@@ -105,7 +102,6 @@ class SetVelocity(LaneInput):
     velocity: float
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         check_index(N_("bead"), self.bead, setup.chain.contacts + 1)
         set_velocity(setup.chain, state, self.bead, finite(N_("velocity"), self.velocity))
         return setup, state
@@ -122,7 +118,6 @@ class SetMass(LaneInput):
     mass: float
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         chain = setup.chain
         check_index(N_("bead"), self.bead, chain.contacts + 1)
         if not math.isinf(self.mass):
@@ -144,7 +139,6 @@ class SetContact(LaneInput):
     law: Contact
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         check_law(self.law)
         return with_contacts(setup, state, self.contact, lambda index: ContactChange(self.law))
 
@@ -159,8 +153,6 @@ class SetKind(LaneInput):
     kind: str
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
-
         def converted(index: int) -> ContactChange:
             present = plain_contact(setup.chain, index)
             origin = setup.origin_of(index) or present
@@ -181,8 +173,6 @@ class Lock(LaneInput):
     locked: bool = True
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
-
         def locked(index: int) -> ContactChange:
             contact, soft, origin = plain_contact(setup.chain, index), setup.locked[index], setup.origin_of(index)
             if self.locked:
@@ -203,7 +193,6 @@ class SetGap(LaneInput):
     gap: float
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         check_index(N_("contact"), self.contact, setup.chain.contacts)
         if not self.gap <= LARGEST:
             raise ValueError(
@@ -234,7 +223,6 @@ class SetDrive(LaneInput):
     force: float
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         chain = setup.chain
         check_index(N_("bead"), self.bead, chain.contacts + 1)
         force = finite(N_("force"), self.force)
@@ -253,7 +241,6 @@ class SetFriction(LaneInput):
     friction: float
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         if not 0.0 <= self.friction <= LARGEST:
             raise ValueError(
                 gettext(
@@ -279,7 +266,6 @@ class AddBead(LaneInput):
     law: Contact | None = None
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         chain, n = setup.chain, setup.chain.contacts
         check_index(N_("bead"), self.bead, n + 2)
         if n + 2 > MOST_BEADS:
@@ -315,7 +301,6 @@ class RemoveBead(LaneInput):
     bead: int
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         chain, n = setup.chain, setup.chain.contacts
         check_index(N_("bead"), self.bead, n + 1)
         if n < 2:
@@ -352,7 +337,6 @@ class SetMethod(LaneInput):
     method: str
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         return setup.with_method(self.method), state
 
 
@@ -365,7 +349,6 @@ class SetStep(LaneInput):
     step: float | None
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """See LaneInput."""
         if self.step is not None and not 0.0 < self.step <= LARGEST:
             raise ValueError(gettext("a step must be a time > 0, not {given!r}", given=self.step))
         return setup.with_step(self.step), state

@@ -11,12 +11,11 @@ from softcradle.physics.advice.auto_method import LIVE_ERROR as ERROR
 from softcradle.physics.advice.auto_method import conserving_step
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.default_step import STEPS_A_CONTACT
 from softcradle.physics.methods import find_method, refusal_of
-from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.scales import STEPS_A_CONTACT, contact_scales, speed_scale
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
-from softcradle.sandbox.scene_runs import SHOWN
+from softcradle.sandbox.scene_runs import KEEPING, SHOWN
 from softcradle.scenes import Lane, Scene
 
 STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": 0.3, "pymunk": 2.0}  # us a contact
@@ -38,7 +37,7 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
     """Step [s] with which `method` holds about that error too; 0 for adaptive methods."""
     if find_method(method).adaptive:
         return 0.0
-    if method == "conserving":
+    if method == KEEPING:
         return conserving_step(chain, [0.0, speed], ERROR)
     return contact_time(chain, speed) / STEPS_A_CONTACT
 
@@ -58,7 +57,6 @@ def steps_in(frame_time: float, method: str, step: float, contacts: int, given: 
 
 
 FRAME_RATE = 120  # model frames in a second of wall time: at 60 pictures a second each picture takes two
-KEEPING = "conserving"  # the method that keeps energy and momentum at any step
 TOLERANCE = 1e-8  # of adaptive methods where the scene has none
 
 
@@ -127,7 +125,7 @@ class LaneSetup:
     def with_method(self, name: str) -> LaneSetup:
         """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
         method = self.method if name == "auto" else find_method(name).name
-        _check_carried(self.chain, "conserving" if name == "auto" else method)
+        _check_carried(self.chain, SHOWN if name == "auto" else method)
         return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
 
     def with_step(self, step: float | None) -> LaneSetup:

@@ -6,8 +6,6 @@ Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, EN
 BY_CONTACTS, BY_BED [J] (absorbed since the lane began).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

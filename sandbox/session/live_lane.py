@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.dispatch import is_extended
+from softcradle.physics.methods import Family, find_method
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
@@ -48,8 +48,7 @@ def spring_force(setup: LaneSetup, bead: int, offset: float, velocity: float, fr
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
 LIVE_STEPS = 5_000  # most of an adaptive method in one frame: some 20 ms
-# contacts times steps of the reference with friction, loss or couplers, which is plain Python: some 0.2 s
-REFERENCE_WORK = 300
+REFERENCE_STEPS = 700  # most of the reference, which is plain Python, in one frame: some 0.2 s
 WARNING_FRAMES = 60  # for which a warning of the method stays: half a second
 
 
@@ -149,8 +148,7 @@ class LiveLane:
     @property
     def _most_steps(self) -> int:
         """Steps of the method in one frame, after which `conserving` moves on: no frame freezes the window."""
-        extended = is_extended(self.setup.method, self.chain)
-        return max(1, REFERENCE_WORK // self.chain.contacts) if extended else LIVE_STEPS
+        return REFERENCE_STEPS if find_method(self.setup.method).family is Family.REFERENCE else LIVE_STEPS
 
     def _take_warning(self, warning: str) -> None:
         """Keep a new warning of the method, and drop an old one."""

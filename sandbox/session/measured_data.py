@@ -1,7 +1,5 @@
 """Measured data: a table of numbers over time, from a CSV file of somebody's experiment."""
 
-from __future__ import annotations
-
 import csv
 import math
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ alone; the findings of the whole run are the frames at which a criterion held, s
 an undo and a redo.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,26 +1,325 @@
-"""The session: a scene that is being played with, everything that a window shows of it, and its exports."""
+"""The session: lanes on one clock, their history, every input on its way into model and recording, and what a window shows."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
+from time import perf_counter
 
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import _, error_words
 from softcradle.sandbox.motion import BAD, LEVELS, Array
+from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import ContactEvents, Impact, contact_events
 from softcradle.sandbox.session.export import lane_label, scene_of, trajectory_of
+from softcradle.sandbox.session.frame_history import MEMORY, History
+from softcradle.sandbox.session.frame_pacing import BUDGET, FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices, last_slice
-from softcradle.sandbox.session.player import Player
+from softcradle.sandbox.session.lane_setup import Setup, setup_of
+from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane, spring_frequency
+from softcradle.sandbox.session.recording import Recording
 from softcradle.sandbox.session.run_verdict import WINDOW, Finding, Health, health_of, run_findings
+from softcradle.sandbox.session.snapshots import NOTHING_HELD, HeldBead, Snapshot
+from softcradle.sandbox.session.undo import Checkpoint, FrozenSession, UndoStack
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 AUDIBLE = 1e-3  # of the scene's closing speed: slower impacts make no click
+FASTEST = 1e-2  # slow motion: least wall seconds for one second of the model
+SLOWEST = 1e6  # slow motion: most wall seconds for one second of the model
 
 
-class Session(Player):
-    """A scene that is being played with; see :class:`Player` for the arguments and what moves it."""
+@dataclass(frozen=True)
+class Present:
+    """What inputs change: setup, lanes, and the bead that the pointer holds."""
+
+    setup: Setup
+    lanes: list[LiveLane]
+    held: HeldBead
+
+
+def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
+    """The present after `item`; one `at_start` of the session changes the start of the lanes too. ValueError: refused."""
+    if isinstance(item, inputs.Drag):
+        return replace(now, held=_grasped(item, now.lanes))
+    if isinstance(item, inputs.Drop):
+        return replace(now, held=NOTHING_HELD)
+    if isinstance(item, inputs.Resume):
+        copies = [LiveLane(lane.setup, lane.state.copy(), lane.ledger.copy()) for lane in now.lanes]
+        return Present(now.setup, copies, NOTHING_HELD)
+    if isinstance(item, inputs.SetSlow):
+        if not FASTEST <= item.slow <= SLOWEST:
+            raise ValueError(
+                _(
+                    "slow motion must be from {least:g} to {most:g}, not {given!r}",
+                    least=FASTEST,
+                    most=SLOWEST,
+                    given=item.slow,
+                )
+            )
+        return replace(now, setup=replace(now.setup, slow=float(item.slow)))
+    assert isinstance(item, inputs.LaneInput)
+    return _edited(item, now, at_start)
+
+
+def _edited(item: inputs.LaneInput, now: Present, at_start: bool) -> Present:
+    chosen = range(len(now.lanes)) if item.lane is None else (item.lane,)
+    changed = {index: _lane(now.lanes, index).changed(item, at_start) for index in chosen}
+    lanes = [changed.get(index, lane) for index, lane in enumerate(now.lanes)]
+    setup = replace(now.setup, lanes=tuple(lane.setup for lane in lanes))
+    held = NOTHING_HELD if isinstance(item, inputs.AddBead | inputs.RemoveBead) else now.held
+    return Present(setup, lanes, held)
+
+
+def _grasped(item: inputs.Drag, lanes: list[LiveLane]) -> HeldBead:
+    beads = _lane(lanes, item.lane).chain.contacts + 1
+    if not (0 <= item.bead < beads and abs(item.position) < float("inf")):
+        raise ValueError(_("there is no bead {bead} to hold at {place!r}", bead=item.bead, place=item.position))
+    return HeldBead(float(item.lane), float(item.bead), float(item.position))
+
+
+def _lane(lanes: list[LiveLane], index: int) -> LiveLane:
+    if not 0 <= index < len(lanes):
+        raise ValueError(_("there is no lane {lane}; they are numbered 0 to {last}", lane=index, last=len(lanes) - 1))
+    return lanes[index]
+
+
+class Session:
+    """A scene that is being played with: lanes on one clock, what is shown of them, their exports.
+
+    Arguments:
+        scene: the Scene.
+        memory: bound of the history [bytes].
+        budget: wall seconds of physics in one tick.
+        clock: what measures them.
+
+    Attributes:
+        scene: the Scene it was opened with, and its words as they are now; edits are in `setup`.
+        setup: the immutable part: chains, methods, slow motion.
+        lanes: list of LiveLane; while scrubbed they show a frame of the history.
+        held: the bead that the pointer holds.
+        playing: whether `tick` moves the model.
+        frame: the frame shown; `history.first` <= frame <= `history.last`.
+        history: the frames.
+        recording: base, inputs and hashes of all that.
+        failure: why the session stopped by itself, in a sentence; empty where it did not.
+        last_tick: the frames before and after the last tick.
+        undo_stack: the edits that can be undone and redone.
+        pacer: clock ratio and physics milliseconds a frame.
+    """
+
+    setup: Setup
+    lanes: list[LiveLane]
+    held: HeldBead
+    frame: int
+
+    def __init__(
+        self, scene: Scene, memory: int = MEMORY, budget: float = BUDGET, clock: Callable[[], float] = perf_counter
+    ) -> None:
+        self.scene = scene
+        self.history = History(memory)
+        self.pacer = FramePacer(budget, clock)
+        self.undo_stack = UndoStack()
+        self._open(setup_of(scene))
+
+    def _open(self, setup: Setup) -> None:
+        """Begin at the start of every lane."""
+        lanes = [LiveLane.at_start(lane) for lane in setup.lanes]
+        states, ledgers = tuple(lane.state for lane in lanes), tuple(lane.ledger for lane in lanes)
+        self.begin(Snapshot(lanes[0].state.time, setup, NOTHING_HELD, states, ledgers), 0)
+
+    def begin(self, snapshot: Snapshot, frame: int) -> None:
+        """Begin at `snapshot`, which is frame `frame`, paused: history and recording begin there too."""
+        self.playing = False
+        self.history.start(snapshot, frame)
+        self._show(self.history.snapshot(frame), frame)
+        self.held = snapshot.held
+        self.failure = ""
+        self._from_history = False  # whether the frame shown was read from the history: playing on is a new branch
+        self.last_tick = frame, frame
+        self.recording = Recording(self.history.snapshot(frame), frame)
+
+    # ---- time
+
+    @property
+    def time(self) -> float:
+        """Model time shown [s]."""
+        return self.lanes[0].state.time
+
+    @property
+    def slow(self) -> float:
+        """Wall seconds for one second of the model; the input SetSlow changes it."""
+        return self.setup.slow
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last model time [s] that can be scrubbed to."""
+        return self.history.first_time, self.history.last_time
+
+    @property
+    def scrubbed(self) -> bool:
+        """Whether an earlier frame than the newest is shown; playing on drops the later ones."""
+        return self.frame < self.history.last
+
+    def play(self) -> None:
+        """Let the clock run, from the frame shown."""
+        self.playing = True
+        self.pacer.restart()
+
+    def pause(self) -> None:
+        """Stop the clock, which is late no more."""
+        if self.playing:
+            self.pacer.restart()
+        self.playing = False
+
+    def tick(self, wall_seconds: float) -> int:
+        """Move the model by `wall_seconds` of the wall clock if it plays; returns the frames computed.
+
+        Frames beyond the budget slow the clock, never the physics: see ``pacer.clock_ratio``.
+        """
+        before = self.frame
+        done = self.pacer.run(wall_seconds, self._compute_frame) if self.playing else 0
+        self.last_tick = before, before + done
+        return done
+
+    def step_frames(self, count: int) -> None:
+        """Pause and go `count` frames forward (those not in the history are computed) or, if negative, back."""
+        target = max(self.frame + count, self.history.first)
+        self.scrub_frame(min(target, self.history.last))
+        for _frame in range(target - self.frame):
+            if not self._compute_frame():
+                break
+
+    def scrub(self, time: float) -> None:
+        """Pause and show the frame of the history nearest to `time` [s]."""
+        self.scrub_frame(self.history.frame_at(time))
+
+    def scrub_frame(self, frame: int) -> None:
+        """Pause and show `frame`; IndexError where it is not in the history."""
+        self.pause()
+        if frame != self.frame:
+            self._show(self.history.snapshot(frame), frame)
+            self._from_history = True
+
+    def restart(self) -> None:
+        """Back to the start with all edits, paused; history and recording begin anew."""
+        self._open(self.setup)
+
+    # ---- inputs
+
+    def apply(self, item: inputs.Input, gesture: bool = False) -> None:
+        """Do what `item` says; it acts from the next frame on. ValueError with a sentence: refused, nothing has changed.
+
+        Inputs of one `gesture` (a slider or bead that is dragged) are one undo step, until :meth:`end_gesture`.
+        """
+        self._renew_recording()
+        present = accepted(item, Present(self.setup, self.lanes, self.held), at_start=self.frame == 0)
+        if item.undo_name and not self.undo_stack.continues(item, gesture):
+            self.undo_stack.add(item, gesture, self._checkpoint())
+        self._branch()
+        self.setup, self.lanes, self.held = present.setup, present.lanes, present.held
+        self.recording.add_input(item)
+        self.history.replace_last(self.snapshot())
+
+    def drag(self, lane: int, bead: int, position: float) -> None:
+        """Drag a bead to the pointer: by a spring while the model runs, by placing it while paused."""
+        input_class = inputs.Drag if self.playing else inputs.Place
+        self.apply(input_class(lane, bead, position), gesture=True)
+
+    def drop(self) -> None:
+        """Release the bead that is held."""
+        self.end_gesture()
+        if self.held != NOTHING_HELD:
+            self.apply(inputs.Drop())
+
+    def end_gesture(self) -> None:
+        """Let the next input be an undo step of its own: a button or key was let go."""
+        self.undo_stack.end_gesture()
+
+    def set_words(self, scene: Scene) -> None:
+        """Take the words of `scene`, which is this one as it begins now: an edit that leaves the motion as it is."""
+        self.undo_stack.add(scene, False, self._checkpoint())
+        self.scene = scene
+
+    def undo(self) -> str:
+        """Pause and go back to before the last edit, to its frame and with the motion as it was; its name, '' without one."""
+        return self._go_to(self.undo_stack.undo(self._checkpoint()))
+
+    def redo(self) -> str:
+        """Pause and go back to after the edit that was undone last; its name, '' without one."""
+        return self._go_to(self.undo_stack.redo(self._checkpoint()))
+
+    def _checkpoint(self) -> FrozenSession:
+        return self.frame, self.history.copy_blocks(), self.recording.copy(), self.scene
+
+    def _go_to(self, step: Checkpoint | None) -> str:
+        if step is None:
+            return ""
+        if step.scene is not self.scene:
+            self.scene = step.scene
+            return step.name
+        self.pause()
+        self.undo_stack.end_gesture()
+        self.history.restore(step.blocks)
+        self._show(self.history.snapshot(step.frame), step.frame)
+        self._from_history, self.failure = True, ""
+        self.last_tick = step.frame, step.frame
+        self.recording = step.recording.copy()
+        return step.name
+
+    # ---- frames
+
+    def _compute_frame(self) -> bool:
+        """One frame: every lane moves on by the same model time. False where a method blew up: paused before it."""
+        self._renew_recording()
+        self._branch()
+        try:
+            self._advance()
+        except BlownUpError as error:
+            self.failure = str(error)
+            self.pause()
+            self._show(self.history.snapshot(self.frame), self.frame)
+            self._from_history = True
+            return False
+        self.failure = ""
+        self.frame += 1
+        self.history.append(self.snapshot())
+        self.recording.add_frame(self.snapshot())
+        return True
+
+    def _advance(self) -> None:
+        frequency = spring_frequency(self.setup.slow)
+        for index, lane in enumerate(self.lanes):
+            bead = int(self.held.bead) if index == int(self.held.lane) else -1
+            lane.advance(self.setup.frame_time, bead, self.held.position, frequency)
+
+    def snapshot(self) -> Snapshot:
+        """The frame shown, all of it; its arrays are those of the lanes."""
+        states, ledgers = tuple(lane.state for lane in self.lanes), tuple(lane.ledger for lane in self.lanes)
+        return Snapshot(self.time, self.setup, self.held, states, ledgers)
+
+    def _show(self, snapshot: Snapshot, frame: int) -> None:
+        self.setup, self.held, self.frame = snapshot.setup, NOTHING_HELD, frame
+        lanes = zip(snapshot.setup.lanes, snapshot.states, snapshot.ledgers, strict=True)
+        self.lanes = [LiveLane(*lane) for lane in lanes]
+
+    def _branch(self) -> None:
+        """Before a frame of the history is played on or edited: drop the later ones, there and in the recording."""
+        if self._from_history:
+            self._from_history = False
+            self.history.drop_after(self.frame)
+            self.recording.cut(self.frame)
+            self.recording.add_input(inputs.Resume())
+        if self.recording.frame > self.frame:
+            self.recording = Recording(self.snapshot().copy(), self.frame)
+
+    def _renew_recording(self) -> None:
+        """Begin a new recording at the frame shown where the present one is full."""
+        if self.recording.full:
+            held = self.held
+            self._show(self.snapshot().copy(), self.frame)
+            self.held = held
+            self.recording = Recording(self.snapshot().copy(), self.frame)
 
     # ---- what is shown
 

@@ -1,7 +1,5 @@
 """A summary in words of what has happened in a session: who hit whom, how long it lasted, who goes where."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
@@ -22,12 +20,12 @@ def outcome_text(session: Session) -> str:
 
 
 def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
-    """What is said of each lane, behind its label where there are several."""
+    """What is said of each lane, behind its label where there are several, in a line of its own."""
     parts = []
     for lane in range(len(session.lanes)):
         label, words = label_words(session.label(lane)), words_of(session, lane)
         parts.append(_("{label}: {words}", label=label, words=words) if len(session.lanes) > 1 and label else words)
-    return " ".join(parts)
+    return "\n".join(parts)
 
 
 def _clusters(session: Session, lane: int, brief: bool = False) -> str:

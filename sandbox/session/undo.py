@@ -4,8 +4,6 @@ An undo goes back to the frame at which the edit was made and brings back the fr
 back the edit and the motion after it. No frame is lost by either.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass, replace
 from itertools import count
@@ -127,9 +125,7 @@ def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
 
 
 def _move(
-    source: deque[Checkpoint] | list[Checkpoint],
-    target: deque[Checkpoint] | list[Checkpoint],
-    present: FrozenSession,
+    source: deque[Checkpoint] | list[Checkpoint], target: deque[Checkpoint] | list[Checkpoint], present: FrozenSession
 ) -> Checkpoint | None:
     if not source:
         return None

@@ -3,8 +3,6 @@
 The position of a bead is that of its middle, which rulers and kymographs show; the chain's own leaves the lengths of beads out.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The check of velocities: an accurate run behind the live one, from where the motion was last touched, tells their error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,8 +12,8 @@ from softcradle.sandbox.scene_runs import TOLD
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.lane_setup import LaneSetup
-from softcradle.sandbox.session.player import Player
 from softcradle.sandbox.session.recording import hash_of
+from softcradle.sandbox.session.session import Session
 
 METHOD = TOLD
 TOLERANCE = 1e-9  # of that run
@@ -41,8 +39,8 @@ class CheckedFrame:
 class VelocityCheck:
     """The check of one lane; its jobs may run on another thread, one at a time."""
 
-    def __init__(self, player: Player, lane: int) -> None:
-        self.player, self.lane = player, lane
+    def __init__(self, session: Session, lane: int) -> None:
+        self.session, self.lane = session, lane
         self._base: tuple[object, ...] = ()
         self._found: list[CheckedFrame] = []
         self._busy = False
@@ -52,26 +50,26 @@ class VelocityCheck:
         if self._base != self._present_base():
             return None
         self._drop_stale()
-        return next((one.error for one in reversed(self._found) if one.frame <= self.player.frame), None)
+        return next((one.error for one in reversed(self._found) if one.frame <= self.session.frame), None)
 
     def job(self) -> Callable[[], CheckedFrame] | None:
         """The next check, whose result :meth:`take` takes; None where none is due."""
-        player = self.player
+        session = self.session
         base = self._present_base()
-        if self._busy or player.held.lane >= 0.0 or not base or player.frame != player.history.last:
+        if self._busy or session.held.lane >= 0.0 or not base or session.frame != session.history.last:
             return None
-        if refusal_of(METHOD, player.lanes[self.lane].chain):
+        if refusal_of(METHOD, session.lanes[self.lane].chain):
             return None
         if base != self._base:
             self._base, self._found = base, []
         self._drop_stale()
         begin = self._touched()
         last = self._found[-1] if self._found else None
-        if player.frame - (last.frame if last else begin) < LEAST_FRAMES:
+        if session.frame - (last.frame if last else begin) < LEAST_FRAMES:
             return None
-        state = last.state if last else player.history.snapshot(begin).states[self.lane]
-        now = slice_at(player.history, self.lane, player.frame)
-        setup, frame, time, velocity = now.setup, player.frame, float(now.time[0]), now.velocity[0].copy()
+        state = last.state if last else session.history.snapshot(begin).states[self.lane]
+        now = slice_at(session.history, self.lane, session.frame)
+        setup, frame, time, velocity = now.setup, session.frame, float(now.time[0]), now.velocity[0].copy()
         self._busy = True
         return lambda: checked(setup, state.copy(), frame, time, velocity)
 
@@ -83,7 +81,7 @@ class VelocityCheck:
 
     def _drop_stale(self) -> None:
         """Drop what was found on a branch that is gone: by another method, for example."""
-        history, last = self.player.history, self.player.history.last
+        history, last = self.session.history, self.session.history.last
         while self._found and not (
             history.first <= self._found[-1].frame <= last
             and np.array_equal(
@@ -101,17 +99,17 @@ class VelocityCheck:
         """The frame at which the motion was last touched."""
         frames = (
             frame
-            for frame, item in reversed(self.player.recording.inputs)
-            if frame <= self.player.frame and not isinstance(item, UNTOUCHING)
+            for frame, item in reversed(self.session.recording.inputs)
+            if frame <= self.session.frame and not isinstance(item, UNTOUCHING)
         )
-        return next(frames, self.player.recording.frame)
+        return next(frames, self.session.recording.frame)
 
     def _present_base(self) -> tuple[object, ...]:
         begin = self._touched()
-        if begin < self.player.history.first:
+        if begin < self.session.history.first:
             return ()
-        snapshot = self.player.history.snapshot(begin)
-        return begin, hash_of(snapshot), self.player.lanes[self.lane].chain
+        snapshot = self.session.history.snapshot(begin)
+        return begin, hash_of(snapshot), self.session.lanes[self.lane].chain
 
 
 def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> CheckedFrame:

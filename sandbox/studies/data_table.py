@@ -1,7 +1,5 @@
 """A table of numbers by columns: what a figure draws, and what its .csv file holds."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -19,8 +19,6 @@ camera's frames, over a window that ends at the first touch, and over one that b
 stated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 from functools import cache
@@ -28,8 +26,9 @@ from typing import NamedTuple
 
 import numpy as np
 from softcradle.physics import Chain, draft_gear, simulate
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.chain import GRAVITY
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.data_table import Array
 from softcradle.sandbox.sweeps import grid
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
@@ -70,7 +69,7 @@ class Fit:
 
 
 @cache
-def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, method: str = "conserving") -> Deficits:
+def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, method: str = KEEPING) -> Deficits:
     """Deficits when `strikers` at `speed` [m/s] collide with the rest, which just touch, on a bed with friction."""
     chain = Chain(MASS, draft_gear(STIFFNESS, PRECOMPRESSION, loss), friction=friction)
     velocity = [speed] * strikers + [0.0] * (len(MASS) - strikers)
@@ -98,9 +97,7 @@ def friction_range(strikers: int, speed: float) -> tuple[float, float]:
 
 def fit_friction(speed: float) -> list[Fit]:
     """Friction alone: one coefficient for both experiments, in the middle of what their momentum deficits allow."""
-    ranges = [friction_range(strikers, speed) for strikers in STRIKERS.values()]
-    low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
-    friction = 0.5 * (low + high)
+    friction = friction_with_error(speed).value
     return [Fit(name, speed, friction, deficits(k, speed, friction)) for name, k in STRIKERS.items()]
 
 
@@ -140,8 +137,8 @@ def piston_deficits(strikers: int, speed: float, setup: Apparatus, piston: float
     moved = mass.copy()
     moved[[struck, struck + 1]] += [piston, -piston]
     chain = Chain(moved, gear, friction=setup.friction)
-    opened = simulate(chain, velocity, method="conserving", samples=2).contact_intervals[struck][0][1]
-    end = simulate(chain, velocity, opened, method="conserving", samples=2)
+    opened = simulate(chain, velocity, method=KEEPING, samples=2).contact_intervals[struck][0][1]
+    end = simulate(chain, velocity, opened, method=KEEPING, samples=2)
     after = end.velocity[-1].copy()
     after[struck + 1] = (moved[struck + 1] * after[struck + 1] + piston * after[struck]) / mass[struck + 1]
     before = np.where(np.arange(mass.size) < strikers, speed + 0.5 * setup.friction * GRAVITY * window, 0.0)
@@ -153,7 +150,7 @@ def piston_deficits(strikers: int, speed: float, setup: Apparatus, piston: float
 def _fitted(chain: Chain, velocity: np.ndarray, window: float) -> np.ndarray:
     """(n+1,) slopes of the lines through the positions at the camera's frames, from now on for `window` [s]."""
     times = np.arange(0.0, window, 1.0 / FRAMES)
-    position = simulate(chain, velocity, window, "conserving", samples=times).position
+    position = simulate(chain, velocity, window, KEEPING, samples=times).position
     return np.asarray(np.polyfit(times, position, 1)[0])
 
 

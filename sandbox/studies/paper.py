@@ -1,7 +1,5 @@
 """The paper's chains and their runs, each computed once, for figures and claims: its cases, how they are solved, what is read."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping, Sequence
@@ -10,11 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Trajectory, one_on, power_law
+from softcradle.physics import Chain, Contact, Trajectory, one_on, power_law
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.analysis.mode_coupling import ModeCoupling, mode_coupling
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import CodedWarning, WarningCode
+from softcradle.sandbox.scene_runs import KEEPING, TOLD
 
 Array = NDArray[np.float64]
 Parameters = Mapping[str, float]  # of a case: n, 1/alpha and others, by name
@@ -68,12 +67,10 @@ class MethodFineness:
         return _model(self, chain, velocity, duration, samples)
 
 
-MEASURING = MethodFineness("accurate")
-SECOND = MethodFineness(
-    "conserving", 1e-4
-)  # its energy is exact; its error, of the order of what is shown, is the error bar
-FINER_SECOND = MethodFineness("conserving", 1e-5)  # for differences of times and for small spreads
-FINEST_SECOND = MethodFineness("conserving", 1e-6)  # for oscillations whose period is some 1e-4
+MEASURING = MethodFineness(TOLD)
+SECOND = MethodFineness(KEEPING, 1e-4)  # its error, of the order of what is shown, is the error bar
+FINER_SECOND = MethodFineness(KEEPING, 1e-5)  # for differences of times and for small spreads
+FINEST_SECOND = MethodFineness(KEEPING, 1e-6)  # for oscillations whose period is some 1e-4
 REFERENCE = MethodFineness("scipy")
 
 
@@ -146,6 +143,47 @@ def driven_period(n: int, alpha: float) -> float:
     return math.sqrt(2.0 * driven_amplitude(n, alpha) / DRIVE) * beta / alpha
 
 
+STRIKER_CONTACT = power_law(1.0, 1.0 / 30.0)  # before a cluster under prestress
+SPRING_PRESTRESS = 20.0  # force on springs, which stay compressed all along
+
+
+def pressed_cluster(n: int, inner: Contact, prestress: float) -> Chain:
+    """A striker and `n` targets at rest whose ends are pressed together by the force `prestress`, of unit masses.
+
+    Linear contacts under a prestress that they never lose act, about their rest, like springs that push and pull.
+    """
+    contacts = (STRIKER_CONTACT, *(inner,) * (n - 1))
+    if not prestress:
+        return one_on(n, contacts)
+    gap = [0.0, *[-float(inner.overlap(prestress))] * (n - 1)]
+    return Chain([1.0] * (n + 1), contacts, gap, [0.0, prestress, *[0.0] * (n - 2), -prestress])
+
+
+def random_beads(random: np.random.Generator, targets: int, width: float) -> tuple[Array, Array]:
+    """Masses of one on `targets`, and strengths of its contacts, from 1/width to width, evenly in their logarithm."""
+    mass, strength = (width ** random.uniform(-1.0, 1.0, count) for count in (targets + 1, targets))
+    return mass, strength
+
+
+def power_laws(strength: Sequence[float] | Array, exponent: Sequence[float] | Array) -> list[Contact]:
+    """Soft contacts of those strengths and exponents."""
+    return [Contact(0.0, f0, alpha) for f0, alpha in zip(strength, exponent, strict=True)]
+
+
+def spread_by_mass(mass: Array, velocity: Array) -> float:
+    """Root mean square of the targets' velocities about their mean, by mass, as a part of that mean."""
+    mean = np.average(velocity, weights=mass)
+    return float(np.sqrt(np.average((velocity - mean) ** 2, weights=mass)) / mean)
+
+
+def psi_limit(n: float, alpha: float) -> float:
+    """``n/(2(n+1)) ((n-1)/n)**(1/alpha)``: the limit of max psi; the paper's exp(-1/(n alpha)) has its rate for large n.
+
+    The overlap Phi reaches n/(2(n+1)) against a force of 1, of which f12 is (n-1)/n.
+    """
+    return float(n / (2.0 * (n + 1.0)) * ((n - 1) / n) ** (1.0 / alpha))
+
+
 def full_motion(
     chain: Chain,
     velocity: tuple[float, ...],
@@ -178,7 +216,7 @@ def model_motion(
 
 
 def _figure_solver(tolerance: float, step: float | None) -> MethodFineness:
-    return MethodFineness("accurate" if step is None else "conserving", step, tolerance)
+    return MethodFineness(TOLD if step is None else KEEPING, step, tolerance)
 
 
 def _pass_on(found: Sequence[CodedWarning]) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory, draft_gear, one_on, power_law
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status

@@ -21,6 +21,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from time import perf_counter
@@ -42,36 +43,33 @@ Where = Literal["auto", "here", "threads", "processes"]
 ALL_OF_WHERE = ("auto", "here", "threads", "processes")
 
 
+@dataclass
 class Workplace:
     """An executor, and what it calls with (begin, end, seconds) for a chunk.
 
-    Arguments:
+    Attributes:
         call: is handed to the executor.
-        make: gives the executor, and another one after it broke.
-        workers: chunks that it computes at once; none where it computes a chunk as that is handed out.
+        make: gives the executor, and another one after it broke; StudyError where there is none.
+        room: gives how many chunks it takes at once.
+        close: lets go of an executor; where the sweep was stopped, which the second argument says, of what is computed too.
+        killed: errors of a chunk that killed its workers, where the executor lives on.
+        gone: errors of a chunk whose executor is no longer there.
     """
 
-    killed: tuple[
-        type[BaseException], ...
-    ] = ()  # errors of a chunk that killed its workers, where the executor lives on
-    gone: tuple[type[BaseException], ...] = ()  # errors of a chunk whose executor is no longer there
+    call: Callable[[int, int, float], Chunk]
+    make: Callable[[], Executor]
+    room: Callable[[], int]
+    close: Callable[[Executor, bool], None] = lambda executor, _: executor.shutdown(wait=False, cancel_futures=True)
+    killed: tuple[type[BaseException], ...] = ()
+    gone: tuple[type[BaseException], ...] = ()
 
-    def __init__(self, call: Callable[[int, int, float], Chunk], make: Callable[[], Executor], workers: int) -> None:
-        self.call, self._make, self._workers = call, make, workers
-        self.executor = make()
-
-    def room(self) -> int:
-        """How many chunks it takes."""
-        return max(1, QUEUED * self._workers)
+    def __post_init__(self) -> None:
+        self.executor = self.make()
 
     def renew(self) -> None:
         """Begin anew after it broke."""
         self.executor.shutdown(wait=False, cancel_futures=True)
-        self.executor = self._make()
-
-    def close(self, stopped: bool) -> None:
-        """Let go of the executor; where the sweep was `stopped`, of what is being computed too."""
-        self.executor.shutdown(wait=False, cancel_futures=True)
+        self.executor = self.make()
 
 
 class _Caller(Executor):
@@ -85,42 +83,42 @@ class _Caller(Executor):
 
 def here(work: Work) -> Workplace:
     """This process and thread, one chunk at a time."""
-    return Workplace(work.compute, _Caller, 0)
+    return Workplace(work.compute, _Caller, lambda: 1)
 
 
 def threads(work: Work, workers: int) -> Workplace:
     """Threads of this process."""
-    return Workplace(work.compute, partial(DaemonThreads, workers), workers)
+    return Workplace(work.compute, partial(DaemonThreads, workers), lambda: QUEUED * workers)
 
 
-class Callers(Workplace):
-    """An executor of the caller's, which stays open."""
+def _of_caller(work: Work, executor: Executor, workers: int) -> Workplace:
+    """An executor of the caller's, which stays open, and cannot be made anew."""
+    given = [executor]
 
-    def renew(self) -> None:
-        """It cannot be made anew."""
-        raise StudyError("a worker of the executor died, and the executor takes no more work")
+    def make() -> Executor:
+        if not given:
+            raise StudyError("a worker of the executor died, and the executor takes no more work")
+        return given.pop()
 
-    def close(self, stopped: bool) -> None:
-        """Leave it open."""
+    return Workplace(partial(compute_checked, work), make, lambda: QUEUED * workers, lambda *_: None)
 
 
-class Processes(Workplace):
+def processes(work: Work, workers: int) -> Workplace:
     """Processes of this machine. Raises StudyError where the work cannot be sent to them."""
+    why = unsendable(work)
+    if why:
+        raise StudyError(f"other processes cannot compute this: {why}")
+    context = multiprocessing.get_context("spawn")  # a fork of a process with threads may stand still
+    make = partial(ProcessPoolExecutor, workers, context, _begin_worker)
+    call = partial(_compute_sent, pickle.dumps(work))
+    return Workplace(call, make, lambda: QUEUED * workers, _end_processes)  # type: ignore[arg-type]
 
-    def __init__(self, work: Work, workers: int) -> None:
-        why = unsendable(work)
-        if why:
-            raise StudyError(f"other processes cannot compute this: {why}")
-        context = multiprocessing.get_context("spawn")  # a fork of a process with threads may stand still
-        make = partial(ProcessPoolExecutor, workers, context, _begin_worker)
-        super().__init__(partial(_compute_sent, pickle.dumps(work)), make, workers)
 
-    def close(self, stopped: bool) -> None:
-        """End the processes; at once where the sweep was stopped: they may be in a kernel, or wait for one."""
-        if stopped:
-            for process in list((self.executor._processes or {}).values()):  # type: ignore[attr-defined]
-                process.terminate()  # what Executor.terminate_workers does from Python 3.14 on
-        self.executor.shutdown(wait=True, cancel_futures=True)
+def _end_processes(executor: ProcessPoolExecutor, stopped: bool) -> None:
+    """End the processes; at once where the sweep was stopped: they may be in a kernel, or wait for one."""
+    for process in list((executor._processes or {}).values()) if stopped else ():
+        process.terminate()  # what Executor.terminate_workers does from Python 3.14 on
+    executor.shutdown(wait=True, cancel_futures=True)
 
 
 def _begin_worker() -> None:
@@ -164,45 +162,32 @@ def unsendable(work: Work) -> str:
     return ""
 
 
-class Dask(Workplace):
+def dask(work: Work, scheduler: str | Client) -> Workplace:
     """Workers of a Dask scheduler, on this machine or many, through the executor that its Client is.
 
-    Arguments:
-        scheduler: its address, such as "tcp://127.0.0.1:8786", or a Client.
-
-    Raises:
-        StudyError: there is no scheduler at the address.
+    Raises StudyError where no scheduler is at the address, such as "tcp://127.0.0.1:8786", and later where it has gone.
     """
+    with needed_for("a sweep on Dask", "dask"):
+        import cloudpickle
+        import distributed
+    client: Any = _connected(scheduler) if isinstance(scheduler, str) else scheduler
+    address, gone = client.scheduler.address, (CancelledError, OSError, TimeoutError)
 
-    gone = (CancelledError, OSError, TimeoutError)
+    def room() -> int:
+        with suppress(*gone):
+            if client.status == "running":
+                return max(1, QUEUED * sum(client.nthreads().values()))  # workers come and go
+        raise StudyError(f"lost the scheduler at {address}")
 
-    def __init__(self, work: Work, scheduler: str | Client) -> None:
-        with needed_for("a sweep on Dask", "dask"):
-            import cloudpickle
-            import distributed
-        self._own = isinstance(scheduler, str)
-        self._client: Any = _connected(scheduler) if isinstance(scheduler, str) else scheduler
-        self.address = self._client.scheduler.address
-        self.killed = (distributed.KilledWorker,)
-        super().__init__(
-            partial(_compute_sent, cloudpickle.dumps(work)), partial(self._client.get_executor, pure=False), 1
-        )
-
-    def room(self) -> int:
-        """How many chunks the workers take; they come and go. Raises StudyError where the scheduler has gone."""
-        with suppress(*self.gone):
-            if self._client.status == "running":
-                self._workers = sum(self._client.nthreads().values())
-                return super().room()
-        raise StudyError(f"lost the scheduler at {self.address}")
-
-    def close(self, stopped: bool) -> None:
-        """Cancel what is handed out, and close the connection if it is our own."""
+    def close(executor: Executor, _: bool) -> None:
         with suppress(Exception, CancelledError):  # where the scheduler has gone
-            if self._client.status == "running":
-                self.executor.shutdown(wait=False)
-            if self._own:
-                self._client.close(timeout=1.0)
+            if client.status == "running":
+                executor.shutdown(wait=False)
+            if client is not scheduler:
+                client.close(timeout=1.0)
+
+    call, make = partial(_compute_sent, cloudpickle.dumps(work)), partial(client.get_executor, pure=False)
+    return Workplace(call, make, room, close, (distributed.KilledWorker,), gone)
 
 
 def _connected(address: str) -> Any:
@@ -231,11 +216,11 @@ def place_of(
         raise StudyError(f"workers must be at least 1, not {workers}")
     count = workers or cores()
     if scheduler is not None:
-        return Dask(work, scheduler)
+        return dask(work, scheduler)
     if not isinstance(executor, str):
-        return Callers(partial(compute_checked, work), lambda: executor, count)
+        return _of_caller(work, executor, count)
     if executor == "processes":
-        return Processes(work, count)
+        return processes(work, count)
     if executor == "threads":
         return threads(work, count)
     return here(work) if executor == "here" or count == 1 else None
@@ -245,15 +230,13 @@ def processes_or_threads(work: Work, workers: int | None) -> Workplace:
     """Processes of this machine; threads, said in a sentence, where these cannot compute the work."""
     why = unsendable(work)
     if not why:
-        return Processes(work, workers or cores())
+        return processes(work, workers or cores())
     LOGGER.warning("computed in threads of this process, one at a time where that is Python: %s", why)
     return threads(work, workers or cores())
 
 
 LOOK = 1.0  # s between two looks whether a scheduler is there, and how many workers it has
 SILENCE = 60.0  # s without a chunk, after which that is said
-MOST_SECONDS = 2.0  # times as long, after which a chunk comes back as it is, and the rest of it is handed out anew
-GROWTH = 4.0  # of chunks at most, from one to the next: the first ones tell little of what a point costs
 LAST_SHARES = 4  # chunks at least in what is left, so that all workers end at about the same time
 MOST_DEATHS = 3  # of the process of a point that was alone in it, until the point is given up
 
@@ -265,28 +248,28 @@ class ChunkSchedule:
 
     Arguments:
         missing: ranges of points.
-        keep: takes the chunks as they are computed.
-        seconds: what a chunk should take [s].
+        take: takes the chunks as they are computed.
+        seconds: after which a chunk comes back as it is, and the rest of it is handed out anew [s].
     """
 
-    def __init__(self, missing: Iterable[PointRange], keep: Callable[[Chunk], None], seconds: float) -> None:
+    def __init__(self, missing: Iterable[PointRange], take: Callable[[Chunk], None], seconds: float) -> None:
         self._todo, self._suspects, self._broken = deque(missing), deque[PointRange](), list[PointRange]()
-        self._take, self._seconds = keep, seconds
+        self._take, self._seconds = take, seconds
         self._handed: dict[Future[Chunk], PointRange] = {}
         self._deaths = Counter[int]()  # of processes, by the point that was alone in them
-        self._size = 1.0  # points that are thought to take `seconds`
+        self._pace = float("inf")  # s a point, the least of a chunk: what else the machine does only adds to it
         self.left = sum(end - begin for begin, end in self._todo)
 
     @property
     def seconds_left(self) -> float:
         """What all that is left would take one process [s]."""
-        return self.left * self._seconds / self._size
+        return self.left * self._pace if self.left else 0.0
 
     def run(self, place: Workplace, budget: float = float("inf")) -> None:
         """Let a place compute all that is left, or what it can in about `budget` [s]."""
         until, heard = perf_counter() + budget, perf_counter()
         while self._handed or ((self._todo or self._suspects) and perf_counter() < until):
-            self._hand_out(place, until - perf_counter())
+            self._hand_out(place, until)
             done, _ = wait(self._handed, LOOK, FIRST_COMPLETED)
             if not done and perf_counter() - heard > SILENCE:
                 told = "kernels are compiled, points take long, or there is no worker"
@@ -298,34 +281,31 @@ class ChunkSchedule:
             if self._broken and not self._handed:
                 self._begin_anew(place)
 
-    def _hand_out(self, place: Workplace, left: float) -> None:
+    def _hand_out(self, place: Workplace, until: float) -> None:
         """As many chunks as there is room for; suspects each alone, none while a broken place gives chunks back."""
         room = place.room()
+        share = self.left // (LAST_SHARES * room if room > 1 else 2)
+        while self._todo and not (self._suspects or self._broken) and len(self._handed) < room:
+            begin, end = self._todo.popleft()
+            last = min(begin + max(1, share), end)
+            if last < end:
+                self._todo.appendleft((last, end))
+            if not self._submit(place, begin, last, until):
+                return
         if self._suspects and not self._handed:
-            self._submit(place, *self._suspects.popleft(), left)
-        elif not self._suspects and not self._broken:
-            for _ in range(room - len(self._handed)):
-                if self._todo:
-                    self._submit(place, *self._next(room), left)
+            self._submit(place, *self._suspects.popleft(), until)
 
-    def _submit(self, place: Workplace, begin: int, end: int, left: float) -> None:
+    def _submit(self, place: Workplace, begin: int, end: int, until: float) -> bool:
+        """Whether the place took a chunk."""
         try:
-            future = place.executor.submit(place.call, begin, end, min(MOST_SECONDS * self._seconds, left))
+            future = place.executor.submit(place.call, begin, end, min(self._seconds, until - perf_counter()))
         except BrokenExecutor:  # a process died; of nothing that was handed out, or of what has not come back yet
             self._todo.appendleft((begin, end))
             if not self._handed:
                 place.renew()
-        else:
-            self._handed[future] = begin, end
-
-    def _next(self, places: int) -> PointRange:
-        """The next points to hand out, so that there are some for all places to the last."""
-        begin, end = self._todo.popleft()
-        share = self.left // (LAST_SHARES * places) if places > 1 else self.left
-        last = begin + max(1, min(int(self._size), share))
-        if end > last:
-            self._todo.appendleft((last, end))
-        return begin, min(end, last)
+            return False
+        self._handed[future] = begin, end
+        return True
 
     def _came_back(self, place: Workplace, future: Future[Chunk]) -> None:
         begin, end = self._handed.pop(future)
@@ -354,11 +334,8 @@ class ChunkSchedule:
         self._take(chunk)
         if chunk.end < end:
             self._todo.appendleft((chunk.end, end))
-        count = chunk.count
-        thought = count * self._seconds / max(chunk.seconds, 1e-9)
-        if count >= self._size / GROWTH or thought < self._size:
-            self._size = max(1.0, min(thought, GROWTH * self._size))
-        self.left -= count
+        self._pace = min(self._pace, chunk.seconds / chunk.count)
+        self.left -= chunk.count
 
     def _blame(self, begin: int, end: int) -> None:
         """Points of which a process died that had no others: halves of them are tried, and a single point three times."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Trajectory
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
-from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status, Warnings
@@ -113,8 +113,8 @@ class RunEnd(NamedTuple):
 
 def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
     """How runs of one shape and with the same settings end, to the digits of `solve`. ValueError where they cannot run so."""
-    from softcradle.physics.batch.batch_ends import ensemble_ends
     from softcradle.physics.batch.chain_batch import ChainBatch
+    from softcradle.physics.batch.ends import ensemble_ends
 
     settings = {"method": "accurate", "tolerance": 1e-8, "step": None, **starts[0].settings}
     if not find_method(settings["method"]).adaptive:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.physics.compile_log import log_compilation
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.dataset import checked_output, dataset_of, lost_points, opened_dataset, write_dataset
@@ -245,7 +244,6 @@ def _compute_missing(
     take: Callable[[Chunk], None] = lambda _: None,
 ) -> None:
     """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
-    log_compilation()  # says at once where nothing can be compiled
     count, tell = work.points.count, progress or _untold
 
     def keep(chunk: Chunk) -> None:
@@ -259,18 +257,17 @@ def _compute_missing(
     schedule = ChunkSchedule(store.missing(count), keep, chunk_seconds)
     stopped = True
     try:
-        if place is None and alike and not store.died:
-            with store.trying():
-                schedule.run(here(work), TRIED_HERE)
-                if schedule.seconds_left < WORTH_PROCESSES:
-                    schedule.run(here(work))
+        if place is None and alike and not store.begun:  # a process that was killed may have died of the first point
+            schedule.run(here(work), TRIED_HERE)
+            if schedule.seconds_left < WORTH_PROCESSES:
+                schedule.run(here(work))
         if schedule.left:
             place = place or processes_or_threads(work, workers)
             schedule.run(place)
         stopped = False
     finally:
         if place is not None:
-            place.close(stopped)
+            place.close(place.executor, stopped)
 
 
 @contextmanager
@@ -281,7 +278,7 @@ def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
         yield store
     except BaseException as error:
         done = store.done
-        if not done and not store.died:
+        if not done and not store.begun:
             store.remove()
         if store.folder is not None and done:
             kept = f"{done} points are kept in {store.folder}; the same sweep goes on from there"

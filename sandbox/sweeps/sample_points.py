@@ -1,10 +1,8 @@
 """The sample points of a sweep: grids, lists, Latin hypercube and Sobol samples, each computed from its index alone."""
 
-from __future__ import annotations
-
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
@@ -112,6 +110,12 @@ class Points:
             return {axis.path: _array(axis.values[begin:end]) for axis in self.axes}
         unit = _unit_rows(self.design, len(self.axes), self.count, self.seed)[begin:end]
         return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
+
+    def rows(self, begin: int, end: int, block: int) -> Iterator[dict[str, Any]]:
+        """The values of every axis, by path, at one point after the other; read a `block` at a time."""
+        for first in range(begin, end, block):
+            columns = {path: values.tolist() for path, values in self.columns(first, min(first + block, end)).items()}
+            yield from (dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True))
 
 
 def grid(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:

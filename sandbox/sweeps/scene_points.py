@@ -1,7 +1,5 @@
 """From a scene and a point to what moves: the numbers at dotted paths such as `lanes.0.contact.alpha` are replaced."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

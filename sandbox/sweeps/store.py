@@ -4,13 +4,11 @@ The folder `NAME.partial` holds the study and the chunks, .npz files named by th
 Each is renamed into place when it is whole and on the disk, so that a listing of the folder tells what is done.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from os import fsync
@@ -24,7 +22,7 @@ from softcradle.sandbox.sweeps.scene_points import ScenePoints
 from softcradle.sandbox.sweeps.work import REASON, Chunk, Work, function_name
 from softcradle.sandbox.user_error import StudyError, reason
 
-STUDY, LOCK, TRIED = "study.json", "lock", "tried"  # files beside the chunks
+STUDY, LOCK = "study.json", "lock"  # files beside the chunks
 COLUMN = "column "  # before the names of columns in an .npz: a measure may be called as an argument of NumPy's
 MOST_VALUES = 100  # of an axis that are written out
 
@@ -35,7 +33,7 @@ def partial_folder(path: Path) -> Path:
 
 
 class Store:
-    """The chunks of a sweep; open once at a time.
+    """The chunks of a sweep; open once at a time; `begun` where another process began to compute them, and was stopped or killed.
 
     Arguments:
         folder: where they are kept, made if need be; None keeps them in memory alone.
@@ -47,7 +45,7 @@ class Store:
     """
 
     def __init__(self, folder: Path | None, study: str, fresh: bool = False) -> None:
-        self.folder, self._chunks = folder, list[Chunk]()
+        self.folder, self.begun, self._chunks = folder, False, list[Chunk]()
         self._lock: IO[bytes] | None = None
         try:
             if folder is not None:
@@ -72,9 +70,10 @@ class Store:
             raise StudyError(
                 f"{folder} was begun for another study, or by another version: give another output, or begin afresh"
             )
-        if known is None or fresh:
-            for file in [*folder.glob("*.npz"), folder / TRIED]:
-                file.unlink(missing_ok=True)
+        self.begun = known is not None and not fresh
+        if not self.begun:
+            for file in folder.glob("*.npz"):
+                file.unlink()
             with output_file(folder / STUDY) as temporary:
                 temporary.write_text(study, encoding="utf-8")
         self._chunks = [_read(folder, *kept) for kept in kept_ranges(folder)]
@@ -110,23 +109,6 @@ class Store:
             reached = chunk.end
         if reached < count:
             yield reached, count
-
-    @property
-    def died(self) -> bool:
-        """Whether the process that tried the first points died of it."""
-        return self.folder is not None and (self.folder / TRIED).exists()
-
-    @contextmanager
-    def trying(self) -> Iterator[None]:
-        """Leave a note on the disk while points are tried in this process, which a point might kill."""
-        note = None if self.folder is None else self.folder / TRIED
-        if note is not None:
-            note.touch()
-        try:
-            yield
-        finally:
-            if note is not None:
-                note.unlink(missing_ok=True)
 
     def close(self) -> None:
         """Let another sweep open it."""

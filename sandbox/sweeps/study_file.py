@@ -1,7 +1,5 @@
 """The study file: a TOML file that says what is swept, over which points, and what is measured."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass

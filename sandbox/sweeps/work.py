@@ -1,14 +1,13 @@
 """The work of a sweep: what is swept, checked, and what every process that takes part computes, one chunk of points at a time."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache, partial
+from itertools import islice
 from time import perf_counter
 from typing import Any
 
@@ -26,8 +25,7 @@ from softcradle.scenes.scene_errors import SceneError
 Array = NDArray[np.float64]
 
 
-TRIED = 8  # points of a chunk that run side by side, and as many alone, before the rest runs as was faster
-AT_ONCE = 64  # points that run side by side between two looks at the clock
+AT_ONCE = 64  # points that are read at once, and may run side by side
 STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
 TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")  # names that parameters cannot have
@@ -92,41 +90,25 @@ class Work:
     source: ScenePoints | Callable[..., Any]
     measures: tuple[str | Measure, ...]
     versions: Mapping[str, str]
-    # seconds of TRIED points by the name of the way, the least so far: what else the machine does only adds to them
-    _least: dict[str, float] = field(default_factory=dict, repr=False, compare=False)
 
-    def compute(self, begin: int, end: int, seconds: float = float("inf")) -> Chunk:
-        """The points from `begin` on, up to `end` or until `seconds` have passed, at least one.
-
-        Chains of one shape run side by side where that takes less time: each chunk tries both with its first points.
-        """
-        began, outcomes, beside = perf_counter(), list[Outcome](), self._runs_at_once()
-        columns = {path: values.tolist() for path, values in self.points.columns(begin, end).items()}
-        points = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
-        if beside and len(points) >= 4 * TRIED:
-            for way in (self._at_once, self._alone):
-                before = perf_counter()
-                outcomes += way(points[len(outcomes) : len(outcomes) + TRIED])
-                self._least[way.__name__] = min(perf_counter() - before, self._least.get(way.__name__, math.inf))
-            beside = self._least["_at_once"] < self._least["_alone"]
-        size = AT_ONCE if beside and outcomes else 1
-        while len(outcomes) < len(points) and (not outcomes or perf_counter() - began <= seconds):
-            block = points[len(outcomes) : len(outcomes) + size]
-            outcomes += self._at_once(block) if size > 1 else self._alone(block)
+    def compute(self, begin: int, end: int, seconds: float = math.inf) -> Chunk:
+        """The points from `begin` on, up to `end` or until `seconds` have passed, at least one."""
+        began, outcomes = perf_counter(), list[Outcome]()
+        points = self.points.rows(begin, end, AT_ONCE)
+        size = AT_ONCE if self._runs_at_once() else 1
+        while (not outcomes or perf_counter() - began <= seconds) and (block := [*islice(points, size)]):
+            outcomes += self._at_once(block) if size > 1 else map(self.outcome, block)
         return packed(begin, outcomes, perf_counter() - began)
 
     def _runs_at_once(self) -> bool:
         """Whether ends of runs are all that is measured, and the kernels that run chains side by side are at hand."""
-        from softcradle.physics.batch.batch_ends import KERNELS
+        from softcradle.physics.batch.ends import KERNELS
 
         ends_alone = isinstance(self.source, ScenePoints) and set(self.measures) <= set(OF_ENDS)
         kernels = KERNELS["adaptive"]
         if ends_alone and not kernels.in_memory and not kernels.on_disk and self.points.count >= WORTH_KERNELS:
             kernels.compile_behind()
         return ends_alone and (kernels.in_memory or kernels.on_disk)
-
-    def _alone(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
-        return [self.outcome(values) for values in points]
 
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
         """Points whose chains run side by side, to the same digits; those that have another shape, and those that do not end
@@ -138,10 +120,10 @@ class Work:
         starts = [start for lane in lanes for start in lane]
         try:
             if len(lanes) < len(points) or any(start.settings != starts[0].settings for start in starts):
-                return self._alone(points)
+                return [self.outcome(values) for values in points]
             ends = ends_of(starts)
         except ValueError:
-            return self._alone(points)
+            return [self.outcome(values) for values in points]
         found, row = list[Outcome](), iter(ends)
         for values, lane in zip(points, lanes, strict=True):
             runs = [Run(start, next(row)) for start in lane]

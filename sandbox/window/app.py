@@ -6,7 +6,7 @@ import gc
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -66,7 +66,7 @@ class App:
         self.surface = open_display(size)
         self.reader = ScreenReader("softcradle")
         self.size = self._window_size = self.surface.get_size()
-        self.running, self.help = True, False
+        self.running, self.help, self.help_scroll = True, False, 0.0
         self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
         self.scale, self.explore = self.settings.scale, self.settings.explore and not lab
         use_theme(self.settings.theme)
@@ -153,6 +153,7 @@ class App:
             self.manager = theme.manager(self.size, self.unit)
         pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
+        self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
             self.dialog.build()
 
@@ -223,18 +224,13 @@ class App:
         """Ask for a line of text in a box over the page."""
         self.put_over(EntryDialog(self, title, note, {title: text}, self._take_line(take)))
 
-    def ask_lines(
-        self, title: str, note: str, fields: Mapping[str, str], take: Callable[[dict[str, str]], None]
-    ) -> None:
-        """Ask for several lines of text, which begin with those of `fields`, by name."""
-        self.put_over(EntryDialog(self, title, note, fields, take))
-
     def choose(self, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
         """Ask a question with a button for each of the choices; a `neutral` one marks none, and hides the page."""
         self.put_over(Dialog(self, title, note, choices, neutral))
 
     def put_over(self, modal: Overlay) -> None:
         """Put a dialog or a menu over the page, in place of the present one."""
+        self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
             self.dialog.close()
         self.dialog = modal
@@ -261,7 +257,7 @@ class App:
 
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
-        self.help = not self.help
+        self.help, self.help_scroll = not self.help, 0.0
 
     def toggle_fullscreen(self) -> None:
         """Switch between the full screen and a window."""
@@ -353,9 +349,9 @@ class App:
         self.focus.paint(self.surface)
         if self.dialog is not None and self.dialog.open:
             self.dialog.paint(self.surface)
-        self.messages.paint(self.surface, self.size[1] - 84 * self.unit, self.unit)
+        self.messages.paint(self.surface, self.page.message_place(self.size, self.unit), self.unit)
         if self.help:
-            paint_help(self.surface, self.unit)
+            self.help_scroll = paint_help(self.surface, self.unit, self.help_scroll)
 
     @property
     def pointer(self) -> tuple[int, int]:

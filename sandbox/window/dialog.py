@@ -18,9 +18,9 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, wrapped, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.window import theme
-from softcradle.sandbox.window.keys import hint
+from softcradle.sandbox.window.keys import binding_of, hint
 from softcradle.sandbox.window.page import Host
-from softcradle.sandbox.window.widgets import TextEntry
+from softcradle.sandbox.window.widgets import TextBox, TextEntry
 
 POINTER_EVENTS = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION, pygame.MOUSEWHEEL)
 KEY_EVENTS = (pygame.KEYDOWN, pygame.KEYUP, pygame.TEXTINPUT)
@@ -76,7 +76,7 @@ class Overlay:
 
 
 LEAST_WIDTH = 200.0  # design pixels of a column
-ROW = 27.0  # design pixels
+MENU_ROW = 30.0  # design pixels
 
 
 class Menu(Overlay):
@@ -94,10 +94,11 @@ class Menu(Overlay):
 
     def make_widgets(self) -> None:
         """Take a place below the button and make the rows."""
-        unit, row, margin = self.host.unit, round(ROW * self.host.unit), round(6 * self.host.unit)
+        unit, row, margin = self.host.unit, round(MENU_ROW * self.host.unit), round(6 * self.host.unit)
         columns = max(1, -(-row * len(self.names) // (self.host.size[1] - self.corner[1] - 2 * margin)))
-        rows, texts = -(-len(self.names) // columns), [hint(name) for name in self.names]
-        wide = max(round(LEAST_WIDTH * unit), *(width(text, 13 * unit) + round(52 * unit) for text in texts))
+        rows, texts = -(-len(self.names) // columns), [_(binding_of(name).text) for name in self.names]
+        needed = (width(hint(name), 13 * unit) + round(70 * unit) for name in self.names)
+        wide = max(round(LEAST_WIDTH * unit), *needed)
         self.box = pygame.Rect(0, 0, columns * wide, row * rows + 2 * margin)
         self.box.topright = self.corner
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
@@ -140,6 +141,10 @@ class Menu(Overlay):
         pygame.draw.rect(surface, tones.background, self.box, border_radius=6)
         pygame.draw.rect(surface, tones.faint, self.box, max(1, round(1.5 * self.host.unit)), border_radius=6)
         super().paint(surface)
+        for name, button in zip(self.names, self.buttons, strict=True):
+            place = button.rect.right - 10 * self.host.unit, button.rect.centery
+            keys = str(binding_of(name).keys[0])
+            write(surface, keys, place, 13 * self.host.unit, tones.muted, align=(1, 0.5))
         pygame.draw.rect(surface, tones.foreground, self.buttons[self.focus].rect, 2, border_radius=4)
 
 
@@ -148,6 +153,7 @@ MARGIN = 24.0  # design pixels inside the box
 LINE = 22.0  # design pixels of a line of the note
 ROW = 36.0  # design pixels of a button or of a line to type
 RECENT = 26.0  # design pixels of a recent file
+LONG = 90.0  # design pixels of lines to type
 SHADE_OPACITY = 110  # of 255, over the page
 Choices = Mapping[str, Callable[[], object]]
 
@@ -247,6 +253,7 @@ class EntryDialog(Dialog):
         fields: what each line begins with, by name; the name of a single one is not shown.
         recent: paths to choose from, below the lines.
         more: other choices.
+        long: name of the field that has several lines.
     """
 
     def __init__(
@@ -258,16 +265,17 @@ class EntryDialog(Dialog):
         take: Callable[[dict[str, str]], None],
         recent: Sequence[str] = (),
         more: Choices | None = None,
+        long: str = "",
     ) -> None:
-        self.texts, self.take, self.recent = dict(fields), take, tuple(recent)
+        self.texts, self.take, self.recent, self.long = dict(fields), take, tuple(recent), long
         self.rows: list[UIButton] = []
-        self.entries: dict[str, TextEntry] = {}
-        self.body = ROW * len(fields) + RECENT * len(self.recent) + 8.0
+        self.entries: dict[str, TextEntry | TextBox] = {}
+        self.body = ROW * len(fields) + (LONG - 28.0 if long else 0.0) + RECENT * len(self.recent) + 8.0
         choices: Choices = {_("OK"): self._finish, **(more or {}), _("Cancel"): lambda: None}
         super().__init__(host, title, note, choices)
 
     @property
-    def entry(self) -> TextEntry:
+    def entry(self) -> TextEntry | TextBox:
         """The line that is typed in."""
         return next((one for one in self.entries.values() if one.is_focused), next(iter(self.entries.values())))
 
@@ -279,10 +287,12 @@ class EntryDialog(Dialog):
         self.indent = round(max(names) + 12 * unit) if len(names) > 1 else 0
         y, row = self.head, round(RECENT * unit)
         for name, text in self.texts.items():
-            place = pygame.Rect(self.inner.left + self.indent, y, self.inner.width - self.indent, round(28 * unit))
-            self.entries[name] = TextEntry(place, self.manager, initial_text=text)
+            high = round((LONG if name == self.long else 28.0) * unit)
+            place = pygame.Rect(self.inner.left + self.indent, y, self.inner.width - self.indent, high)
+            kind = TextBox if name == self.long else TextEntry
+            self.entries[name] = kind(place, manager=self.manager, initial_text=text)
             self.entries[name].name = name
-            y += round(ROW * unit)
+            y += high + round(8 * unit)
         self.rows = [
             UIButton(
                 pygame.Rect(self.inner.left, y + k * row, self.inner.width, row),
@@ -305,19 +315,18 @@ class EntryDialog(Dialog):
         self.manager.set_focus_set({entry})
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take every key and click, and the end of typing."""
-        if event.type == pygame_gui.UI_TEXT_ENTRY_FINISHED and event.ui_element in self.entries.values():
-            self.choose(self._finish)
-            return True
+        """Take every key and click."""
         taken = super().handle(event)
         self.texts = {name: str(entry.get_text()) for name, entry in self.entries.items()}
         return taken
 
     def key(self, event: pygame.Event) -> None:
-        """Type; Tab goes to the next line; arrows up and down put recent files into the line; Esc closes."""
+        """Type; Enter ends; Tab goes to the next line; arrows up and down put recent files into the line; Esc closes."""
         entries = list(self.entries.values())
         if event.key == pygame.K_ESCAPE:
             self.close()
+        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER):
+            self.choose(self._finish)
         elif event.key == pygame.K_TAB:
             self._go_to(entries.index(self.entry) + (-1 if event.mod & pygame.KMOD_SHIFT else 1))
         elif event.key in (pygame.K_UP, pygame.K_DOWN) and self.recent:
@@ -328,7 +337,7 @@ class EntryDialog(Dialog):
             self.manager.process_events(event)
 
     def _finish(self) -> None:
-        found = {name: str(entry.get_text()).strip() for name, entry in self.entries.items()}
+        found = {name: str(entry.get_text()).strip().replace("\n", " ") for name, entry in self.entries.items()}
         if any(found.values()):
             self.take(found)
 

@@ -10,6 +10,7 @@ import warnings
 import pygame
 from softcradle.sandbox.files import resource
 from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.window.widgets import REPEAT
 
 CHOSEN = ("SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")  # variables that choose a driver on purpose
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
@@ -40,7 +41,7 @@ def open_display(size: tuple[int, int]) -> pygame.Surface:
     pygame.display.set_icon(pygame.image.load(str(resource("icon.png"))))
     pygame.display.set_caption("softcradle")
     surface = pygame.display.set_mode(size, pygame.RESIZABLE)
-    pygame.key.set_repeat(350, 45)
+    pygame.key.set_repeat(*REPEAT)
     with warnings.catch_warnings(), contextlib.suppress(AttributeError, pygame.error):
         warnings.simplefilter("ignore", DeprecationWarning)  # pygame has no other way yet
         pygame.Window.from_display_module().minimum_size = SMALLEST

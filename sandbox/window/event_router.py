@@ -14,7 +14,15 @@ from softcradle.sandbox.window.keys import REPEATED, action_of
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import KEYS, Slider
 
+SCROLL = 60.0  # design pixels of the help for a notch of the wheel or an arrow
+SCROLLING = {
+    pygame.K_DOWN: SCROLL,
+    pygame.K_UP: -SCROLL,
+    pygame.K_PAGEDOWN: 6.0 * SCROLL,
+    pygame.K_PAGEUP: -6.0 * SCROLL,
+}
 NEAR = 3.0  # pixels: a control that is made anew has its middle so near to the old one
+NOWHERE = (-1, -1)  # a place on no widget
 PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)
 
 
@@ -24,6 +32,7 @@ class KeyboardFocus:
     def __init__(self, host: Host) -> None:
         self.host = host
         self.place: tuple[int, int] | None = None  # the middle of the control
+        self.pressed = NOWHERE  # where the mouse was pressed, and has been since
 
     def controls(self) -> list[UIElement]:
         """Every control that can be used, from top to bottom and left to right."""
@@ -83,14 +92,14 @@ class KeyboardFocus:
             return False
         return True
 
-    def hide_tooltip(self, point: tuple[int, int]) -> None:
-        """Take away what the control at `point` says of itself: it is pressed, so that is known."""
+    def hide_tooltips(self) -> None:
+        """Take away what controls say of themselves; the one that was pressed will say nothing: that is known."""
         for one in self.controls():
-            if one.rect.collidepoint(point):
+            if one.rect.collidepoint(self.pressed):
                 one.tool_tip_delay = math.inf
-                if one.tool_tip is not None:
-                    one.tool_tip.kill()
-                    one.tool_tip = None
+            if one.tool_tip is not None:
+                one.tool_tip.kill()
+                one.tool_tip = None
 
     def close_list(self) -> bool:
         """Close the list of a menu; whether one was open."""
@@ -118,7 +127,6 @@ class KeyboardFocus:
 
 AWAY = frozenset((pygame.WINDOWMINIMIZED, pygame.WINDOWHIDDEN, pygame.WINDOWFOCUSLOST))
 FOCUS = frozenset((pygame.WINDOWFOCUSGAINED, pygame.WINDOWFOCUSLOST))
-NOWHERE = (-1, -1)  # a place on no widget
 
 
 class EventRouter:
@@ -166,7 +174,10 @@ class EventRouter:
             return  # its key has opened what would take it
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.focus.handle(event)
-            self.app.focus.hide_tooltip(event.pos)
+            self.app.focus.pressed = event.pos
+            self.app.focus.hide_tooltips()
+        elif event.type == pygame.MOUSEMOTION and math.dist(event.pos, self.app.focus.pressed) > NEAR:
+            self.app.focus.pressed = NOWHERE
         if event.type in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP) and event.button == 1:
             self._pressed = event.type == pygame.MOUSEBUTTONDOWN
         if self.app.help:
@@ -186,8 +197,12 @@ class EventRouter:
             self._take_input(pygame.Event(pygame.MOUSEBUTTONUP, pos=NOWHERE, button=1))
 
     def _take_in_help(self, event: pygame.Event) -> None:
-        if event.type == pygame.MOUSEBUTTONDOWN:
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button <= 3:  # the wheel turns by 4 and 5
             self.app.help = False
+        elif event.type == pygame.MOUSEWHEEL:
+            self.app.help_scroll -= SCROLL * event.y * self.app.unit
+        elif event.type == pygame.KEYDOWN and event.key in SCROLLING:
+            self.app.help_scroll += SCROLLING[event.key] * self.app.unit
         elif event.type == pygame.KEYDOWN:
             action = action_of(event.key, event.mod, event.unicode)
             if action in ("help", "leave"):

@@ -10,7 +10,7 @@ from time import sleep
 from typing import TYPE_CHECKING, Any
 
 from softcradle.physics.kernel_tiers import YIELDING, KernelTiers
-from softcradle.physics.methods import METHODS, Family, Method, find_method
+from softcradle.physics.methods import METHODS, Family, find_method
 from softcradle.physics.warm_up import kernels_of
 from softcradle.sandbox.languages import _
 
@@ -63,12 +63,9 @@ class KernelWarmup:
         take(result)
         return True
 
-    def is_warm(self, method: str, dissipative: bool = False) -> bool:
-        """Whether machine code of that method is in memory, for chains with friction or loss if `dissipative`.
-
-        A method without kernels is always warm.
-        """
-        kernels = kernels_of(find_method(method), dissipative)
+    def is_warm(self, method: str) -> bool:
+        """Whether machine code of that method is in memory; a method without kernels is always warm."""
+        kernels = kernels_of(find_method(method))
         return kernels is None or kernels.in_memory
 
     def can_move(self, lanes: Iterable[LiveLane], frame_time: float, method: str | None = None) -> bool:
@@ -77,14 +74,14 @@ class KernelWarmup:
         Where machine code is still being made, plain Python does for few contacts in few steps.
         """
         return all(
-            self.is_warm(name, lane.chain.dissipative) or _is_light(lane, name, frame_time)
+            self.is_warm(name) or _is_light(lane, name, frame_time)
             for lane in lanes
             for name in (lane.setup.method if method is None else method,)
         )
 
     def _run(self) -> None:
-        waiting = [kernels for method in METHODS for kernels in _all_kernels(method)]
-        waiting = sorted(dict.fromkeys(waiting), key=lambda kernels: not kernels.on_disk)
+        found = dict.fromkeys(kernels_of(method) for method in METHODS)
+        waiting = sorted((kernels for kernels in found if kernels), key=lambda kernels: not kernels.on_disk)
         while self._work(wait=not waiting):
             if waiting and self._jobs.empty():
                 self._load(waiting)
@@ -123,11 +120,6 @@ class KernelWarmup:
         except Exception as error:
             self._results.put((take, error))
         return True
-
-
-def _all_kernels(method: Method) -> list[KernelTiers]:
-    found = (kernels_of(method, dissipative) for dissipative in (False, True))
-    return [kernels for kernels in found if kernels is not None]
 
 
 def _is_light(lane: LiveLane, method: str, frame_time: float) -> bool:

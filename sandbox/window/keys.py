@@ -96,6 +96,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("paste", _keys((pygame.K_v, CTRL)), N_("Tools"), N_("open a scene that was copied as text")),
     Binding("compare", _keys((pygame.K_d, CTRL)), N_("Tools"), N_("the scene beside a copy, to compare")),
     Binding("compare_balls", _keys((pygame.K_d, SHIFT)), N_("Tools"), N_("beside steel balls, or soft beads")),
+    Binding("alone", _keys((pygame.K_d, CTRL | SHIFT)), N_("Tools"), N_("back to one row")),
     Binding("stopwatch", _keys(pygame.K_k), N_("Tools"), N_("stopwatch: start, stop, put away")),
     Binding("ruler", _keys(pygame.K_u), N_("Tools"), N_("ruler, on or off")),
     Binding("data", _keys(pygame.K_x), N_("Tools"), N_("measured data over a plot, or off")),
@@ -167,9 +168,14 @@ def action_of(code: int, modifiers: int, text: str = "") -> str | None:
     return found or (actions.get(Key(code, held & CTRL)) if code < pygame.K_a else None)
 
 
+def binding_of(action: str) -> Binding:
+    """The binding of an action."""
+    return next(binding for binding in bindings() if binding.action == action)
+
+
 def hint(action: str) -> str:
     """The text of a tooltip: what the action does, and its first key."""
-    binding = next(binding for binding in bindings() if binding.action == action)
+    binding = binding_of(action)
     return f"{_(binding.text)} ({binding.keys[0]})"
 
 
@@ -185,6 +191,9 @@ LINE = 21.0  # design pixels
 KEYS_ROOM = 126.0  # design pixels of the keys
 COLUMN = 362.0  # design pixels
 TITLE = 27.0  # design pixels
+MARGIN = 26.0  # design pixels beside a column
+HEAD, FOOT = 58.0, 20.0  # design pixels above the columns and below them
+LEAST_SHRINKING = 0.85  # of the scale, for which the help need not be scrolled
 MOUSE = (
     (N_("drag a bead"), N_("pull it by a spring; release to throw")),
     (N_("drag it, paused"), N_("place it")),
@@ -195,11 +204,11 @@ MOUSE = (
     (N_("over a plot"), N_("read values at the cursor")),
     (N_("drop a file"), N_("open it; a table or a picture: over a plot")),
 )
-COLUMNS = ((N_("Time"), N_("Mouse"), N_("Save")), (N_("Beads"), N_("Window"), N_("View")), (N_("Plots"), N_("Tools")))
+ORDER = N_("Time"), N_("Mouse"), N_("Save"), N_("Beads"), N_("Window"), N_("View"), N_("Plots"), N_("Tools")
 
 
-def paint_help(surface: pygame.Surface, unit: float) -> None:
-    """Draw the overlay over all of `surface`."""
+def paint_help(surface: pygame.Surface, unit: float, scroll: float) -> float:
+    """Draw the overlay over all of `surface`, scrolled down by `scroll` pixels or as far as there is more; returns how far."""
     size = surface.get_size()
     shade = pygame.Surface(size)
     shade.fill(tones.shadow)
@@ -207,25 +216,47 @@ def paint_help(surface: pygame.Surface, unit: float) -> None:
     surface.blit(shade, (0, 0))
     blocks = {name: [(_caps(b), _(b.text)) for b in bindings] for name, bindings in groups().items()}
     blocks["Mouse"] = [(_(what), _(text)) for what, text in MOUSE]
-    rows = max(sum(len(blocks[name]) * LINE + TITLE + 10 for name in column) for column in COLUMNS)
-    unit = min(unit, size[1] / (rows + 100), size[0] / 1230)
-    board = pygame.Rect(0, 0, round(1190 * unit), round((rows + 78) * unit))
-    board.center = (size[0] // 2, size[1] // 2)
+    unit = min(unit, size[0] / (COLUMN + 4 * MARGIN))
+    count = min(3, int((size[0] / unit - 2 * MARGIN) // (COLUMN + MARGIN)))
+    columns = _columns({name: len(blocks[name]) * LINE + TITLE + 10 for name in ORDER}, count)
+    whole = HEAD + FOOT + max(sum(column.values()) for column in columns)
+    fitting = (size[1] / unit - FOOT) / whole
+    unit *= fitting if LEAST_SHRINKING < fitting < 1.0 else 1.0
+    board = pygame.Rect(0, 0, round((count * (COLUMN + MARGIN) + MARGIN) * unit), 0)
+    board.height = min(round(whole * unit), size[1] - round(20 * unit))
+    board.center = size[0] // 2, size[1] // 2
+    scroll = min(max(scroll, 0.0), whole * unit - board.height)
     pygame.draw.rect(surface, tones.background, board, border_radius=round(10 * unit))
-    write(
-        surface,
-        _("Keys and mouse"),
-        (board.left + 26 * unit, board.top + 16 * unit),
-        22 * unit,
-        tones.foreground,
-        bold=True,
-    )
-    place = (board.right - 26 * unit, board.top + 22 * unit)
+    surface.set_clip(board)
+    place = board.left + MARGIN * unit, board.top + 16 * unit - scroll
+    write(surface, _("Keys and mouse"), place, 22 * unit, tones.foreground, bold=True)
+    place = board.right - MARGIN * unit, board.top + 22 * unit - scroll
     write(surface, _("Esc or a click closes this"), place, 13 * unit, tones.muted, align=(1, 0))
-    for k, column in enumerate(COLUMNS):
-        x, y = board.left + (26 + k * 388) * unit, board.top + 58 * unit
+    for k, column in enumerate(columns):
+        x, y = board.left + (MARGIN + k * (COLUMN + MARGIN)) * unit, board.top + HEAD * unit - scroll
         for name in column:
             y = _block(surface, name, blocks[name], (x, y), unit)
+    surface.set_clip(None)
+    if board.height < int(whole * unit):
+        share = board.height / (whole * unit)
+        bar = pygame.Rect(board.right - round(8 * unit), 0, round(4 * unit), round(share * board.height))
+        bar.top = board.top + round(share * scroll)
+        pygame.draw.rect(surface, tones.muted, bar, border_radius=round(2 * unit))
+    return scroll
+
+
+def _columns(heights: dict[str, float], count: int) -> list[dict[str, float]]:
+    """Blocks in `count` columns about as high, in their order."""
+    columns: list[dict[str, float]] = [{}]
+    for name, height in heights.items():
+        if (
+            columns[-1]
+            and len(columns) < count
+            and sum(columns[-1].values()) + 0.5 * height > sum(heights.values()) / count
+        ):
+            columns.append({})
+        columns[-1][name] = height
+    return columns
 
 
 def _caps(binding: Binding) -> str:

@@ -59,27 +59,28 @@ class Messages:
             message.seconds_left -= seconds
         self.visible = [message for message in self.visible if message.seconds_left > 0.0]
 
-    def paint(self, surface: pygame.Surface, bottom: float, unit: float) -> None:
-        """Draw them above `bottom`, in the middle."""
-        self._places = []
-        y = bottom
+    def paint(self, surface: pygame.Surface, place: pygame.Rect, unit: float) -> None:
+        """Draw those for which `place` has room at its foot, the newest in any case."""
+        self._places, bottom = [], place.bottom
         for message in reversed(self.visible):
-            room = min(720 * unit, 0.7 * surface.get_width())
+            room = min(720 * unit, place.width - 40 * unit)
             lines = [shortened(line, 13 * unit, room) for line in wrapped(message.text, 13 * unit, room)]
-            y -= self._box(surface, message, lines, y, unit) + 6 * unit
+            height = round((len(lines) * 18 + 10) * unit)
+            if self._places and bottom - height < place.top:
+                break
+            wide = max(width(line, 13 * unit) for line in lines) + 40 * unit
+            rect = pygame.Rect(0, 0, round(wide), height)
+            rect.midbottom = place.centerx, bottom
+            self._box(surface, message, lines, rect, unit)
+            bottom = rect.top - round(6 * unit)
 
-    def _box(self, surface: pygame.Surface, message: Message, lines: list[str], bottom: float, unit: float) -> float:
-        """Draw one message; returns its height."""
-        height = (len(lines) * 20 + 14) * unit
-        wide = max(width(line, 13 * unit) for line in lines) + 40 * unit
-        rect = pygame.Rect(0, 0, round(wide), round(height))
-        rect.midbottom = (surface.get_width() // 2, round(bottom))
+    def _box(self, surface: pygame.Surface, message: Message, lines: list[str], rect: pygame.Rect, unit: float) -> None:
+        """Draw one message."""
         tint = tones.warning if message.warning else tones.good
         pygame.draw.rect(surface, tones.background, rect, border_radius=round(6 * unit))
         pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
         x = rect.left + 13 * unit
-        write(surface, "!" if message.warning else "✓", (x, rect.top + 7 * unit), 13 * unit, tint, bold=True)
+        write(surface, "!" if message.warning else "✓", (x, rect.top + 6 * unit), 13 * unit, tint, bold=True)
         for k, line in enumerate(lines):
-            write(surface, line, (x + 15 * unit, rect.top + (7 + 20 * k) * unit), 13 * unit, tones.foreground)
+            write(surface, line, (x + 15 * unit, rect.top + (6 + 18 * k) * unit), 13 * unit, tones.foreground)
         self._places.append((rect, message))
-        return height

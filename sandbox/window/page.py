@@ -38,6 +38,10 @@ class Page:
     def cancel_typing(self) -> None:
         """Drop what is being typed: keys are keys of the window again."""
 
+    def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
+        """The rectangle for messages in a window of that `size`."""
+        return pygame.Rect(0, 0, size[0], size[1] - round(24 * unit))
+
     def build(self) -> None:
         """Make the widgets for the host's size and unit; the old ones are gone."""
 

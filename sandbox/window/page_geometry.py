@@ -20,7 +20,11 @@ LOW_LANE = 150.0  # design pixels of each of two lanes, below which bars of forc
 LOWEST_LANE = 130.0  # design pixels of each of two lanes, for which there are fewer rows of plots
 PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
 EXPLORED = 0.85  # of that share, where beads are more than plots
-LEAST_BESIDE_CARD = 150.0  # design pixels of plots, to which they give way for a card; then lanes do
+ROW_BESIDE_CARD = 96.0  # design pixels of a row of plots, to which it gives way for a card; then lanes do
+LANE_BESIDE_CARD = {
+    1: 190.0,
+    2: 130.0,
+}  # design pixels of a lane, by how many there are, to which it does; then rows of plots go
 LEAST_PLOT_ROW = 66.0  # design pixels, the height of a row of plots
 PLOT_ROW = 80.0  # design pixels of a row of plots, to which it gives way
 MOST_PLOTS_SHARE = 0.7  # of the height, for more rows
@@ -65,7 +69,7 @@ def geometry(
 ) -> Geometry:
     """The page for a window of `size`; `plots` is the number of plots in each row; to `explore` there is no more.
 
-    A `card` so high [pixels] has room between beads and plots.
+    A `card` so high [pixels] has room between beads and plots, which give way to it.
     """
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
@@ -82,13 +86,11 @@ def geometry(
         spare = main.height - lanes * LOW_LANE * unit
         most = main.height - lanes * LOWEST_LANE * unit
         share = min(share, max(needed, spare) / main.height, max(most, LEAST_PLOT_ROW * unit) / main.height)
-    high = round(main.height * (1.0 - share))
+    plots_height = main.height * share
     if card:
-        missing = card - max(0, main.height - high - round(LEAST_BESIDE_CARD * unit))
-        high = max(high - max(0, missing), min(high, round(LEAST_LANE * unit)))
-    above = Rect(main.left, main.top, main.width, high)
-    gap = round(8 * unit)
-    top = above.bottom + gap + card
+        plots_height = max(plots_height - card, min(plots_height, len(rows) * ROW_BESIDE_CARD * unit))
+    above = Rect(main.left, main.top, main.width, round(main.height - plots_height - card))
+    top = above.bottom + round(8 * unit) + card
     below = Rect(main.left, top, main.width, max(round(LEAST_PLOT_ROW * unit), main.bottom - top))
     beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2, explore)
     return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
@@ -99,9 +101,11 @@ def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
     return size[0] / unit - (PANEL if panel else 0.0) - 2.0 * MARGIN
 
 
-def most_plot_rows(size: tuple[int, int], unit: float, lanes: int) -> int:
-    """Rows of plots for which there is room beside so many lanes; others are scrolled to."""
+def most_plot_rows(size: tuple[int, int], unit: float, lanes: int, card: int = 0) -> int:
+    """Rows of plots for which there is room beside so many lanes and a `card` so high [pixels]; others are scrolled to."""
     main = size[1] / unit - TOOLBAR - FOOTER - MARGIN
+    if card:
+        return max(0, int((main - card / unit - lanes * LANE_BESIDE_CARD[lanes]) / ROW_BESIDE_CARD))
     room = min(MOST_PLOTS_SHARE * main, main - lanes * LOWEST_LANE) if lanes > 1 else MOST_PLOTS_SHARE * main
     return max(1, int(room / LEAST_PLOT_ROW))
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import pygame
-from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryLine
+from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryBox, UITextEntryLine
 from softcradle.sandbox.draw.number_format import MINUS
-from softcradle.sandbox.draw.palette import Colour
+from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, localized
@@ -64,10 +64,29 @@ class Slider(UIHorizontalSlider):
             self.sliding_button.set_relative_position((self.scroll_position + self.arrow_button_width, 0))
 
 
+REPEAT = 350, 45  # milliseconds until a key that is held repeats, and between its repeats
+
+
 class TextEntry(UITextEntryLine):
     """A line to type in; its `name` is for screen readers."""
 
     name = ""
+
+    def unfocus(self) -> None:
+        """Leave it; pygame_gui would let no key repeat any more."""
+        super().unfocus()
+        pygame.key.set_repeat(*REPEAT)
+
+
+class TextBox(UITextEntryBox):
+    """Lines to type in, likewise."""
+
+    name = ""
+
+    def unfocus(self) -> None:
+        """Leave it."""
+        super().unfocus()
+        pygame.key.set_repeat(*REPEAT)
 
 
 Point = tuple[float, float]
@@ -144,6 +163,17 @@ def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: f
         shown = shortened(f"{line} …", size, rect.width) if k == room - 1 < len(lines) - 1 else line
         write(surface, shown, (rect.left, rect.top + k * pitch), size, tint)
     return rect.top + pitch * min(room, len(lines))
+
+
+def paint_whole(surface: pygame.Surface, text: str, corner: tuple[int, int], wide: int, unit: float) -> None:
+    """Draw all of a `text` for which there was no room, in a box whose lower right `corner` is given."""
+    size, room = 13 * unit, wide - 24 * unit
+    box = pygame.Rect(0, 0, wide, round(1.4 * size * len(wrapped(text, size, room)) + 20 * unit))
+    box.bottomright = corner
+    box.clamp_ip(surface.get_rect())
+    pygame.draw.rect(surface, tones.background, box, border_radius=round(6 * unit))
+    pygame.draw.rect(surface, tones.muted, box, 1, border_radius=round(6 * unit))
+    write_wrapped(surface, text, box.inflate(-24 * unit, -16 * unit), size, tones.foreground)
 
 
 def split(rect: pygame.Rect, sizes: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:

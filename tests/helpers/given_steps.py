@@ -6,15 +6,37 @@ import math
 
 import numpy as np
 from softcradle.physics import Chain, State, hertz
-from softcradle.physics.adaptive.event_location import NOTHING, find_event, guard_at_end
+from softcradle.physics.adaptive.corners import AFTER, BEFORE, first_corner, guard_of
+from softcradle.physics.adaptive.effective_chain import NO_SEGMENTS
 from softcradle.physics.adaptive.step_records import WORK_ROWS, Regime, empty_trial
+from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.law_curve import NODES
-from softcradle.physics.numerics.records import OPEN
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
 from tests.helpers.plain_kernels import records_of, row_matrix
 
 H = 0.4  # [s] length of the steps
 NODE_TIMES = H * NODES
+NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
+    "nothing",
+    "closes",
+    "opens",
+    "yields",
+    "eases",
+    "turns",
+    "stops",
+    "slips",
+)
+NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
+    "nothing",
+    "closes",
+    "opens",
+    "yields",
+    "eases",
+    "turns",
+    "stops",
+    "slips",
+)
 
 
 class Step:
@@ -39,7 +61,9 @@ class Step:
         eased = np.zeros(chain.contacts, dtype=np.int8)
         if easing is not None:
             eased[:] = easing
-        self.regime = Regime(self.data.law, self.data.inverse_mass, self.data.push, loss, bed, flags, eased)
+        self.regime = Regime(
+            self.data.law, self.data.inverse_mass, self.data.push, loss, bed, flags, eased, *NO_SEGMENTS
+        )
         self.work, self.trial = np.zeros((WORK_ROWS, chain.contacts + 1)), empty_trial(chain.contacts)
         matrix = row_matrix(chain)
         external = self.data.external[:-1] if self.data.external.size else np.zeros(chain.contacts)
@@ -56,11 +80,31 @@ class Step:
         if chain.inverse_mass[bead] > 0.0:  # the tests anchor beads that no contact pushes, or walls
             self.trial.anchor[1] += H * (self.data.external[-1] if self.data.external.size else 0.0)
 
-    def find(self, skip=-1, skipped=NOTHING, inactive=0.0, slow=0.0):
-        return find_event(H, self.data, self.regime, self.motion, self.trial, skip, skipped, inactive, slow, self.work)
+    def corner(self, landing=(-1, 0), inactive=0.0, slow=0.0):
+        """What `first_corner` returns."""
+        return first_corner(
+            H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work
+        )  # fmt: skip
 
-    def guard(self, row, kind):
-        return guard_at_end(H, row, kind, self.data, self.regime, self.motion, self.trial, self.work)
+    def find(self, landing=(-1, 0), inactive=0.0, slow=0.0):
+        """(contact or bead, what happens at its corner, part of the step)."""
+        row, side, part, *_ = self.corner(landing, inactive, slow)
+        n = self.chain.contacts
+        if row >= n:
+            return row - n, STOPS if self.regime.slide[row - n] else SLIPS, part
+        names = {
+            OPEN: (CLOSES,),
+            LOADED: (OPENS, TURNS),
+            TOUCHING: (EASES if self.motion.overlap[row] > 0.0 else OPENS, YIELDS),
+        }
+        return row, names[int(self.motion.mode[row])][side] if row >= 0 else NOTHING, part
+
+    def guard(self, row, side):
+        """Its value at the end of the step, and its slope."""
+        bead_velocities(self.motion.rate, self.data.anchor_bead, self.motion.anchor[1], self.work[BEFORE])
+        bead_velocities(self.trial.rate[2], self.data.anchor_bead, self.trial.anchor[1], self.work[AFTER])
+        b = guard_of(row, side, H, self.data, self.regime, self.motion, self.trial, 0.0, self.work)
+        return b[5], 5.0 * (b[5] - b[4]) / H
 
 
 def thrown(speed, gap, pull=-9.8):

@@ -13,14 +13,11 @@ only_plain = pytest.mark.skipif(COMPILED, reason="kernels are called as plain Py
 
 
 def records_of(chain: Chain, state: State) -> tuple:
-    """ChainData, Dissipation or None, and the Motion that the kernels move: the arrays of `state` itself."""
-    fields, dissipation = chain_records(chain, state)
+    """ChainData, its Dissipation, and the Motion that the kernels move: the arrays of `state` itself."""
+    data = ChainData(*chain_records(chain, state))
     flags = np.zeros(chain.contacts, dtype=np.int8), np.zeros(chain.contacts, dtype=np.int8)
-    return (
-        ChainData(*fields),
-        dissipation,
-        Motion(state.overlap, state.rate, state.anchor, state.force, state.taken, *flags),
-    )
+    motion = Motion(state.overlap, state.rate, state.anchor, state.force, state.taken, *flags)
+    return data, data.dissipation, motion
 
 
 def row_matrix(chain: Chain) -> np.ndarray:

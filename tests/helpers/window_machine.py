@@ -120,10 +120,10 @@ class WindowMachine(RuleBasedStateMachine):
         self.driver: Driver | None = None
         self.down = False  # whether the left button is
 
-    @initialize(start=st.sampled_from(STARTS))
-    def begin(self, start: str) -> None:
-        """The window opens with a scene, or with the gallery."""
-        self.driver = Driver(start or None)
+    @initialize(start=st.sampled_from(STARTS), lab=st.booleans())
+    def begin(self, start: str, lab: bool) -> None:
+        """The window opens with a scene, or with the gallery, at either level."""
+        self.driver = Driver(start or None, lab=lab)
         self.driver.app.warmup.submit = self._do_at_once
         pygame.scrap.put_text("")
         self.driver.frames(2)

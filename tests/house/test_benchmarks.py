@@ -8,7 +8,7 @@ import pytest
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import added_cost, chain_lengths, many_chains, steps, sweep_cost
+from benchmarks import added_cost, chain_lengths, many_chains, steps, sweeps
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
 from tests.helpers.paths import ROOT
@@ -48,7 +48,7 @@ def test_what_is_added_to_a_solve_is_all_that_differs(pair):
 
 
 def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():
-    found = sweep_cost.measure_traffic(count=50)
+    found = sweeps.measure_traffic(count=50)
     assert found["task_bytes"] < 100
     assert found["work_bytes"] < 5000  # once a worker, for ten million points
     assert 5 * 8 <= found["point_bytes"] < 100  # five velocities

@@ -68,7 +68,7 @@ HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL
         ("from softcradle.physics import Chain", [name for name in HEAVY if name != "numpy"]),
         ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
         ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),  # numba itself takes scipy where it is
-        ("import softcradle.physics.reference.scipy_runner", ("numba", "pymunk", "pygame")),
+        ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
         ("import softcradle.scenes", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
         ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
     ],

@@ -19,8 +19,7 @@ from softcradle.physics import (
     simulate,
 )
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.default_step import default_step
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers.random_chains import random_dissipative
 from tests.helpers.relations import (

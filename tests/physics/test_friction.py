@@ -17,8 +17,8 @@ from softcradle.physics import (
     step_force,
 )
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.default_step import default_step
 from softcradle.physics.methods import METHODS, find_method
+from softcradle.physics.scales import default_step
 from softcradle.physics.simulation import solve
 
 from benchmarks.scan import families

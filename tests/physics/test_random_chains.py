@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 import softcradle.physics.adaptive.usual_budget
 import softcradle.physics.reference.phases
-import softcradle.physics.reference.scipy_runner
+import softcradle.physics.reference.runner
 from hypothesis import assume, given, settings
 from softcradle.physics import simulate
-from softcradle.physics.default_step import default_step
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers.random_chains import collisions
 from tests.helpers.relations import (
@@ -39,7 +38,7 @@ NEWTON = 2.5e-3  # of the tolerance: momentum that a step of radau may lose, for
 def few_steps():
     """Light beads between heavy ones may bounce thousands of times: a run that takes so long gives up here, and says so."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(softcradle.physics.reference.scipy_runner, "MOST_PHASES", 200)
+        patch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 200)
         patch.setattr(softcradle.physics.reference.phases, "MOST_EVALUATIONS", 20_000)
         patch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", 5_000)
         yield

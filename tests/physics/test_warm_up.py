@@ -3,12 +3,9 @@
 import os
 import subprocess
 import sys
-from functools import cache
 
 import pytest
-from softcradle.physics import compile_log
-from softcradle.physics.compile_log import FIRST, log_compilation
-from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.kernel_tiers import FIRST, KernelTiers
 
 from softcradle import warm
 
@@ -40,18 +37,6 @@ def test_the_command_says_it_too_unless_quiet(tmp_path):
     assert FIRST not in run(tmp_path / "other", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
 
 
-def test_what_this_process_compiles_itself_is_told_once_and_what_others_compile_is_not(monkeypatch, caplog):
-    from numba.core import event
-    from softcradle.physics.fixed_step import explicit_steps
-
-    monkeypatch.setattr(compile_log, "tell_first", cache(compile_log.tell_first.__wrapped__))
-    log_compilation()
-    kernel = next(value for value in vars(explicit_steps).values() if hasattr(value, "py_func"))
-    for dispatcher, told in ((None, []), (kernel, [FIRST]), (kernel, [FIRST])):
-        event.broadcast(event.Event("numba:compile", event.EventStatus.START, {"dispatcher": dispatcher}))
-        assert caplog.messages == told
-
-
 def test_warm_takes_names():
     warm("verlet")
     warm(["euler", "SoftChain"])
@@ -63,6 +48,6 @@ def test_warm_loads_the_kernels_of_batches(monkeypatch):
     loaded = []
     monkeypatch.setattr(KernelTiers, "load", lambda kernels: loaded.append(kernels.name))
     warm("ensemble_ends")
-    assert set(loaded) == {"batch-march", "batch-march-dissipative", "batch-adaptive"}
+    assert set(loaded) == {"batch-march", "batch-adaptive"}
     warm()
     assert {"batch-adaptive", "adaptive", "fixed-step"} <= set(loaded)

@@ -41,7 +41,6 @@ class OwnLaw:
 MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a number for a contact": (lambda: one_on(4, 0.1), "contact must be a Contact or a list of them"),
     "a text for a contact": (lambda: Chain([1, 1], "hertz"), "contact must be a Contact .*; not 'hertz'"),
-    "an own law for accurate": (lambda: simulate(Chain([1, 1], OwnLaw()), [1, 0]), "'accurate' takes .*, not a law of your"),
     "the class of a law": (lambda: Chain([1, 1], OwnLaw), "contact must be a Contact"),
     "a list with no contact": (lambda: Chain([1, 1, 1], [LAW, 0.1]), "every contact must be a Contact, not 0.1"),
     "a text for a count": (lambda: one_on("4", LAW), "the number of targets must be a whole number, not '4'"),

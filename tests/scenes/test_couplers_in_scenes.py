@@ -56,7 +56,7 @@ def test_the_table_of_a_coupler_gives_it_back(coupler):
         ('law = "hooke"', 'law = "coupler"', "unknown law 'coupler'"),
         ('push = {law = "preloaded",', 'push = {law = "preloded",', "did you mean 'preloaded'"),
         ('law = "coupler"', 'law = "cupler"', "did you mean 'coupler'"),
-        ('method = "conserving"', 'method = "accurate"', "not couplers: take 'conserving' or 'scipy'"),
+        ('method = "conserving"', 'method = "pymunk"', "not couplers: take 'accurate', 'conserving' or 'scipy'"),
         ("duration = 1.0\n", "", "needs a duration"),
     ],
 )

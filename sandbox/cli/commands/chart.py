@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
-from softcradle.sandbox.console import ProgressShown, console, print_table, table
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, figure_path, opened_outputs
+from softcradle.sandbox.console import ProgressShown, console, print_rows
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
@@ -19,12 +17,10 @@ if TYPE_CHECKING:
     from softcradle.sandbox.studies.precision.cases import CaseDefinition
     from softcradle.sandbox.studies.precision.table import MeasuredCase
 
-SUFFIXES = (".png", ".pdf", ".svg")
 QUANTITIES = ("velocities", "forces", "overlaps")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument(
         "scenes", metavar="SCENE", nargs="*",
         help="a case of --list, a scene, or a scene file (default: all cases; each takes up to half a minute)",
@@ -46,29 +42,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Measure the cases, draw the chart and print the table of each case."""
+    from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
+    from softcradle.sandbox.studies.precision.chart import draw_chart
+    from softcradle.sandbox.studies.precision.measurement import machine_stamp
+    from softcradle.sandbox.studies.precision.table import write_csv
 
     if args.list:
-        listed = table("case", "what collides")
-        for definition in CASE_DEFINITIONS:
-            listed.add_row(definition.name, definition.label)
-        print_table(console(), listed)
+        print_rows(("case", "what collides"), [(one.name, one.label) for one in CASE_DEFINITIONS])
         return 0
-    if Path(args.output).suffix not in SUFFIXES:
-        raise UserError(f"cannot write {args.output}: chart writes {', '.join(SUFFIXES)}")
-    from softcradle.sandbox.studies.plot_style import require_matplotlib
-
-    require_matplotlib()
+    path, peers = figure_path(args.output, "chart"), None if args.ours else _peers()
     definitions = _definitions(args.scenes)
-    from softcradle.sandbox.files import output_file
-
-    paths = [Path(args.output), *([Path(args.output).with_suffix(".csv")] if args.csv else [])]
+    paths = [path, *[path.with_suffix(".csv")] * args.csv]
     written = WrittenFiles(paths)
-    with ExitStack() as stack:
-        # The files are opened before the runs, so that an unwritable place is refused at once.
-        files = [stack.enter_context(output_file(path)) for path in paths]
-        measured = _measure(definitions, args.error, not args.ours)
-        _write(measured, *files)
+    with opened_outputs(paths) as (picture, *numbers), styled():
+        measured = []
+        with ProgressShown("cases", len(definitions)) as progress:
+            for k, definition in enumerate(definitions):
+                tell = partial(progress.tell, done=k, count=len(definitions))
+                measured.append(_measured(definition, args.error, peers, tell))
+        stamp = machine_stamp(peers.peer_distributions() if peers else ())
+        save_figure(draw_chart(measured, stamp), picture, 110.0)
+        for table in numbers:
+            write_csv(measured, table)
     for found in measured:
         _print(found)
     written.report(paths, show=args.open)
@@ -87,18 +83,8 @@ def _definitions(wanted: Sequence[str]) -> list[CaseDefinition]:
     ]
 
 
-def _measure(definitions: Sequence[CaseDefinition], quantity: str, peers: bool) -> list[MeasuredCase]:
-
-    found = []
-    with ProgressShown("cases", len(definitions)) as progress:
-        for k, definition in enumerate(definitions):
-            tell = partial(progress.tell, done=k, count=len(definitions))
-            found.append(_measured(definition, quantity, peers, tell))
-    return found
-
-
 def _measured(
-    definition: CaseDefinition, quantity: str, with_peers: bool, report: Callable[[str], None]
+    definition: CaseDefinition, quantity: str, peers: ModuleType | None, report: Callable[[str], None]
 ) -> MeasuredCase:
     from softcradle.sandbox.studies.precision.measurement import measure_case, our_solvers
     from softcradle.sandbox.studies.precision.table import MeasuredCase
@@ -108,13 +94,9 @@ def _measured(
         case = definition.solve()
     except ValueError as error:
         raise UserError(f"{definition.label}: {error}") from None
-    peers = _peers() if with_peers else None
     solvers = [*our_solvers(case), *(peers.peer_solvers(case) if peers else [])]
-    return MeasuredCase(
-        case,
-        measure_case(case, solvers, quantity, announce=lambda name: report(f"{definition.label}: {name}")),
-        quantity,
-    )
+    series = measure_case(case, solvers, quantity, announce=lambda name: report(f"{definition.label}: {name}"))
+    return MeasuredCase(case, series, quantity)
 
 
 def _peers() -> ModuleType | None:
@@ -126,37 +108,19 @@ def _peers() -> ModuleType | None:
     return peers
 
 
-def _write(measured: Sequence[MeasuredCase], picture: Path, numbers: Path | None = None) -> None:
-    from softcradle.sandbox.studies.plot_style import save_figure, styled
-    from softcradle.sandbox.studies.precision.chart import draw_chart
-    from softcradle.sandbox.studies.precision.measurement import machine_stamp
-    from softcradle.sandbox.studies.precision.table import write_csv
-
-    peers = _peers()
-    with styled():
-        stamp = machine_stamp(peers.peer_distributions() if peers else ())
-        save_figure(draw_chart(measured, stamp), picture, 110.0)
-    if numbers is not None:
-        write_csv(measured, numbers)
-
-
 def _print(found: MeasuredCase) -> None:
     from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS
-    from softcradle.sandbox.studies.precision.table import (
-        auto_sentence,
-        curve_rows,
-        ratio_sentence,
-        setting_text,
-    )
+    from softcradle.sandbox.studies.precision.table import auto_sentence, curve_rows, ratio_sentence, setting_text
 
-    grid = table(f"ms to an error of {found.quantity} of", *(f"{error:g}" for error in ERROR_LEVELS), "by")
-    measured = curve_rows(found)
+    output, measured = console(), curve_rows(found)
+    output.print(f"{found.case.label}; truth: {found.case.source}", style="bold")
+    rows = []
     for row in measured:
         cells = ["-" if best is None else f"{1e3 * best.seconds:.3g}" for best in row.fastest]
-        grid.add_row(row.name, *cells, "; ".join(setting_text(best) for best in row.fastest))
-    output = console()
-    output.print(f"{found.case.label}; truth: {found.case.source}", style="bold")
-    print_table(output, grid)
+        rows.append((row.name, *cells, "; ".join(setting_text(best) for best in row.fastest)))
+    print_rows(
+        (f"ms to an error of {found.quantity} of", *(f"{error:g}" for error in ERROR_LEVELS), "by"), rows, output=output
+    )
     output.print(ratio_sentence(measured))
     output.print(auto_sentence(measured))
     if cut := [row.name for row in measured if row.out_of_time]:

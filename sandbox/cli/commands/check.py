@@ -1,13 +1,10 @@
 """`softcradle check FILE ...`: every problem of every file, one line each; exit code 2 if there is any."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("files", metavar="FILE", nargs="+", help="scene file, or name of a scene")
 
 

@@ -6,19 +6,17 @@ import argparse
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
+from softcradle.sandbox.cli.arguments import add_open, picture_folder
+from softcradle.sandbox.console import ProgressShown, console, print_json, print_rows
 from softcradle.sandbox.user_error import named
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from softcradle.sandbox.studies.claims.claim import JudgedClaim
 
 KEPT = "claims"  # name of the file in the folder of the output that keeps cases until all are measured
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("names", metavar="ID", nargs="*", help="claims to measure, with all their cases (default: all)")
     parser.add_argument(
         "-o", "--output", metavar="FOLDER",
@@ -32,71 +30,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Measure the claims, print them, and write their pictures."""
-    from softcradle.sandbox.console import console, print_table, table
-    from softcradle.sandbox.studies.claims.claim_list import CLAIMS
+    from softcradle.sandbox.files import output_file
+    from softcradle.sandbox.studies.claims.claim_list import CLAIMS, measure_claims
+    from softcradle.sandbox.studies.claims.study_figure import markdown, write_studies
 
     claims = named("claim", args.names, {claim.name: claim for claim in CLAIMS})
     if args.list:
-        listed = table("claim", "place in the paper", "statement")
-        for claim in claims:
-            listed.add_row(claim.name, claim.place, claim.statement)
-        print_table(console(), listed)
+        print_rows(
+            ("claim", "place in the paper", "statement"), [(one.name, one.place, one.statement) for one in claims]
+        )
         return 0
-    _measure_and_show(args)
-    return 0
-
-
-def _measure_and_show(args: argparse.Namespace) -> None:
-    from softcradle.sandbox.files import filled_folder, output_file
-    from softcradle.sandbox.studies.claims.study_figure import markdown, write_studies
-    from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.sweeps.run_sweep import drop_kept
-
     output = args.output or ("out/claims" if args.names and not args.json else None)
-    if output:
-        require_matplotlib()
-    # The folder is made before the runs, so that an unwritable place is refused at once.
-    with filled_folder(output) if output else nullcontext() as folder:
-        written = WrittenFiles(folder.iterdir() if folder else ())
+    with picture_folder(output, KEPT) if output else nullcontext((None, None, None)) as (folder, kept, written):
         with output_file(args.markdown) if args.markdown else nullcontext() as table:
-            found = _measured(args.names, folder / KEPT if folder else None)
+            with ProgressShown("cases") as progress:
+                found = measure_claims(args.names, progress.tell, kept=kept)
             if table:
                 table.write_text("\n".join(markdown(found)) + "\n", encoding="utf-8")
         _print(found, args)
-        if folder is not None:
+        if folder is not None and written is not None:
             paths = write_studies(found, folder)
-            drop_kept(folder / KEPT)
             if not args.json:
                 written.report(paths, show=args.open)
+    return 0
 
 
 def _print(found: list[JudgedClaim], args: argparse.Namespace) -> None:
-    from softcradle.sandbox.console import console
-    from softcradle.sandbox.studies.claims.study_figure import print_studies, print_study
+    from softcradle.physics.trajectory_file import versions
+    from softcradle.sandbox.studies.claims.study_figure import as_json, print_studies, print_study
 
     if args.json:
-        _print_json(found)
+        print_json({"claims": [as_json(study) for study in found], "versions": versions()})
     elif args.names:
         for study in found:
             print_study(console(), study)
     else:
         print_studies(console(), found)
-
-
-def _measured(names: list[str], kept: Path | None) -> list[JudgedClaim]:
-    from softcradle.sandbox.console import ProgressShown
-    from softcradle.sandbox.studies.claims.claim_list import measure_claims
-
-    with ProgressShown("cases") as progress:
-        return measure_claims(names, progress.tell, kept=kept)
-
-
-def _print_json(found: list[JudgedClaim]) -> None:
-    import json
-
-    from softcradle.physics.trajectory_file import versions
-    from softcradle.sandbox.studies.claims.study_figure import as_json
-
-    print(
-        json.dumps({"claims": [as_json(study) for study in found], "versions": versions()}, indent=2, allow_nan=False)
-    )

@@ -1,25 +1,24 @@
 """`softcradle compare`: the same collision in several chains, as a film, a report and numbers."""
 
-from __future__ import annotations
-
 import argparse
-import json
-from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import WrittenFiles, add_method, add_open, picture_size, positive_number
+from softcradle.sandbox.cli.arguments import (
+    WrittenFiles,
+    add_method,
+    add_open,
+    opened_outputs,
+    picture_size,
+    positive_number,
+)
+from softcradle.sandbox.console import console, print_json
 from softcradle.sandbox.files import make_folder
 from softcradle.sandbox.user_error import GAVE_UP
-
-if TYPE_CHECKING:
-    from softcradle.sandbox.studies.compare.report import ComparisonReport
 
 DEFAULT_OUTPUT = "out/compare.html"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("scenes", metavar="SCENE", nargs="+", help="names of scenes, or scene files; all their lanes")
     parser.add_argument(
         "--contact", action="append", default=[], metavar="LAW",
@@ -49,13 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compare the chains, write the outputs and print the tables or the JSON."""
-    from softcradle.sandbox.studies.compare.report import (
-        ComparisonReport,
-        FilmSettings,
-        check_outputs,
-        open_outputs,
-    )
-    from softcradle.sandbox.studies.compare.results import solve_sides
+    from softcradle.sandbox.studies.compare.report import ComparisonReport, FilmSettings, check_outputs
+    from softcradle.sandbox.studies.compare.results import print_tables, solve_sides
     from softcradle.sandbox.studies.compare.sides import add_match, comparison_of, side_to_match
 
     comparison = comparison_of(args.scenes, args.contact, fewest=1 if args.match else 2)
@@ -65,15 +59,19 @@ def main(args: argparse.Namespace) -> int:
     written = WrittenFiles(paths)
     settings = FilmSettings(args.size, args.slow, args.method, args.step)
     check_outputs(paths, comparison, settings)
-    with ExitStack() as stack:
-        places = open_outputs(stack, paths)  # before the runs, so that an unwritable place is refused at once
+    with opened_outputs(paths) as places:
         if args.match:
             comparison, found = add_match(comparison, args.match)
         report = ComparisonReport(comparison, solve_sides(comparison, args.method, args.step), settings, found)
         for path in places:
             report.write(path)
-    _print(report, args.json)
-    if not args.json:
+    if args.json:
+        print_json(report.as_json())
+    else:
+        output = console()
+        print_tables(output, comparison.title, report.results)
+        for note in report.notes():
+            output.print(note)
         written.report(paths, show=args.open)
     return GAVE_UP if any(result.trajectory.status.gave_up for result in report.results) else 0
 
@@ -84,16 +82,3 @@ def _paths(args: argparse.Namespace) -> list[Path]:
     path = Path(DEFAULT_OUTPUT)
     make_folder(path.parent)
     return [path]
-
-
-def _print(report: ComparisonReport, as_json: bool) -> None:
-    from softcradle.sandbox.console import console
-    from softcradle.sandbox.studies.compare.results import print_tables
-
-    if as_json:
-        print(json.dumps(report.as_json(), indent=2, allow_nan=False))
-        return
-    output = console()
-    print_tables(output, report.comparison.title, report.results)
-    for note in report.notes():
-        output.print(note)

@@ -1,14 +1,11 @@
 """`softcradle completion SHELL`: the lines that let a shell complete commands, options, methods and scenes."""
 
-from __future__ import annotations
-
 import argparse
 
 SHELLS = ("bash", "zsh", "fish")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("shell", choices=SHELLS, help='such as: eval "$(softcradle completion bash)" in ~/.bashrc')
 
 

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from softcradle.sandbox.cli.arguments import WrittenFiles
+from softcradle.sandbox.console import ProgressShown, console, print_json, print_rows
 
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.experiment import Fit, FittedDeficits, Measured
@@ -19,40 +24,37 @@ OPEN_QUESTIONS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("-o", "--output", metavar="FILE", help="write the same as JSON into a file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
 
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
-    from softcradle.sandbox.console import ProgressShown
+    from softcradle.sandbox.files import output_file
     from softcradle.sandbox.studies.experiment import STRIKERS, compute_experiment, critical_speed_with_error
 
     with ProgressShown("launch speeds") as progress:
         fits, pistons = compute_experiment(progress=progress.tell)
     critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
+    content = _content(fits, pistons, critical)
     if args.json:
-        print(_as_json(fits, pistons, critical))
+        print_json(content)
     else:
         _print_tables(fits, pistons, critical)
     if args.output is not None:
-        from softcradle.sandbox.console import note
-        from softcradle.sandbox.files import output_file
-
+        written = WrittenFiles([Path(args.output)])
         with output_file(args.output) as temporary:
-            temporary.write_text(_as_json(fits, pistons, critical) + "\n", encoding="utf-8")
-        note(f"written: {args.output}")
+            temporary.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        written.report([Path(args.output)])
     return 0
 
 
-def _as_json(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> str:
-    import json
+def _content(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> dict[str, Any]:
     from dataclasses import asdict
 
     from softcradle.physics.trajectory_file import versions
 
-    content = {
+    return {
         "fits": [asdict(fit) for fit in fits],
         "pistons": [
             asdict(found) | {"momentum": found.momentum._asdict(), "energy": found.energy._asdict()}
@@ -62,35 +64,31 @@ def _as_json(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str,
         "open": OPEN_QUESTIONS,
         "versions": versions(),
     }
-    return json.dumps(content, indent=2, allow_nan=False)
 
 
 def _print_tables(fits: list[Fit], pistons: list[FittedDeficits], critical: dict[str, Measured]) -> None:
-    from softcradle.sandbox.console import console, print_table, table
     from softcradle.sandbox.studies.experiment import ENERGY_DEFICIT, MOMENTUM_DEFICIT, PISTON, Measured
 
-    output = console()
-    grid = table("experiment", "speed", "friction", "momentum deficit", "energy deficit", "contact", numbers=True)
+    def shares(momentum: Measured, energy: Measured) -> tuple[str, str]:
+        return _marked(momentum, MOMENTUM_DEFICIT), _marked(energy, ENERGY_DEFICIT)
+
+    output, deficits = console(), ("momentum deficit", "energy deficit")
+    output.print("Friction of the bed alone", style="bold")
+    rows = []
     for fit in fits:
         lost = fit.deficits
-        shares = (
-            _marked(Measured(lost.momentum, 0.0), MOMENTUM_DEFICIT),
-            _marked(Measured(lost.energy, 0.0), ENERGY_DEFICIT),
-        )
-        grid.add_row(
-            fit.experiment, f"{fit.speed:.2f} m/s", f"{fit.friction:.4f}", *shares, f"{1e3 * lost.time:.1f} ms"
-        )
-    output.print("Friction of the bed alone", style="bold")
-    print_table(output, grid)
-    grid = table("experiment", "speed", "lines over", "momentum deficit", "energy deficit", numbers=True)
+        both = shares(Measured(lost.momentum, 0.0), Measured(lost.energy, 0.0))
+        speed, friction, time = f"{fit.speed:.2f} m/s", f"{fit.friction:.4f}", f"{1e3 * lost.time:.1f} ms"
+        rows.append((fit.experiment, speed, friction, *both, time))
+    print_rows(("experiment", "speed", "friction", *deficits, "contact"), rows, True, output)
+    output.print(f"The same bed, and pistons of {1e3 * PISTON:.0f} g", style="bold")
+    fitted = []
     for found in pistons:
         window = f"{1e3 * found.window:.0f} ms" if found.window else "touch, opening"
-        shares = _marked(found.momentum, MOMENTUM_DEFICIT), _marked(found.energy, ENERGY_DEFICIT)
-        grid.add_row(found.experiment, f"{found.speed:.2f} m/s", window, *shares)
-    output.print(f"The same bed, and pistons of {1e3 * PISTON:.0f} g", style="bold")
-    print_table(output, grid)
-    for name, speed in critical.items():
-        output.print(f"critical speed of {name}: {speed.value:.3f} ± {speed.error:.3f} m/s")
+        fitted.append((found.experiment, f"{found.speed:.2f} m/s", window, *shares(found.momentum, found.energy)))
+    print_rows(("experiment", "speed", "lines over", *deficits), fitted, True, output)
+    for name, found_speed in critical.items():
+        output.print(f"critical speed of {name}: {found_speed.value:.3f} ± {found_speed.error:.3f} m/s")
     output.print("marked ✓: within the 5-10 % of the momentum and 10-20 % of the energy that the paper states (App. C)")
     output.print(OPEN_QUESTIONS)
 

@@ -1,7 +1,5 @@
 """`softcradle play`, or `softcradle` alone: open the window."""
 
-from __future__ import annotations
-
 import argparse
 import os
 
@@ -11,7 +9,6 @@ from softcradle.sandbox.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     scene = parser.add_argument(
         "scene",
         metavar="SCENE",

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     add_scene(parser)
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT",

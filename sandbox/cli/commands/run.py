@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import ExitStack
+from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,13 +13,17 @@ from softcradle.sandbox.cli.arguments import (
     add_method,
     add_open,
     add_scene,
+    opened_outputs,
     positive_number,
     whole_number,
 )
+from softcradle.sandbox.console import console, print_json, print_rows
 from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.user_error import GAVE_UP, UserError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
     from softcradle.physics import Trajectory
     from softcradle.sandbox.trajectory_summary import Summary
     from softcradle.scenes import Scene
@@ -29,7 +33,6 @@ FORMATS = (".npz", ".csv")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     add_scene(parser)
     parser.add_argument(
         "-o", "--output", metavar="OUT", action="append", default=[],
@@ -60,16 +63,12 @@ def main(args: argparse.Namespace) -> int:
     if len({path.absolute() for path in outputs}) < len(outputs):
         raise UserError("the same file is given twice with -o")
     written = WrittenFiles(outputs)
-    with ExitStack() as stack:
-        # The files are opened before the run, so that an unwritable place is refused at once.
-        temporary = [_open(stack, path) for path in outputs]
-        trajectories = _run(scene, args)
+    settings = {name: getattr(args, name) for name in ("method", "step", "tolerance", "duration", "samples")}
+    with opened_outputs(outputs) as temporary:
+        trajectories = run_scene(scene, **settings)
         for trajectory, path in zip(cycle(trajectories), temporary, strict=False):
-            _write(trajectory, path)
-    if args.describe:
-        _describe(scene, trajectories)
-    else:
-        _print(scene, trajectories, args.json)
+            (trajectory.save if path.suffix == ".npz" else trajectory.to_csv)(str(path))
+    _tell(scene, trajectories, args)
     if not args.json:
         written.report(outputs, show=args.open)
     return GAVE_UP if any(trajectory.status.gave_up for trajectory in trajectories) else 0
@@ -83,56 +82,73 @@ def _outputs(wanted: str, lanes: int) -> list[Path]:
     return [path] if lanes == 1 else [path.with_name(f"{path.stem}-{i + 1}{path.suffix}") for i in range(lanes)]
 
 
-def _open(stack: ExitStack, path: Path) -> Path:
-    from softcradle.sandbox.files import output_file
-
-    return stack.enter_context(output_file(path))
-
-
-def _write(trajectory: Trajectory, path: Path) -> None:
-    if path.suffix == ".npz":
-        trajectory.save(str(path))
-    else:
-        trajectory.to_csv(str(path))
-
-
-def _run(scene: Scene, args: argparse.Namespace) -> list[Trajectory]:
-    return run_scene(
-        scene,
-        method=args.method,
-        step=args.step,
-        tolerance=args.tolerance,
-        duration=args.duration,
-        samples=args.samples,
-    )
-
-
-def _print(scene: Scene, trajectories: list[Trajectory], as_json: bool) -> None:
-    from softcradle.sandbox.trajectory_summary import summarise
-
-    summaries = [summarise(lane.label, found) for lane, found in zip(scene.lanes, trajectories, strict=True)]
-    if as_json:
-        _print_json(scene, summaries)
-    else:
-        from softcradle.sandbox.cli.result_tables import print_report
-
-        print_report(scene, summaries)
-
-
-def _describe(scene: Scene, trajectories: list[Trajectory]) -> None:
-    from softcradle.sandbox.trajectory_summary import describe
-
-    print(scene.title if scene.title.endswith((".", "?", "!")) else f"{scene.title}.")
-    for lane, found in zip(scene.lanes, trajectories, strict=True):
-        print(describe(lane.label, found))
-
-
-def _print_json(scene: Scene, summaries: list[Summary]) -> None:
-    import json
+def _tell(scene: Scene, trajectories: list[Trajectory], args: argparse.Namespace) -> None:
+    """The results in words, as JSON or as tables."""
     from dataclasses import asdict
 
     from softcradle.physics.trajectory_file import versions
+    from softcradle.sandbox.trajectory_summary import describe, summarise
 
-    lanes = [asdict(summary) for summary in summaries]
-    results = {"title": scene.title, "source": scene.source, "lanes": lanes, "versions": versions()}
-    print(json.dumps(results, indent=2, allow_nan=False))
+    lanes = [(lane.label, found) for lane, found in zip(scene.lanes, trajectories, strict=True)]
+    if args.describe:
+        print(scene.title if scene.title.endswith((".", "?", "!")) else f"{scene.title}.")
+        for label, found in lanes:
+            print(describe(label, found))
+        return
+    summaries = [summarise(label, found) for label, found in lanes]
+    if args.json:
+        tables = [asdict(summary) for summary in summaries]
+        print_json({"title": scene.title, "source": scene.source, "lanes": tables, "versions": versions()})
+    else:
+        print_report(scene, summaries)
+
+
+def print_report(scene: Scene, summaries: Sequence[Summary]) -> None:
+    """Print title and source, and the tables of each lane."""
+    output = console()
+    output.print(scene.title, style="bold")
+    if scene.source:
+        output.print(scene.source, style="dim")
+    for summary in summaries:
+        _print_lane(output, summary)
+
+
+def _print_lane(output: Console, summary: Summary) -> None:
+    from softcradle.sandbox.trajectory_summary import bead_table, contact_table
+
+    output.print()
+    if summary.label:
+        output.print(summary.label, style="bold cyan")
+    for found, breaks in ((bead_table(summary), 0), (contact_table(summary), 1)):  # line breaks in their titles
+        print_rows([title.replace(" ", "\n", breaks) for title in found.titles], found.rows, True, output)
+    output.print(_cost(summary))
+    for sentence in summary.warnings:
+        output.print(f"warning: {sentence}", style="yellow")
+
+
+def _cost(summary: Summary) -> Table:
+    from rich.table import Table
+    from softcradle.sandbox.trajectory_summary import unit_prefix
+
+    grid = Table.grid(padding=(0, 2))
+    resolution = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
+    grid.add_row("method", f"{summary.method}, {resolution}")
+    if summary.choice:
+        grid.add_row("chosen", summary.choice)
+    if summary.velocity_error is not None:
+        grid.add_row("velocity error", f"{summary.velocity_error:.1e} m/s at most, as estimated along the run")
+    grid.add_row(
+        "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
+    )
+    if summary.absorbed_by_contacts or summary.absorbed_by_bed:
+        size, prefix = unit_prefix(max(summary.absorbed_by_contacts, summary.absorbed_by_bed))
+        taken = (summary.absorbed_by_contacts / size, summary.absorbed_by_bed / size)
+        grid.add_row("absorbed", f"{taken[0]:.6g} {prefix}J by contacts, {taken[1]:.6g} {prefix}J by the bed")
+    momentum = "not defined" if summary.momentum_error is None else f"{summary.momentum_error:.1e} at most"
+    grid.add_row("momentum error", momentum)
+    grid.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")
+    return grid
+
+
+def _error(relative: float | None) -> str:
+    return "not defined" if relative is None else f"{relative:.1e}"

@@ -1,20 +1,13 @@
 """`softcradle scenes`: the list of scenes, or the file of one of them."""
 
-from __future__ import annotations
-
 import argparse
-from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import completed, scene_words
-from softcradle.sandbox.console import console, print_table, table
+from softcradle.sandbox.console import print_json, print_rows
 from softcradle.sandbox.scene_runs import load_scene
-
-if TYPE_CHECKING:
-    from softcradle.scenes import Scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     scene = parser.add_argument(
         "scene", metavar="SCENE", nargs="?", help="print the file of this scene instead of the list"
     )
@@ -34,20 +27,9 @@ def main(args: argparse.Namespace) -> int:
 
     scenes = {name: load(name) for name in names()}
     if args.json:
-        _print_json(scenes)
-        return 0
-    listed = table("name", "title", "source")
-    for name, scene in scenes.items():
-        listed.add_row(name, scene.title, scene.source)
-    print_table(console(), listed)
+        print_json(
+            [{"name": name, **scene.model_dump(include={"title", "source", "text"})} for name, scene in scenes.items()]
+        )
+    else:
+        print_rows(("name", "title", "source"), [(name, scene.title, scene.source) for name, scene in scenes.items()])
     return 0
-
-
-def _print_json(scenes: dict[str, Scene]) -> None:
-    import json
-
-    listed = [
-        {"name": name, "title": scene.title, "source": scene.source, "text": scene.text}
-        for name, scene in scenes.items()
-    ]
-    print(json.dumps(listed, indent=2))

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import WrittenFiles, add_open
-from softcradle.sandbox.console import ProgressShown, console, print_table, table
-from softcradle.sandbox.user_error import UserError, named
+from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, figure_path, opened_outputs
+from softcradle.sandbox.console import ProgressShown, console, print_rows
+from softcradle.sandbox.user_error import named
 
 if TYPE_CHECKING:
-    from softcradle.sandbox.studies.stability.failure_scans import Scan, ScanRun
+    from softcradle.sandbox.studies.stability.failure_scans import ScanRun
 
-SUFFIXES = (".png", ".pdf", ".svg")
+TITLES = ("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument(
         "scans", metavar="SCAN", nargs="*", help="what to vary beside the step: alpha, n, preload (default: all)"
     )
@@ -35,46 +32,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the scans, draw the maps and print the summary."""
-    from softcradle.sandbox.files import output_file
-    from softcradle.sandbox.studies.plot_style import require_matplotlib
-    from softcradle.sandbox.studies.stability import failure_scans
+    from softcradle.sandbox.studies.plot_style import save_figure, styled
+    from softcradle.sandbox.studies.stability.failure_scans import SCANS, swept_runs, write_csv
+    from softcradle.sandbox.studies.stability.scan_maps import draw_details, draw_overview
 
-    path = Path(args.output)
-    if path.suffix not in SUFFIXES:
-        raise UserError(f"cannot write {args.output}: stability writes {', '.join(SUFFIXES)}")
-    require_matplotlib()
-    details = [path.with_stem(f"{path.stem}-details")] if args.details else []
-    scans = named("scan", args.scans, {scan.name: scan for scan in failure_scans.SCANS})
-    paths = [path, path.with_suffix(".csv"), *details]
+    path = figure_path(args.output, "stability")
+    scans = named("scan", args.scans, {scan.name: scan for scan in SCANS})
+    paths = [path, path.with_suffix(".csv"), *[path.with_stem(f"{path.stem}-details")] * args.details]
     written = WrittenFiles(paths)
-    with ExitStack() as stack:
-        files = [stack.enter_context(output_file(each)) for each in paths]  # refused at once, not after the runs
-        runs = _runs(scans)
-        _write(runs, scans, *files)
+    with opened_outputs(paths) as (picture, numbers, *details), styled():
+        with ProgressShown("runs") as progress:
+            runs = swept_runs(scans, progress.tell)
+        save_figure(draw_overview(runs, scans), picture, 140.0)
+        for detail in details:
+            save_figure(draw_details(runs, scans), detail, 140.0)
+        write_csv(runs, numbers)
     _print(runs)
     written.report(paths, show=args.open)
     return 0
-
-
-def _write(
-    runs: Sequence[ScanRun], scans: Sequence[Scan], picture: Path, numbers: Path, details: Path | None = None
-) -> None:
-    from softcradle.sandbox.studies.plot_style import save_figure, styled
-    from softcradle.sandbox.studies.stability.failure_scans import write_csv
-    from softcradle.sandbox.studies.stability.scan_maps import draw_details, draw_overview
-
-    with styled():
-        save_figure(draw_overview(runs, scans), picture, 140.0)
-        if details is not None:
-            save_figure(draw_details(runs, scans), details, 140.0)
-    write_csv(runs, numbers)
-
-
-def _runs(scans: Sequence[Scan]) -> list[ScanRun]:
-    from softcradle.sandbox.studies.stability.failure_scans import swept_runs
-
-    with ProgressShown("runs") as progress:
-        return swept_runs(scans, progress.tell)
 
 
 def _print(runs: Sequence[ScanRun]) -> None:
@@ -82,17 +57,17 @@ def _print(runs: Sequence[ScanRun]) -> None:
     from softcradle.physics.methods import find_method
     from softcradle.sandbox.studies.stability.failure_scans import ADAPTIVE_ERROR_FACTOR, summarise_failures
 
-    grid = table("varied", "method", "failed", "how", "finest that fails", "finer than estimated", "not warned of")
+    rows = []
     for found in summarise_failures(runs):
         finest = (
             "-" if found.finest is None else f"{found.finest.fineness:.2g} at {found.scan} = {found.finest.value:.2g}"
         )
         how = ", ".join(f"{kind} {count}" for kind, count in found.kinds) or "-"
-        failed = f"{found.failed} of {found.runs}"
         unsafe = "-" if find_method(found.method).adaptive else str(found.below_limit)
-        grid.add_row(found.scan, found.method, failed, how, finest, unsafe, str(found.silent))
+        failed = f"{found.failed} of {found.runs}"
+        rows.append((found.scan, found.method, failed, how, finest, unsafe, str(found.silent)))
     output = console()
-    print_table(output, grid)
+    print_rows(TITLES, rows, output=output)
     output.print(
         f"failed: target velocities off by more than {TRUSTED_ERROR:g} of the closing speed, or "
         f"{ADAPTIVE_ERROR_FACTOR:g} times the tolerance; chatter: contacts switch more often than they should; error: "

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softcradle.sandbox.cli.arguments import positive_number, whole_number
+from softcradle.sandbox.console import ProgressShown, console, note, print_rows
 from softcradle.sandbox.user_error import POINTS_LOST, UserError
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ REASONS_SHOWN = 3  # of points that have no numbers
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("study", metavar="STUDY", nargs="?", help="path of a study file (.toml)")
     parser.add_argument(
         "-o", "--output", metavar="FILE", help="a .zarr folder or a .nc file (default: out/NAME.zarr, by the study)"
@@ -42,7 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Compute the study, or what is left of it, and say what was found."""
     if args.measures:
-        return _list_measures()
+        from softcradle.sandbox.sweeps.measure_table import MEASURES
+
+        print_rows(("measure", "unit", "of each", "meaning"), [(m.name, m.unit, m.each, m.meaning) for m in MEASURES])
+        return 0
     if args.study is None:
         raise UserError("a study file is missing (softcradle sweep STUDY.toml; --measures lists what it can measure)")
     if args.threads and args.scheduler:
@@ -51,12 +54,17 @@ def main(args: argparse.Namespace) -> int:
 
     study = load_study(args.study)
     output = Path(args.output or Path("out") / f"{Path(args.study).stem}.zarr")
-    return _tell_status(study, output) if args.status else _compute(args, study, output)
+    if not args.status:
+        return _compute(args, study, output)
+    from softcradle.sandbox.sweeps.run_sweep import sweep_status
+
+    lost, sentence = sweep_status(study.scene, study.points, study.measures, output, study.title)
+    print(f"{study.title or study.scene.title}: {sentence}")
+    return POINTS_LOST if lost else 0
 
 
 def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     """Compute the study and say what was found; the exit code says whether points are lost."""
-    from softcradle.sandbox.console import ProgressShown, note
     from softcradle.sandbox.files import make_folder
     from softcradle.sandbox.sweeps.dataset import lost_points
     from softcradle.sandbox.sweeps.run_sweep import sweep
@@ -84,43 +92,17 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     return POINTS_LOST if lost else 0
 
 
-def _tell_status(study: SweepStudy, output: Path) -> int:
-    """Say how far a study is."""
-    from softcradle.sandbox.sweeps.run_sweep import sweep_status
-
-    lost, sentence = sweep_status(study.scene, study.points, study.measures, output, study.title)
-    print(f"{study.title or study.scene.title}: {sentence}")
-    return POINTS_LOST if lost else 0
-
-
-def _list_measures() -> int:
-    from softcradle.sandbox.console import console, print_table, table
-    from softcradle.sandbox.sweeps.measure_table import MEASURES
-
-    grid = table("measure", "unit", "of each", "meaning")
-    for measure in MEASURES:
-        grid.add_row(measure.name, measure.unit, measure.each, measure.meaning)
-    print_table(console(), grid)
-    return 0
-
-
 def _print_summary(found: xr.Dataset) -> None:
     """What is in the Dataset: its size, the range of every measure, and why points have no numbers."""
-    import numpy as np
-    from softcradle.sandbox.console import console, print_table, table
     from softcradle.sandbox.sweeps.dataset import reasons_of, summary_rows
 
     output = console()
     output.print(
         found.attrs["title"] + ": " + " x ".join(f"{size} {name}" for name, size in found["status"].sizes.items())
     )
-    grid = table("measure", "least", "mean", "greatest", "points without", numbers=True)
-    for row in summary_rows(found):
-        grid.add_row(*row)
-    print_table(output, grid)
+    print_rows(("measure", "least", "mean", "greatest", "points without"), summary_rows(found), True, output)
     reasons = reasons_of(found)
     for text, count in reasons[:REASONS_SHOWN]:
         output.print(f"{count} points without numbers: {text}" if count > 1 else f"a point without numbers: {text}")
-    more = int(np.sum([count for _, count in reasons[REASONS_SHOWN:]]))
-    if more:
+    if more := sum(count for _, count in reasons[REASONS_SHOWN:]):
         output.print(f"and {more} more; the variable `reason` has them all")

@@ -1,7 +1,5 @@
 """`softcradle warm`: compile the kernels of all methods ahead of their first use."""
 
-from __future__ import annotations
-
 import argparse
 
 from softcradle.sandbox.console import note
@@ -9,7 +7,6 @@ from softcradle.sandbox.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
     parser.add_argument("methods", metavar="METHOD", nargs="*", help="methods to compile (default: all)")
 
 

@@ -1,10 +1,8 @@
 """A claim of the paper as something to measure; its study: cases measured by two methods, with error bars, and the verdict."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from functools import cached_property
 from itertools import groupby
@@ -62,8 +60,8 @@ class Case:
 
 
 @dataclass(frozen=True)
-class JudgedClaim:
-    """A claim, the cases it was tried at, and what follows.
+class Statement:
+    """What the paper says, and what is measured of it.
 
     Attributes:
         name: what `softcradle claims` takes.
@@ -73,11 +71,7 @@ class JudgedClaim:
         variable: name of the number by which cases are ordered; the claim is expected to hold where it is small.
         how: how it was measured, with ranges and seeds.
         remark: what explains the result.
-        chosen: whether what is allowed is our reading of the statement, and no number or sign that it names.
         own: parameters of the paper's own case.
-        cases: in ascending order of the variable.
-        reference: value of the paper's own case by the independent reference; nan where it was not asked.
-        seconds: processor time [s] that its measurement took.
     """
 
     name: str
@@ -87,7 +81,20 @@ class JudgedClaim:
     variable: str
     how: str
     remark: str
-    own: Mapping[str, float]
+    own: Parameters
+
+
+@dataclass(frozen=True)
+class JudgedClaim(Statement):
+    """A claim, the cases it was tried at, and what follows.
+
+    Attributes:
+        cases: in ascending order of the variable.
+        chosen: whether what is allowed is our reading of the statement, and no number or sign that it names.
+        reference: value of the paper's own case by the independent reference; nan where it was not asked.
+        seconds: processor time [s] that its measurement took.
+    """
+
     cases: Sequence[Case]
     chosen: bool = True
     reference: float = math.nan
@@ -249,11 +256,10 @@ CaseMeasure = Callable[[Parameters, MethodFineness], float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Claim:
-    """What the paper says, and how to find out.
+class Claim(Statement):
+    """A statement, and how to find out.
 
     Attributes:
-        name, statement, place, quantity, variable, how, remark, own: as in JudgedClaim.
         measure: the quantity at the parameters of a case, by a MethodFineness.
         cases: parameters of all cases.
         order: the variable of a case, from its parameters.
@@ -264,20 +270,13 @@ class Claim:
         refer: whether the independent reference measures the paper's own case, too.
     """
 
-    name: str
-    statement: str
-    place: str
-    quantity: str
+    remark: str = ""
     measure: CaseMeasure
     cases: Sequence[Parameters]
-    own: Parameters
-    variable: str
     order: Callable[[Parameters], float]
     allowed: float
-    how: str
-    remark: str = ""
-    second: MethodFineness = field(default=SECOND)
-    first: MethodFineness = field(default=MEASURING)
+    first: MethodFineness = MEASURING
+    second: MethodFineness = SECOND
     refer: bool = True
     chosen: bool = True
 
@@ -287,10 +286,8 @@ class Claim:
 
     def study_of(self, cases: Sequence[Case], reference: float = math.nan, seconds: float = 0.0) -> JudgedClaim:
         """The study of cases that are measured; the reference's value widens the error bar of the paper's own."""
-        study = JudgedClaim(
-            self.name, self.statement, self.place, self.quantity, self.variable, self.how, self.remark, self.own, cases,
-            self.chosen, reference, seconds,
-        )  # fmt: skip
+        stated = {field.name: getattr(self, field.name) for field in fields(Statement)}
+        study = JudgedClaim(**stated, cases=cases, chosen=self.chosen, reference=reference, seconds=seconds)
         return _with_reference(study) if self.refer else study
 
     def reference(self) -> float:

@@ -1,22 +1,12 @@
 """The list of all claims, in the order of the paper, and their measurement as a sweep over all of their cases."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import process_time
 from typing import Any
 
-from softcradle.sandbox.studies.claims import (
-    collision,
-    driven,
-    experiment,
-    hypothesis,
-    limit,
-    model,
-    variant,
-)
+from softcradle.sandbox.studies.claims import collision, driven, experiment, hypothesis, limit, model, variant
 from softcradle.sandbox.studies.claims.claim import Case, Claim, JudgedClaim
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
@@ -44,10 +34,7 @@ def claim_named(name: str) -> Claim:
 
 
 def measure_claims(
-    names: Sequence[str] = (),
-    progress: Progress | None = None,
-    workers: int | None = None,
-    kept: Path | None = None,
+    names: Sequence[str] = (), progress: Progress | None = None, workers: int | None = None, kept: Path | None = None
 ) -> list[JudgedClaim]:
     """The studies of the claims of those names, all for none, in the order of the list; a point of the sweep is a case.
 

@@ -1,7 +1,5 @@
 """Claims on one collision: Secs. I and IV, Figs. 1b to 1d."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -60,64 +58,41 @@ def turns_after_detachment(case: Parameters, solver: MethodFineness) -> float:
 
 CLAIMS = (
     Claim(
-        name="rigid-like",
+        name="rigid-like", place="Sec. I, Figs. 1c, 1d",
         statement="the velocities of the targets differ after the collision, and the differences decrease as alpha -> 0",
-        place="Sec. I, Figs. 1c, 1d",
-        quantity="rise of the logarithm of the spread from 1/alpha - 0.25 to 1/alpha",
-        measure=rise_of_spread,
-        cases=grid(n=(2, 3, 4), **{"1/alpha": np.arange(6.0, 19.0, STEP_OF_INVERSE)}),
-        own=OWN,
-        variable="1/alpha",
-        order=lambda case: case["1/alpha"],
-        allowed=0.0,
-        chosen=False,
+        quantity="rise of the logarithm of the spread from 1/alpha - 0.25 to 1/alpha", measure=rise_of_spread,
+        cases=grid(n=(2, 3, 4), **{"1/alpha": np.arange(6.0, 19.0, STEP_OF_INVERSE)}), own=OWN,
+        variable="1/alpha", order=lambda case: case["1/alpha"], allowed=0.0,
         how="spread of the targets' velocities over their mean when every contact is open",
         remark="the spread falls, but not steadily: it rises where the inner contact comes back in or out of step with "
         "the striker",
-        second=FINER_SECOND,
+        second=FINER_SECOND, chosen=False,
     ),
     Claim(
-        name="spread-vanishes",
+        name="spread-vanishes", place="caption of Fig. 1, Fig. 3 of ref. [1]",
         statement="the deviation of the targets' velocities vanishes as alpha -> +0",
-        place="caption of Fig. 1, Fig. 3 of ref. [1]",
-        quantity="largest spread in a window of 4 in 1/alpha over that of the window before",
-        measure=envelope_ratio,
-        cases=grid(n=(2, 3, 4), **{"1/alpha": np.arange(7.0, 18.0, 1.0)}),
-        own={"n": 2.0, "1/alpha": 10.0},
-        variable="1/alpha",
-        order=lambda case: case["1/alpha"],
-        allowed=0.8,
+        quantity="largest spread in a window of 4 in 1/alpha over that of the window before", measure=envelope_ratio,
+        cases=grid(n=(2, 3, 4), **{"1/alpha": np.arange(7.0, 18.0, 1.0)}), own={"n": 2.0, "1/alpha": 10.0},
+        variable="1/alpha", order=lambda case: case["1/alpha"], allowed=0.8,
         how="the largest of 8 spreads in each window: the envelope, since the spread itself does not fall steadily",
-        second=FINER_SECOND,
-        refer=False,
+        second=FINER_SECOND, refer=False,
     ),
     Claim(
-        name="first-target",
+        name="first-target", place="caption of Fig. 1",
         statement="v1 shows well-visible deviations from the remaining targets",
-        place="caption of Fig. 1",
-        quantity="spread of the remaining targets over the distance of v1 from their mean",
-        measure=others_over_first,
-        cases=grid(n=(3, 4, 5, 6, 8, 12), **{"1/alpha": (6, 8, 10, 12, 14, 16)}),
-        own=OWN,
-        variable="n alpha",
-        order=lambda case: case["n"] / case["1/alpha"],
-        allowed=0.5,
+        quantity="spread of the remaining targets over the distance of v1 from their mean", measure=others_over_first,
+        cases=grid(n=(3, 4, 5, 6, 8, 12), **{"1/alpha": (6, 8, 10, 12, 14, 16)}), own=OWN,
+        variable="n alpha", order=lambda case: case["n"] / case["1/alpha"], allowed=0.5,
         how="velocities when every contact is open; v1 stands out where the others differ by at most half as much",
         second=FINER_SECOND,
     ),
     Claim(
-        name="after-detachment",
+        name="after-detachment", place="Sec. IV",
         statement="once the striker has left, the overlaps left behind drive the targets apart in a non-oscillatory manner",
-        place="Sec. IV",
-        quantity="most turning points of a target's velocity after the detachment",
-        measure=turns_after_detachment,
-        cases=grid(n=(2, 3, 4, 5, 6), **{"1/alpha": (6, 8, 9, 10, 11, 12, 14, 16, 18)}),
-        own=OWN,
-        variable="1/alpha",
-        order=lambda case: case["1/alpha"],
-        allowed=1.0,
-        chosen=False,
+        quantity="most turning points of a target's velocity after the detachment", measure=turns_after_detachment,
+        cases=grid(n=(2, 3, 4, 5, 6), **{"1/alpha": (6, 8, 9, 10, 11, 12, 14, 16, 18)}), own=OWN,
+        variable="1/alpha", order=lambda case: case["1/alpha"], allowed=1.0,
         how="4001 samples from the detachment to the end; a swing below 1e-5 of the striker's speed is none",
-        second=FINEST_SECOND,
+        second=FINEST_SECOND, chosen=False,
     ),
-)
+)  # fmt: skip

@@ -1,12 +1,11 @@
 """Claims on a cluster that a steady force drives: Sec. V, and the period of the inner contact in Sec. IV (ii)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from softcradle.physics import Chain
 from softcradle.physics.analysis.ringing import returns
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     OWN,
@@ -66,34 +65,23 @@ def rate_of_inner_period(case: Parameters, solver: MethodFineness) -> float:
 
 CLAIMS = (
     Claim(
-        name="inner-period",
+        name="inner-period", place="ours, for Sec. IV (ii)",
         statement="our reading of Sec. IV (ii): the period of the inner contact decreases as exp(-1/(2 n alpha)) / sqrt(alpha)",
-        place="ours, for Sec. IV (ii)",
-        quantity="distance of the slope of log(sqrt(alpha) T) against 1/(n alpha) from -1/2",
-        measure=rate_of_inner_period,
-        cases=grid(n=(2, 3, 4, 5), **{"1/alpha": (8, 10)}),
-        own=OWN,
-        variable="1/n",
-        order=lambda case: 1.0 / case["n"],
-        allowed=0.1,
+        quantity="distance of the slope of log(sqrt(alpha) T) against 1/(n alpha) from -1/2", measure=rate_of_inner_period,
+        cases=grid(n=(2, 3, 4, 5), **{"1/alpha": (8, 10)}), own=OWN,
+        variable="1/n", order=lambda case: 1.0 / case["n"], allowed=0.1,
         how="period of the driven cluster, from the times of five returns of psi",
         remark="as for the amplitude: exact for many beads only",
-        second=MethodFineness("conserving", 2e-5),
-        refer=False,
+        second=MethodFineness(KEEPING, 2e-5), refer=False,
     ),
     Claim(
-        name="driven-periodic",
+        name="driven-periodic", place="Sec. V, data not shown",
         statement="a steady force on the first bead excites a time-periodic evanescent mode on top of a uniform acceleration",
-        place="Sec. V, data not shown",
-        quantity="psi at its return, over its largest value",
-        measure=psi_at_return,
-        cases=grid(n=(2, 3, 4, 5, 6), **{"1/alpha": (5, 7, 10, 14)}, **{"return": (1, 3, 5)}),
-        own={**OWN, "return": 5.0},
-        variable="n alpha",
-        order=n_alpha,
-        allowed=1e-3,
+        quantity="psi at its return, over its largest value", measure=psi_at_return,
+        cases=grid(n=(2, 3, 4, 5, 6), **{"1/alpha": (5, 7, 10, 14)}, **{"return": (1, 3, 5)}), own={**OWN, "return": 5.0},
+        variable="n alpha", order=n_alpha, allowed=1e-3,
         how="full equations; at a return psi is least, located to 1e-8 of a period",
         remark="the true period is not that of the model, by 0.6 % in the paper's case: psi is to be read at its own returns",
         refer=False,
     ),
-)
+)  # fmt: skip

@@ -1,23 +1,14 @@
 """Claims on the experiment of App. C: draft gears with the measured masses, and their likeness to soft power laws."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
 from softcradle.physics import Chain, Contact, draft_gear, one_on
-from softcradle.physics.analysis.closed_forms import rigid_collision
-from softcradle.physics.analysis.contact_distance import GRADED, squared_difference
-from softcradle.physics.analysis.critical_speed import critical_speed
-from softcradle.physics.analysis.matching import match
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
+from softcradle.physics.analysis.matching import GRADED, match, squared_difference
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
-from softcradle.sandbox.studies.experiment import (
-    MASS,
-    PRECOMPRESSION,
-    STIFFNESS,
-    deficits,
-    friction_for,
-)
+from softcradle.sandbox.studies.experiment import MASS, PRECOMPRESSION, STIFFNESS, deficits, friction_for
 from softcradle.sandbox.studies.paper import MethodFineness, Parameters, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)
@@ -78,65 +69,46 @@ def energy_for_momentum(case: Parameters, solver: MethodFineness) -> float:
 
 CLAIMS = (
     Claim(
-        name="draft-gears",
+        name="draft-gears", place="App. C",
         statement="pre-compressed springs give rigid-body like behaviour",
-        place="App. C",
         quantity="largest distance of a final velocity from that of two rigid bodies, over the striker's",
         measure=distance_from_rigid,
-        cases=grid(strikers=(1, 2), **{"V/v_c": SPEEDS}),
-        own={"strikers": 1.0, "V/v_c": 0.6},
-        variable="V/v_c",
-        order=lambda case: case["V/v_c"],
-        allowed=1e-3,
+        cases=grid(strikers=(1, 2), **{"V/v_c": SPEEDS}), own={"strikers": 1.0, "V/v_c": 0.6},
+        variable="V/v_c", order=lambda case: case["V/v_c"], allowed=1e-3,
         how="measured masses, k = 770 N/m, 17.7 mm, no friction; v_c is the critical speed of one on three or two on two",
         remark="up to v_c the cluster is exactly rigid, and no inner contact is ever loaded: there is no evanescent profile",
         refer=False,
     ),
     Claim(
-        name="resembles-power-law",
+        name="resembles-power-law", place="App. C",
         statement="the force of a pre-compressed spring, Eq. (C1), resembles a power law with alpha << 1",
-        place="App. C",
         quantity="distance of the force curves of the gear and of the nearest power law, root mean square",
         measure=distance_of_power_law,
-        cases=grid(**{"V/v_c": (0.2, 0.35, 0.5, 0.7, 0.9)}),
-        own={"V/v_c": 0.5},
-        variable="V/v_c",
-        order=lambda case: case["V/v_c"],
-        allowed=0.1,
+        cases=grid(**{"V/v_c": (0.2, 0.35, 0.5, 0.7, 0.9)}), own={"V/v_c": 0.5},
+        variable="V/v_c", order=lambda case: case["V/v_c"], allowed=0.1,
         how="one on three; resembles: force curves within 10 %",
         refer=False,
     ),
     Claim(
-        name="small-exponent",
+        name="small-exponent", place="App. C",
         statement="the power law that a pre-compressed spring resembles has alpha << 1",
-        place="App. C",
-        quantity="exponent of the power law nearest to the gear",
-        measure=fitted_exponent,
-        cases=grid(**{"V/v_c": (0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 2.0, 4.0)}),
-        own={"V/v_c": 0.5},
-        variable="V/v_c",
-        order=lambda case: case["V/v_c"],
-        allowed=0.1,
+        quantity="exponent of the power law nearest to the gear", measure=fitted_exponent,
+        cases=grid(**{"V/v_c": (0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 2.0, 4.0)}), own={"V/v_c": 0.5},
+        variable="V/v_c", order=lambda case: case["V/v_c"], allowed=0.1,
         how="one on three; nearest by the curves of the striker's force; << 1 is read as at most 0.1",
         remark="it grows with the stroke over the precompression, and is 1, that of the bare spring, for the fastest strikers",
-        second=MethodFineness("conserving", 1e-3),
-        refer=False,
+        second=MethodFineness(KEEPING, 1e-3), refer=False,
     ),
     Claim(
-        name="deficits",
+        name="deficits", place="App. C",
         statement="the friction of the substrate explains deficits of 5-10 % in the momentum and of 10-20 % in the energy",
-        place="App. C",
-        quantity="10 % less the energy deficit of a bed that costs the momentum",
-        measure=energy_for_momentum,
+        quantity="10 % less the energy deficit of a bed that costs the momentum", measure=energy_for_momentum,
         cases=grid(strikers=(1, 2), momentum=(0.05, 0.075, 0.1), V=(0.25, 0.5, 1.0)),
         own={"strikers": 1.0, "momentum": 0.075, "V": 0.5},
-        variable="V",
-        order=lambda case: case["V"],
-        allowed=0.0,
-        chosen=False,
+        variable="V", order=lambda case: case["V"], allowed=0.0,
         how="measured masses and gears without loss; deficits from the first touch to the last opening",
         remark="bed friction takes momentum from slow beads, and little energy; pistons that are caught plastically "
         "take the rest",
-        refer=False,
+        refer=False, chosen=False,
     ),
-)
+)  # fmt: skip

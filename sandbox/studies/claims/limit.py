@@ -1,12 +1,11 @@
 """Claims on the limit alpha -> 0 and on where rigid-like behaviour ends: Secs. IV and V."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-from softcradle.physics.analysis.cluster_scaling import spread_variable
-from softcradle.physics.analysis.measures import depth_law, time_scale_separation
+from softcradle.physics import Trajectory
+from softcradle.physics.analysis.measures import depth_law, spread_variable, time_scale_separation
+from softcradle.sandbox.scene_runs import TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,
@@ -18,6 +17,7 @@ from softcradle.sandbox.studies.paper import (
     later,
     local_rate,
     n_alpha,
+    psi_limit,
     spread,
     start,
 )
@@ -28,9 +28,13 @@ BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
 
 def largest_psi(case: Parameters, solver: MethodFineness) -> float:
     """Largest psi of the full equations while the striker pushes."""
+    return float(_pushed(case, solver, 1.3, 1001).overlap[:, 1].max())
+
+
+def _pushed(case: Parameters, solver: MethodFineness, part: float, samples: int) -> Trajectory:
+    """The motion until `part` of half the limit of the contact time, 2n/(n+1)."""
     chain, n = chain_of(case), case["n"]
-    found = solver.motion(chain, start(chain), 1.3 * n / (n + 1.0), 1001)
-    return float(found.overlap[:, 1].max())
+    return solver.motion(chain, start(chain), part * n / (n + 1.0), samples)
 
 
 def rate_of_psi(case: Parameters, solver: MethodFineness) -> float:
@@ -40,9 +44,7 @@ def rate_of_psi(case: Parameters, solver: MethodFineness) -> float:
 
 def psi_off_law(case: Parameters, solver: MethodFineness) -> float:
     """Relative distance of max psi from n/(2(n+1)) ((n-1)/n)**(1/alpha)."""
-    n = case["n"]
-    law = n / (2.0 * (n + 1.0)) * ((n - 1.0) / n) ** case["1/alpha"]
-    return abs(largest_psi(case, solver) / law - 1.0)
+    return abs(largest_psi(case, solver) / psi_limit(case["n"], 1.0 / case["1/alpha"]) - 1.0)
 
 
 def rate_of_duration(case: Parameters, solver: MethodFineness) -> float:
@@ -79,9 +81,8 @@ def separation(case: Parameters, solver: MethodFineness) -> float:
 
 def energy_inside(case: Parameters, solver: MethodFineness) -> float:
     """Largest energy that the inner contacts store, of the striker's."""
-    chain, n = chain_of(case), case["n"]
-    found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
-    return float(chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
+    found = _pushed(case, solver, 1.5, 2001)
+    return float(found.chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
 
 
 def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
@@ -91,144 +92,96 @@ def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
 
 def inner_force(case: Parameters, solver: MethodFineness) -> float:
     """Distance of the largest f12 from (n-1)/n, its limit, as a part of it."""
-    chain, n = chain_of(case), case["n"]
-    found = solver.motion(chain, start(chain), 1.5 * n / (n + 1.0), 2001)
+    n, found = case["n"], _pushed(case, solver, 1.5, 2001)
     return abs(float(found.force[:, 1].max()) * n / (n - 1.0) - 1.0)
 
 
 CLAIMS = (
     Claim(
-        name="time-scales",
+        name="time-scales", place="Sec. IV, Eq. (10)",
         statement="the consistency condition is the separation of time scales, (tau_i / tau_dur)**2 << 1, fulfilled as "
         "alpha -> 0",
-        place="Sec. IV, Eq. (10)",
-        quantity="largest (tau_i / tau_dur)**2 of the contacts i >= 2",
-        measure=separation,
-        cases=grid(n=(3, 4, 5, 6, 8, 10), **{"1/alpha": (6, 8, 10, 12, 14, 17, 20, 24)}),
-        own=OWN,
-        variable="n alpha",
-        order=n_alpha,
-        allowed=0.1,
+        quantity="largest (tau_i / tau_dur)**2 of the contacts i >= 2", measure=separation,
+        cases=grid(n=(3, 4, 5, 6, 8, 10), **{"1/alpha": (6, 8, 10, 12, 14, 17, 20, 24)}), own=OWN,
+        variable="n alpha", order=n_alpha, allowed=0.1,
         how="full equations, response times at the largest overlap while the striker pushes; << 1 is read as at most 0.1",
         refer=False,
     ),
     Claim(
-        name="amplitude",
+        name="amplitude", place="Sec. IV (i)",
         statement="for alpha -> 0 the maximum of psi decreases as exp(-1/(n alpha))",
-        place="Sec. IV (i)",
-        quantity="distance of the slope of log(max psi) against 1/(n alpha) from -1",
-        measure=rate_of_psi,
-        cases=withn_alpha((2, 3, 4, 5, 6, 8, 10, 12, 16), (0.1, 0.07)),
-        own={"n": 4.0, "1/alpha": 57.0},
-        variable="1/n",
-        order=lambda case: 1.0 / case["n"],
-        allowed=0.06,
+        quantity="distance of the slope of log(max psi) against 1/(n alpha) from -1", measure=rate_of_psi,
+        cases=withn_alpha((2, 3, 4, 5, 6, 8, 10, 12, 16), (0.1, 0.07)), own={"n": 4.0, "1/alpha": 57.0},
+        variable="1/n", order=lambda case: 1.0 / case["n"], allowed=0.06,
         how="full equations, n alpha from 0.056 to 0.1",
         remark="the rate is n log((n-1)/n), -1 for many beads only: max psi ~ n/(2(n+1)) ((n-1)/n)**(1/alpha) (amplitude-law)",
-        first=MethodFineness("accurate", tolerance=1e-6),
-        refer=False,
+        first=MethodFineness(TOLD, tolerance=1e-6), refer=False,
     ),
     Claim(
-        name="amplitude-law",
+        name="amplitude-law", place="ours, for Sec. IV (i)",
         statement="our law for Sec. IV (i): max psi tends to n/(2(n+1)) ((n-1)/n)**(1/alpha)",
-        place="ours, for Sec. IV (i)",
-        quantity="relative distance of max psi from the law",
-        measure=psi_off_law,
-        cases=grid(n=(2, 3, 4, 5, 6, 8, 10), **{"1/alpha": (20, 30, 50, 70, 100, 140, 200)}),
-        own={"n": 4.0, "1/alpha": 200.0},
-        variable="n alpha",
-        order=n_alpha,
-        allowed=0.1,
+        quantity="relative distance of max psi from the law", measure=psi_off_law,
+        cases=grid(n=(2, 3, 4, 5, 6, 8, 10), **{"1/alpha": (20, 30, 50, 70, 100, 140, 200)}), own={"n": 4.0, "1/alpha": 200.0},
+        variable="n alpha", order=n_alpha, allowed=0.1,
         how="full equations",
         remark="Phi reaches n/(2(n+1)) at a force of 1, of which f12 is (n-1)/n",
         refer=False,
     ),
     Claim(
-        name="contact-duration",
+        name="contact-duration", place="Sec. IV (ii)",
         statement="the duration of contact of the striker decreases as exp(-1/(2 n alpha)) / sqrt(alpha)",
-        place="Sec. IV (ii)",
-        quantity="distance of the slope of log(sqrt(alpha) tau_dur) against 1/(n alpha) from -1/2",
-        measure=rate_of_duration,
-        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (8, 10, 12, 14, 16)}),
-        own=OWN,
-        variable="n alpha",
-        order=n_alpha,
-        allowed=0.05,
+        quantity="distance of the slope of log(sqrt(alpha) tau_dur) against 1/(n alpha) from -1/2", measure=rate_of_duration,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (8, 10, 12, 14, 16)}), own=OWN,
+        variable="n alpha", order=n_alpha, allowed=0.05,
         how="full equations, 1/alpha from 8 to 20",
         remark="the contact time tends to 2n/(n+1); what decreases so is the period of the inner contact (inner-period)",
     ),
     Claim(
-        name="bound-on-consistency",
+        name="bound-on-consistency", place="Sec. IV, after (ii)",
         statement="the left side of Eq. (9) is bounded by alpha exp(-(i-1)/(n alpha)) for i >= 2",
-        place="Sec. IV, after (ii)",
-        quantity="left side of Eq. (9) at i = 2 over the bound",
-        measure=bend_over_bound,
-        cases=grid(n=(3, 4, 6, 8, 12, 16), **{"1/alpha": (10, 20, 40)}, part=BOUND_PARTS),
-        own={**OWN, "part": 0.5},
-        variable="n",
-        order=lambda case: case["n"],
-        allowed=1.0,
-        chosen=False,
+        quantity="left side of Eq. (9) at i = 2 over the bound", measure=bend_over_bound,
+        cases=grid(n=(3, 4, 6, 8, 12, 16), **{"1/alpha": (10, 20, 40)}, part=BOUND_PARTS), own={**OWN, "part": 0.5},
+        variable="n", order=lambda case: case["n"], allowed=1.0,
         how="mode-coupling model, at parts of the time until Phi returns",
         remark="at the very start psi'' passes (n-1)/(4n) whatever alpha: for many beads it exceeds the bound",
-        second=FINER_SECOND,
-        refer=False,
+        second=FINER_SECOND, refer=False, chosen=False,
     ),
     Claim(
-        name="below-1/n",
+        name="below-1/n", place="Sec. IV",
         statement="Eq. (9) holds as a good approximation, and the cluster is rigid-like, for alpha << 1/n",
-        place="Sec. IV",
-        quantity="spread of the targets' velocities over their mean",
-        measure=spread,
-        cases=withn_alpha((3, 4, 5, 6, 8, 11, 16, 23, 32), (0.15, 0.2, 0.25, 0.3, 0.4)),
-        own=OWN,
-        variable="(n+1) exp(-1/(2 n alpha))",
-        order=lambda case: spread_variable(round(case["n"]), 1.0 / case["1/alpha"]),
+        quantity="spread of the targets' velocities over their mean", measure=spread,
+        cases=withn_alpha((3, 4, 5, 6, 8, 11, 16, 23, 32), (0.15, 0.2, 0.25, 0.3, 0.4)), own=OWN,
+        variable="(n+1) exp(-1/(2 n alpha))", order=lambda case: spread_variable(round(case["n"]), 1.0 / case["1/alpha"]),
         allowed=RIGID_LIKE,
         how="velocities when every contact is open, n alpha from 0.15 to 0.4; rigid-like: a spread of at most 50 %",
         remark="at fixed n alpha the spread grows with n: the threshold of n alpha falls like 1/(2 ln(0.9 (n+1))) "
         "(figure collapse)",
-        first=MethodFineness("accurate", tolerance=1e-6),
+        first=MethodFineness(TOLD, tolerance=1e-6),
     ),
     Claim(
-        name="above-1/n",
+        name="above-1/n", place="Sec. IV",
         statement="for alpha > 1/n there is no rigid-like behaviour, even with alpha << 1",
-        place="Sec. IV",
-        quantity="0.5 over the spread of the targets' velocities",
-        measure=loss_of_rigidity,
-        cases=withn_alpha((2, 3, 4, 6, 8, 12, 16, 24, 32), (1.01, 1.3, 1.7, 2.2, 3.0)),
-        own={"n": 16.0, "1/alpha": 10.0},
-        variable="1/(n alpha)",
-        order=lambda case: case["1/alpha"] / case["n"],
-        allowed=1.0,
+        quantity="0.5 over the spread of the targets' velocities", measure=loss_of_rigidity,
+        cases=withn_alpha((2, 3, 4, 6, 8, 12, 16, 24, 32), (1.01, 1.3, 1.7, 2.2, 3.0)), own={"n": 16.0, "1/alpha": 10.0},
+        variable="1/(n alpha)", order=lambda case: case["1/alpha"] / case["n"], allowed=1.0,
         how="velocities when every contact is open, n alpha from 1.01 to 3; rigid-like: a spread of at most 50 %",
         refer=False,
     ),
     Claim(
-        name="no-energy-inside",
+        name="no-energy-inside", place="Sec. IV",
         statement="the energy that the cluster stores during the collision vanishes as alpha -> +0",
-        place="Sec. IV",
-        quantity="rise of its logarithm from 1/alpha to 1.25 / alpha",
-        measure=rise_of_energy,
-        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 14, 20, 30, 50, 80)}),
-        own=OWN,
-        variable="n alpha",
-        order=n_alpha,
-        allowed=-0.1,
+        quantity="rise of its logarithm from 1/alpha to 1.25 / alpha", measure=rise_of_energy,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 14, 20, 30, 50, 80)}), own=OWN,
+        variable="n alpha", order=n_alpha, allowed=-0.1,
         how="full equations, largest energy of the inner contacts while the striker pushes",
     ),
     Claim(
-        name="forces-remain-finite",
+        name="forces-remain-finite", place="Sec. IV",
         statement="the forces inside remain finite as alpha -> +0",
-        place="Sec. IV",
-        quantity="distance of the largest f12 from (n-1)/n, as a part of it",
-        measure=inner_force,
-        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (10, 14, 20, 30, 50, 80)}),
-        own={"n": 4.0, "1/alpha": 20.0},
-        variable="n alpha",
-        order=n_alpha,
-        allowed=0.15,
+        quantity="distance of the largest f12 from (n-1)/n, as a part of it", measure=inner_force,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (10, 14, 20, 30, 50, 80)}), own={"n": 4.0, "1/alpha": 20.0},
+        variable="n alpha", order=n_alpha, allowed=0.15,
         how="full equations, while the striker pushes",
         refer=False,
     ),
-)
+)  # fmt: skip

@@ -1,11 +1,10 @@
 """Claims on the mode-coupling model against the full equations: Secs. III and IV, Fig. 2, App. A."""
 
-from __future__ import annotations
-
 import numpy as np
-from softcradle.physics import Chain, Contact, cluster_on_cluster, one_on, power_law
+from softcradle.physics import Chain, cluster_on_cluster, one_on, power_law
 from softcradle.physics.analysis.measures import depth_law, loads
 from softcradle.physics.analysis.ringing import turning_points
+from softcradle.sandbox.scene_runs import KEEPING, TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
     FINER_SECOND,
@@ -17,6 +16,8 @@ from softcradle.sandbox.studies.paper import (
     Parameters,
     chain_of,
     first_opening,
+    power_laws,
+    random_beads,
     start,
     while_struck,
 )
@@ -27,7 +28,7 @@ SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105
 RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times that Fig. 2d shows
-AT_THE_TOUCH = MethodFineness("accurate", tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
+AT_THE_TOUCH = MethodFineness(TOLD, tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
 RISE_END = 1.0  # unit of time: the end of Fig. 2d, and of the run of which the slopes are
 SLOPES = 8  # in a decade of time: a step of a force by a part of a percent is one of ten percent of its slope
 
@@ -97,9 +98,8 @@ def random_chain(case: Parameters) -> Chain:
     if not case["seed"]:
         return one_on(n, power_law(1.0, 1.0 / 30.0))
     random = np.random.default_rng([SEED, round(case["seed"])])
-    mass, strength = (2.0 ** random.uniform(-1.0, 1.0, count) for count in (n + 1, n))
-    exponent = 1.0 / random.uniform(20.0, 40.0, n)
-    return Chain(mass, [Contact(0.0, f0, a) for f0, a in zip(strength, exponent, strict=True)])
+    mass, strength = random_beads(random, n, 2.0)
+    return Chain(mass, power_laws(strength, 1.0 / random.uniform(20.0, 40.0, n)))
 
 
 def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> float:
@@ -125,146 +125,98 @@ def clusters(case: Parameters) -> Chain:
 
 CLAIMS = (
     Claim(
-        name="within-1e-3",
+        name="within-1e-3", place="Sec. IV, Fig. 2c",
         statement="the mode-coupling model reproduces f01 and f12 within 1e-3 over the entire time domain of the collision",
-        place="Sec. IV, Fig. 2c",
         quantity="largest relative discrepancy of the force up to that part of its time, from the part before",
         measure=discrepancy,
-        cases=grid(**OWN, contact=(0, 1), until=EDGES[1:]),
-        own={"until": 0.5, "contact": 1.0},
-        variable="part of the time for which the force acts",
-        order=lambda case: case["until"],
-        allowed=1e-3,
-        chosen=False,
+        cases=grid(**OWN, contact=(0, 1), until=EDGES[1:]), own={"until": 0.5, "contact": 1.0},
+        variable="part of the time for which the force acts", order=lambda case: case["until"], allowed=1e-3,
         how="full equations and model, each force from 1e-6 of its own time to its own end",
         remark="at their ends the relative discrepancies grow without bound: model and full force end at different times",
-        second=FINER_SECOND,
-        refer=False,
+        second=FINER_SECOND, refer=False, chosen=False,
     ),
     Claim(
-        name="inner-forces",
+        name="inner-forces", place="Sec. IV, Fig. 2b",
         statement="the reproduction of the inter-particle forces by the mode-coupling model is quite satisfactory",
-        place="Sec. IV, Fig. 2b",
         quantity="largest relative discrepancy of f23 and f34 up to that part of their time, from the part before",
         measure=discrepancy,
-        cases=grid(**OWN, contact=(2, 3), until=EDGES[1:]),
-        own={"until": 0.5, "contact": 2.0},
-        variable="part of the time for which the force acts",
-        order=lambda case: case["until"],
-        allowed=0.05,
+        cases=grid(**OWN, contact=(2, 3), until=EDGES[1:]), own={"until": 0.5, "contact": 2.0},
+        variable="part of the time for which the force acts", order=lambda case: case["until"], allowed=0.05,
         how="full equations and model; 5 % is what the eye sees in Fig. 2b",
-        second=FINER_SECOND,
-        refer=False,
+        second=FINER_SECOND, refer=False,
     ),
     Claim(
-        name="phi-first",
+        name="phi-first", place="Sec. IV, Fig. 2a",
         statement="Phi returns to zero before psi does",
-        place="Sec. IV, Fig. 2a",
-        quantity="time of Phi's return less that of psi's",
-        measure=delay_of_phi,
-        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 24, 30)}),
-        own=OWN,
-        variable="1/(n alpha)",
-        order=lambda case: case["1/alpha"] / case["n"],
-        allowed=0.0,
-        chosen=False,
+        quantity="time of Phi's return less that of psi's", measure=delay_of_phi,
+        cases=grid(n=(2, 3, 4, 5, 6, 8), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 24, 30)}), own=OWN,
+        variable="1/(n alpha)", order=lambda case: case["1/alpha"] / case["n"], allowed=0.0,
         how="mode-coupling model; above 0 psi is first",
-        second=FINER_SECOND,
+        second=FINER_SECOND, chosen=False,
     ),
     Claim(
-        name="no-oscillation",
+        name="no-oscillation", place="Sec. IV, Fig. 2c",
         statement="there is no sign of fine oscillations: the inner force rises once and falls once",
-        place="Sec. IV, Fig. 2c",
-        quantity="turning points of f12 while the striker pushes",
-        measure=turns_of_inner_force,
-        cases=grid(n=(2, 3, 4, 5), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 27, 30)}),
-        own=OWN,
-        variable="1/alpha",
-        order=lambda case: case["1/alpha"],
-        allowed=1.0,
-        chosen=False,
+        quantity="turning points of f12 while the striker pushes", measure=turns_of_inner_force,
+        cases=grid(n=(2, 3, 4, 5), **{"1/alpha": (6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 27, 30)}), own=OWN,
+        variable="1/alpha", order=lambda case: case["1/alpha"], allowed=1.0,
         how="20001 samples while the first two contacts are closed; a swing below 1e-5, a hundredth of what Fig. 2c shows, is "
         "none",
         remark="smaller exponents ring: more often, faster and less; the period is that of the inner contact about its branch "
         "(figure ringing)",
-        second=FINEST_SECOND,
+        second=FINEST_SECOND, chosen=False,
     ),
     Claim(
-        name="slopes",
+        name="slopes", place="caption of Fig. 2d",
         statement="initially f01 ~ t**alpha and f12 ~ t**(alpha (2 + alpha))",
-        place="caption of Fig. 2d",
-        quantity="largest relative distance of the logarithmic slope from the stated power, in a decade",
-        measure=slope_error,
+        quantity="largest relative distance of the logarithmic slope from the stated power, in a decade", measure=slope_error,
         cases=grid(n=(4,), **{"1/alpha": (7, 10, 14)}, contact=(0, 1), t=[10.0**power for power in RISE_DECADES]),
         own={"1/alpha": 10.0, "contact": 1.0, "t": 1e-16},
-        variable="t",
-        order=lambda case: case["t"],
-        allowed=0.01,
+        variable="t", order=lambda case: case["t"], allowed=0.01,
         how="full equations, one run from the touch on; 8 slopes in each decade that Fig. 2d shows",
         remark="the correction to f12 is of relative order t**(alpha (1 + alpha)) and decays slowly",
-        first=AT_THE_TOUCH,
-        refer=False,
+        first=AT_THE_TOUCH, refer=False,
     ),
     Claim(
-        name="deeper-slopes",
+        name="deeper-slopes", place="ours, for Fig. 2d",
         statement="our continuation of Fig. 2d: a force deeper inside rises as t**(alpha (2 + p)), p the power of the one before",
-        place="ours, for Fig. 2d",
-        quantity="largest relative distance of the logarithmic slope from that power, in a decade",
-        measure=slope_error,
+        quantity="largest relative distance of the logarithmic slope from that power, in a decade", measure=slope_error,
         cases=grid(n=(4,), **{"1/alpha": (7, 10, 14)}, contact=(2, 3), t=[10.0**power for power in RISE_DECADES]),
         own={"1/alpha": 10.0, "contact": 2.0, "t": 1e-16},
-        variable="t",
-        order=lambda case: case["t"],
-        allowed=0.05,
+        variable="t", order=lambda case: case["t"], allowed=0.05,
         how="as slopes",
         remark="corrections decay the more slowly the deeper a contact is",
-        first=AT_THE_TOUCH,
-        refer=False,
+        first=AT_THE_TOUCH, refer=False,
     ),
     Claim(
-        name="consistency-example",
+        name="consistency-example", place="Sec. IV, after Eq. (9)",
         statement="for n = 4, alpha = 1/10 the left side of Eq. (9) is at most about 1e-3, since psi'' is about 0.1",
-        place="Sec. IV, after Eq. (9)",
-        quantity="largest left side of Eq. (9) at i = 2",
-        measure=consistency,
-        cases=grid(**OWN, until=np.arange(0.05, 1.001, 0.05).round(2)),
-        own={"until": 0.5},
-        variable="part of the time until psi returns",
-        order=lambda case: case["until"],
-        allowed=2e-3,
+        quantity="largest left side of Eq. (9) at i = 2", measure=consistency,
+        cases=grid(**OWN, until=np.arange(0.05, 1.001, 0.05).round(2)), own={"until": 0.5},
+        variable="part of the time until psi returns", order=lambda case: case["until"], allowed=2e-3,
         how="mode-coupling model, in 20 parts of the collision; about 1e-3 is read as at most 2e-3",
         remark="psi'' is largest at the very start",
         second=FINER_SECOND,
     ),
     Claim(
-        name="inhomogeneous-model",
+        name="inhomogeneous-model", place="App. A",
         statement="equations (A3) are the core of the motion for heterogeneous masses, strengths and exponents that are small",
-        place="App. A",
         quantity="largest |full - model| over the peak of the force, all contacts",
         measure=lambda case, solver: force_error(random_chain(case), solver),
-        cases=random_cases(),
-        own={"load": 0.75},
-        variable="greatest load of an inner contact",
-        order=lambda case: case["load"],
-        allowed=0.05,
+        cases=random_cases(), own={"load": 0.75},
+        variable="greatest load of an inner contact", order=lambda case: case["load"], allowed=0.05,
         how=f"{RANDOM_CHAINS} random chains, seed {SEED}: masses and strengths of 1/2 to 2, exponents of 1/40 to 1/20; "
-        f"middle 80 % "
-        "of the striker's contact",
+        f"middle 80 % of the striker's contact",
         remark="where an inner contact has to pass on more than its f0 no exponent is small enough",
-        second=MethodFineness("conserving", 5e-5),
-        refer=False,
+        second=MethodFineness(KEEPING, 5e-5), refer=False,
     ),
     Claim(
-        name="second-mode",
+        name="second-mode", place="App. A (ii)",
         statement="cluster on cluster needs but one more evanescent mode, for the hitting cluster",
-        place="App. A (ii)",
         quantity="largest |full - model| over the peak of the force, all contacts",
         measure=lambda case, solver: force_error(clusters(case), solver, round(case["m"])),
-        cases=grid(m=(2, 3, 4), n=(3, 5, 7), **{"1/alpha": (8, 14, 24)}),
-        own={"m": 3.0, "n": 5.0, "1/alpha": 14.0},
-        variable="n alpha",
-        order=lambda case: max(case["n"], case["m"]) / case["1/alpha"],
-        allowed=0.05,
+        cases=grid(m=(2, 3, 4), n=(3, 5, 7), **{"1/alpha": (8, 14, 24)}), own={"m": 3.0, "n": 5.0, "1/alpha": 14.0},
+        variable="n alpha", order=lambda case: max(case["n"], case["m"]) / case["1/alpha"], allowed=0.05,
         how="m on n homogeneous beads; middle 80 % of the contact of the two clusters; n alpha of the larger one",
     ),
-)
+)  # fmt: skip

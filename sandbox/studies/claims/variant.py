@@ -1,23 +1,27 @@
 """Claims on variants of the set-up: heterogeneous chains, a Hooke interface, prestress and waves. Sec. V, App. A."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-from softcradle.physics import Chain, Contact, Coupler, hertz, hooke, one_on, power_law
+from softcradle.physics import Chain, Coupler, hertz, hooke, one_on, power_law
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.measures import loads, rigidity
 from softcradle.physics.analysis.ringing import turning_points
+from softcradle.sandbox.scene_runs import KEEPING, TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import (
+    SPRING_PRESTRESS,
     SWING,
-    Array,
     MethodFineness,
+    N,
     NotSolvedError,
     Parameters,
     crest,
     first_opening,
+    power_laws,
+    pressed_cluster,
+    random_beads,
+    spread_by_mass,
     start,
 )
 
@@ -30,7 +34,6 @@ HERTZ = 1.5
 WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH
 INVERSE = (30.0, 50.0)  # range of 1/alpha in a random chain
 WAVE_BEADS = 60
-SPRING_PRESTRESS = 20.0  # force; the springs stay compressed all along
 SPRING_TIME = 6.0  # three times that for which the striker pushes
 NUDGE = 1e-4  # speed of the bead that starts a wave under prestress, as a part of what would open a contact
 
@@ -39,17 +42,14 @@ def random_chain(case: Parameters) -> Chain:
     """One on TARGETS with random masses, strengths and exponents by the seed of the case; 0 is homogeneous."""
     random = np.random.default_rng([SEED, round(case["seed"])])
     width = WIDTH if case["seed"] else 1.0
-    mass, strength = (width ** random.uniform(-1.0, 1.0, count) for count in (TARGETS + 1, TARGETS))
-    inverse = random.uniform(*INVERSE, TARGETS)
-    return Chain(mass, [Contact(0.0, f0, 1.0 / k) for f0, k in zip(strength, inverse, strict=True)])
+    mass, strength = random_beads(random, TARGETS, width)
+    return Chain(mass, power_laws(strength, 1.0 / random.uniform(*INVERSE, TARGETS)))
 
 
 def weighted_spread(case: Parameters, solver: MethodFineness) -> float:
-    """Root mean square of the targets' velocities about their mean, by mass, as a part of that mean."""
+    """See `spread_by_mass`."""
     chain = random_chain(case)
-    mass, velocity = np.array(chain.mass)[1:], solver.motion(chain, start(chain)).final_velocity[1:]
-    mean = np.average(velocity, weights=mass)
-    return float(np.sqrt(np.average((velocity - mean) ** 2, weights=mass)) / mean)
+    return spread_by_mass(np.array(chain.mass)[1:], solver.motion(chain, start(chain)).final_velocity[1:])
 
 
 def random_cases() -> list[Parameters]:
@@ -62,17 +62,10 @@ def momentum_of_last(case: Parameters, solver: MethodFineness) -> float:
     """Part of the momentum that the last bead of the usual cradle takes, in the mean over random chains of that width."""
     taken = []
     for seed in range(CRADLES):
-        mass, strength = random_beads(seed, case["width"])
+        mass, strength = random_beads(np.random.default_rng([SEED, seed]), TARGETS, case["width"])
         chain = Chain(mass, [hertz(k) for k in strength])
         taken.append(chain.mass[-1] * solver.motion(chain, start(chain)).final_velocity[-1] / chain.mass[0])
     return float(np.mean(taken))
-
-
-def random_beads(seed: int, width: float) -> tuple[Array, Array]:
-    """Masses of one on TARGETS and strengths of its contacts, from 1/width to width."""
-    random = np.random.default_rng([SEED, seed])
-    mass, strength = (width ** random.uniform(-1.0, 1.0, count) for count in (TARGETS + 1, TARGETS))
-    return mass, strength
 
 
 def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
@@ -82,8 +75,8 @@ def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
     """
     parts = []
     for seed in range(SIDE_BY_SIDE):
-        mass, strength = random_beads(seed, width)
-        chain = Chain(mass, [Contact(0.0, k, exponent) for k in strength])
+        mass, strength = random_beads(np.random.default_rng([SEED, seed]), TARGETS, width)
+        chain = Chain(mass, power_laws(strength, [exponent] * TARGETS))
         ideal = mass * rigid_collision(mass, 1) if exponent < 1.0 else np.append(np.zeros(TARGETS), mass[0])
         momentum = mass * solver.motion(chain, start(chain)).final_velocity
         parts.append(0.5 * np.abs(momentum - ideal).sum() / mass[0])
@@ -162,10 +155,7 @@ def fall_with_prestress(case: Parameters, solver: MethodFineness) -> float:
 
 def sprung_cluster(case: Parameters) -> Chain:
     """One on n, whose targets are held together by springs of stiffness k under a prestress that they never lose."""
-    n, spring = round(case["n"]), hooke(case["k"])
-    drive = [0.0, SPRING_PRESTRESS, *[0.0] * (n - 2), -SPRING_PRESTRESS]
-    gap = [0.0, *[-float(spring.overlap(SPRING_PRESTRESS))] * (n - 1)]
-    return Chain([1.0] * (n + 1), (power_law(1.0, 1.0 / 30.0), *(spring,) * (n - 1)), gap, drive)
+    return pressed_cluster(round(case["n"]), hooke(case["k"]), SPRING_PRESTRESS)
 
 
 def vibration(case: Parameters, solver: MethodFineness) -> float:
@@ -199,11 +189,8 @@ def echo(case: Parameters, solver: MethodFineness) -> float:
 
 def few_turns(case: Parameters, solver: MethodFineness) -> float:
     """3 over the turning points of the force in the middle of a cluster under prestress that is struck."""
-    n, alpha, prestress = 4, 1.0 / case["1/alpha"], case["prestress"]
-    law = power_law(1.0, alpha)
-    overlap = -float(law.overlap(prestress))
-    drive = [0.0, prestress, *[0.0] * (n - 2), -prestress]
-    chain = Chain([1.0] * (n + 1), (power_law(1.0, 1.0 / 30.0), *(law,) * (n - 1)), [0.0, *[overlap] * (n - 1)], drive)
+    alpha, prestress = 1.0 / case["1/alpha"], case["prestress"]
+    chain = pressed_cluster(N, power_law(1.0, alpha), prestress)
     period = 2.0 * math.pi / math.sqrt(2.0 * _linear_speed(alpha, prestress) ** 2)
     found = solver.motion(chain, start(chain, speed=case["V"]), 8.0 * period, 2001)
     turns = turning_points(found.force[:, 2]).size
@@ -214,163 +201,106 @@ def few_turns(case: Parameters, solver: MethodFineness) -> float:
 
 CLAIMS = (
     Claim(
-        name="robust",
+        name="robust", place="Secs. III, V",
         statement="rigid-like behaviour is robust against heterogeneity, as long as all exponents are sufficiently small",
-        place="Secs. III, V",
-        quantity="spread of the targets' velocities, by mass, over their mean",
-        measure=weighted_spread,
-        cases=random_cases(),
-        own={"load": 5.0 / 6.0},
-        variable="greatest load of an inner contact",
-        order=lambda case: case["load"],
-        allowed=0.05,
+        quantity="spread of the targets' velocities, by mass, over their mean", measure=weighted_spread,
+        cases=random_cases(), own={"load": 5.0 / 6.0},
+        variable="greatest load of an inner contact", order=lambda case: case["load"], allowed=0.05,
         how=f"{CHAINS} random chains of {TARGETS} targets, seed {SEED}, and the homogeneous one: masses and strengths "
-        f"of 1/2 to 2, "
-        "exponents of 1/50 to 1/30; rigid-like: a spread of at most 5 %",
+        f"of 1/2 to 2, exponents of 1/50 to 1/30; rigid-like: a spread of at most 5 %",
         remark="the load is the force that a contact has to pass on over its f0; near 1 the exponent needed is ever smaller",
-        first=MethodFineness("accurate", tolerance=1e-6),
-        refer=False,
+        first=MethodFineness(TOLD, tolerance=1e-6), refer=False,
     ),
     Claim(
-        name="cradle-perturbed",
+        name="cradle-perturbed", place="Sec. V",
         statement="in the usual cradle the pulse is highly perturbed by the inhomogeneity",
-        place="Sec. V",
-        quantity="part of the momentum that the last bead takes",
-        measure=momentum_of_last,
-        cases=grid(width=(1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 3.0)),
-        own={"width": WIDTH},
-        variable="1/width",
-        order=lambda case: 1.0 / case["width"],
-        allowed=0.9,
+        quantity="part of the momentum that the last bead takes", measure=momentum_of_last,
+        cases=grid(width=(1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 3.0)), own={"width": WIDTH},
+        variable="1/width", order=lambda case: 1.0 / case["width"], allowed=0.9,
         how=f"mean of {CRADLES} random chains of {TARGETS} targets, seed {SEED}: masses and stiffnesses of 1/width to "
-        f"width, Hertz; "
-        "the homogeneous chain passes on 98 %",
+        f"width, Hertz; the homogeneous chain passes on 98 %",
         refer=False,
     ),
     Claim(
-        name="in-contrast",
+        name="in-contrast", place="Sec. V",
         statement="the robustness against heterogeneity is in marked contrast to the usual cradle",
-        place="Sec. V",
-        quantity="momentum that disorder misplaces in soft chains over that in the usual cradle",
-        measure=contrast,
-        cases=grid(width=(1.05, 1.1, 1.2, 1.5, 2.0, 3.0), **{"1/alpha": (10, 20, 40)}),
-        own={"width": 1.2, "1/alpha": 10.0},
-        variable="width",
-        order=lambda case: case["width"],
-        allowed=0.5,
+        quantity="momentum that disorder misplaces in soft chains over that in the usual cradle", measure=contrast,
+        cases=grid(width=(1.05, 1.1, 1.2, 1.5, 2.0, 3.0), **{"1/alpha": (10, 20, 40)}), own={"width": 1.2, "1/alpha": 10.0},
+        variable="width", order=lambda case: case["width"], allowed=0.5,
         how=f"mean of {SIDE_BY_SIDE} chains of {TARGETS} targets, seed {SEED}, soft and Hertz side by side: masses and strengths "
         "of 1/width to width; marked: half as much, or less",
         remark="misplaced: not shared as by one rigid body, or not on the last bead, less what is so without disorder",
         refer=False,
     ),
     Claim(
-        name="kicked-out",
+        name="kicked-out", place="App. C",
         statement="without the pistons the furthest particle is dominantly kicked out",
-        place="App. C",
-        quantity="part of the striker's velocity that the last bead does not take",
-        measure=last_bead,
-        cases=grid(n=(2, 3, 4, 6, 8, 12, 16, 24)),
-        own={"n": 3.0},
-        variable="n",
-        order=lambda case: case["n"],
-        allowed=0.1,
+        quantity="part of the striker's velocity that the last bead does not take", measure=last_bead,
+        cases=grid(n=(2, 3, 4, 6, 8, 12, 16, 24)), own={"n": 3.0},
+        variable="n", order=lambda case: case["n"], allowed=0.1,
         how="one on n, Hertz contacts, no friction",
     ),
     Claim(
-        name="hooke-interface",
+        name="hooke-interface", place="App. A (iii), data not shown",
         statement="a truncated Hooke spring between striker and cluster works as well",
-        place="App. A (iii), data not shown",
-        quantity="spread of the targets' velocities over their mean",
-        measure=interface_spread,
-        cases=interface_cases(),
-        own={"1/alpha": 10.0, "k": 1.0, "V": 1.0},
-        variable="inner force over f0",
-        order=interface_load,
-        allowed=0.1,
+        quantity="spread of the targets' velocities over their mean", measure=interface_spread,
+        cases=interface_cases(), own={"1/alpha": 10.0, "k": 1.0, "V": 1.0},
+        variable="inner force over f0", order=interface_load, allowed=0.1,
         how="one on four, stiffness 0.25 to 10, speed 0.5 to 2, inner 1/alpha of 10 and 14; works: a spread of at most 10 %",
         remark="the stiffness and the speed count by the force that the inner contact has to pass on",
-        second=MethodFineness("conserving", 5e-5),
+        second=MethodFineness(KEEPING, 5e-5),
     ),
     Claim(
-        name="waves-diverge",
+        name="waves-diverge", place="Sec. IV, Sec. V",
         statement="linear wave velocities diverge at vanishing prestress, as alpha < 1",
-        place="Sec. IV, Sec. V",
-        quantity="rise of the logarithm of the wave speed as the prestress grows by a tenth",
-        measure=fall_with_prestress,
+        quantity="rise of the logarithm of the wave speed as the prestress grows by a tenth", measure=fall_with_prestress,
         cases=grid(prestress=(0.2, 0.5, 1.0), **{"1/alpha": (2 / 3, 1, 1.5, 3, 6, 10)}),
         own={"1/alpha": 10.0, "prestress": 0.5},
-        variable="alpha",
-        order=lambda case: 1.0 / case["1/alpha"],
-        allowed=-0.01,
+        variable="alpha", order=lambda case: 1.0 / case["1/alpha"], allowed=-0.01,
         how="a small pulse along 60 beads under prestress, crests of the force, between samples, at two contacts 30 beads apart; "
         "0.01 a tenth is taken for no change",
         remark="the speed is sqrt(alpha) prestress**((alpha-1)/(2 alpha)) beads a unit of time",
-        second=MethodFineness("conserving", 1e-4),
-        refer=False,
-        chosen=False,
+        second=MethodFineness(KEEPING, 1e-4), refer=False, chosen=False,
     ),
     Claim(
-        name="stiff-springs",
+        name="stiff-springs", place="Secs. I, V",
         statement="masses joined by extremely hard springs are a rigid body",
-        place="Secs. I, V",
-        quantity="vibration of the targets' velocities about their mean, over the mean",
-        measure=vibration,
-        cases=grid(n=(2, 3, 4, 6, 8), k=(100, 400, 1600, 6400, 25600)),
-        own={"n": 4.0, "k": 400.0},
-        variable="n / sqrt(k)",
-        order=lambda case: case["n"] / math.sqrt(case["k"]),
-        allowed=0.05,
+        quantity="vibration of the targets' velocities about their mean, over the mean", measure=vibration,
+        cases=grid(n=(2, 3, 4, 6, 8), k=(100, 400, 1600, 6400, 25600)), own={"n": 4.0, "k": 400.0},
+        variable="n / sqrt(k)", order=lambda case: case["n"] / math.sqrt(case["k"]), allowed=0.05,
         how="one on n, springs that pull, too, by a prestress of 20; root mean square after the striker has left, whose contact "
         "has alpha = 1/30; rigid-like: 5 %, as for `robust`",
         remark="it falls as n/sqrt(k), the time of a passage, up and down with the phase at which the striker leaves",
-        second=MethodFineness("conserving", 5e-5),
-        refer=False,
+        second=MethodFineness(KEEPING, 5e-5), refer=False,
     ),
     Claim(
-        name="to-and-fro",
+        name="to-and-fro", place="Secs. I, V",
         statement="in stiff springs waves that run to and fro distribute the momentum, not an evanescent mode",
-        place="Secs. I, V",
-        quantity="3 over the turning points of the last force while the striker pushes",
-        measure=few_passages,
-        cases=grid(n=(2, 3, 4, 6, 8), k=(1, 4, 25, 100, 400, 1600, 6400)),
-        own={"n": 4.0, "k": 400.0},
-        variable="n / sqrt(k)",
-        order=lambda case: case["n"] / math.sqrt(case["k"]),
-        allowed=1.0,
+        quantity="3 over the turning points of the last force while the striker pushes", measure=few_passages,
+        cases=grid(n=(2, 3, 4, 6, 8), k=(1, 4, 25, 100, 400, 1600, 6400)), own={"n": 4.0, "k": 400.0},
+        variable="n / sqrt(k)", order=lambda case: case["n"] / math.sqrt(case["k"]), allowed=1.0,
         how="as stiff-springs; a force that oscillates turns at least 3 times, one that an evanescent mode carries turns once",
         remark="their number grows as sqrt(k): the time of a passage is that of the lowest mode",
-        second=MethodFineness("conserving", 5e-5),
-        refer=False,
+        second=MethodFineness(KEEPING, 5e-5), refer=False,
     ),
     Claim(
-        name="free-end",
+        name="free-end", place="Sec. I",
         statement="waves need attractive forces to be reflected at a free end",
-        place="Sec. I",
-        quantity="change of the first bead's velocity when the pulse may be back, over its start",
-        measure=echo,
-        cases=grid(beads=(10, 20, 40), pull=(0, 0.01, 0.03, 0.1, 0.3, 1)),
-        own={"beads": 20.0, "pull": 0.0},
-        variable="stiffness of pulling over that of pushing",
-        order=lambda case: case["pull"],
-        allowed=0.05,
+        quantity="change of the first bead's velocity when the pulse may be back, over its start", measure=echo,
+        cases=grid(beads=(10, 20, 40), pull=(0, 0.01, 0.03, 0.1, 0.3, 1)), own={"beads": 20.0, "pull": 0.0},
+        variable="stiffness of pulling over that of pushing", order=lambda case: case["pull"], allowed=0.05,
         how="a row of beads and springs that push, and pull with a part of that stiffness; no reflection: at most 5 %",
         remark="without a pull the last beads fly off, and the first one feels nothing",
-        first=MethodFineness("conserving", 1e-3),
-        second=MethodFineness("conserving", 2e-3),
-        refer=False,
+        first=MethodFineness(KEEPING, 1e-3), second=MethodFineness(KEEPING, 2e-3), refer=False,
     ),
     Claim(
-        name="prestress-oscillates",
+        name="prestress-oscillates", place="Sec. V",
         statement="oscillatory modes are present under finite prestress",
-        place="Sec. V",
-        quantity="3 over the turning points of the force in the middle",
-        measure=few_turns,
+        quantity="3 over the turning points of the force in the middle", measure=few_turns,
         cases=grid(prestress=(0.4, 0.55, 0.75, 1.0), V=(0.01, 0.03, 0.1, 0.3), **{"1/alpha": (5, 10)}),
         own={"1/alpha": 10.0, "prestress": 0.75, "V": 0.1},
-        variable="V",
-        order=lambda case: case["V"],
-        allowed=1.0,
+        variable="V", order=lambda case: case["V"], allowed=1.0,
         how="one on four, the cluster under prestress, over eight local periods; a force that oscillates turns at least 3 times",
         refer=False,
     ),
-)
+)  # fmt: skip

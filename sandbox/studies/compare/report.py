@@ -1,12 +1,9 @@
 """The files of a comparison: a page with player, charts and tables, a film, or the numbers; each whole or not at all."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
@@ -14,10 +11,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
-from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.page.document import footer, note, table
@@ -26,14 +22,12 @@ from softcradle.sandbox.page.shared_page import recorded_page
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
 from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
-    MeasureRow,
     SideResult,
-    collision_rows,
-    contact_rows,
-    contact_titles,
+    collision_table,
+    contact_table,
     end_time,
     results_as_json,
-    velocity_rows,
+    velocity_table,
 )
 from softcradle.sandbox.studies.compare.sides import Comparison, match_as_json, match_sentence
 from softcradle.sandbox.user_error import UserError
@@ -158,24 +152,20 @@ def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Se
     """The whole page as text; `scene` has a lane for each of `results`, `notes` are sentences that stand below the numbers."""
     names = [result.side.name for result in results]
     played = PlayedMotion(scene, tuple(result.trajectory for result in results), tuple(names))
-    axis = TimeAxis(played)
+    axis, measures, speeds = TimeAxis(played), collision_table(results), velocity_table(results)
     parts = [
         result_notes(played),
         "<h2>In numbers</h2>",
-        _measures(["", *names], collision_rows(results) + velocity_rows(results), "The collision"),
+        table(measures.titles, measures.rows + speeds.rows, "The collision", measures.hints + speeds.hints),
         *(note(text) for text in notes),
         "<h2>On top of each other</h2>", overlays(results, axis),
         "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
         "<h2>Contact by contact</h2>",
-        *(_measures(["contact", *(t for t, _ in contact_titles())], contact_rows(r), r.side.name) for r in results),
+        *(table(found.titles, found.rows, name) for found, name in zip(map(contact_table, results), names, strict=True)),
         "<h2>What the numbers mean</h2>", _meanings(),
         footer(),
     ]  # fmt: skip
     return recorded_page(played, parts, title)
-
-
-def _measures(titles: Sequence[str], rows: Sequence[MeasureRow], caption: str) -> str:
-    return table(titles, [(row.title, *row.values) for row in rows], caption, [row.meaning for row in rows])
 
 
 def _meanings() -> str:
@@ -231,11 +221,6 @@ def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmS
             check(path if path.suffix in FILM_SUFFIXES else "film.mp4", settings.pixels(comparison), None)
     if len({os.path.abspath(path) for path in paths}) < len(paths):
         raise UserError("the same file is given twice with -o")
-
-
-def open_outputs(stack: ExitStack, paths: Sequence[Path]) -> list[Path]:
-    """Temporary files that become `paths` when `stack` is left without an error."""
-    return [stack.enter_context(output_file(path)) for path in paths]
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """The results of a comparison: the trajectory of each side, its measures, and their tables for terminal and page."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping, Sequence
@@ -11,15 +9,13 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 from softcradle.physics import Trajectory
-from softcradle.physics.analysis.collision import collide, measured
-from softcradle.physics.analysis.collision_measures import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures, collide, measured
 from softcradle.physics.trajectory_file import versions
-from softcradle.sandbox.console import print_table, table
+from softcradle.sandbox.console import print_rows
 from softcradle.sandbox.draw.number_format import number_text, subscript
 from softcradle.sandbox.studies.compare.sides import Comparison, Side
-from softcradle.sandbox.trajectory_summary import summarise
+from softcradle.sandbox.trajectory_summary import ResultTable, summarise
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.contact_text import contact_text
 
@@ -96,16 +92,13 @@ def _side_as_json(result: SideResult) -> dict[str, Any]:
 SHORTEST_TIME = 1e-6  # of the whole time: shorter times in a state are errors of the switch times, and shown as 0
 
 
-@dataclass(frozen=True)
-class MeasureRow:
-    """A row of a table: its title with the unit, what it means, and its values as texts."""
-
-    title: str
-    meaning: str
-    values: tuple[str, ...]
+def _table(results: Sequence[SideResult], rows: Sequence[tuple[str, str, Sequence[str]]]) -> ResultTable:
+    """A column a side, from rows of title, meaning and values."""
+    titles = ("", *(result.side.name for result in results))
+    return ResultTable(titles, tuple((title, *values) for title, _, values in rows), tuple(hint for _, hint, _ in rows))
 
 
-def collision_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
+def collision_table(results: Sequence[SideResult]) -> ResultTable:
     """A row a measure of the whole collision."""
     rows = []
     for field in fields(CollisionMeasures):
@@ -113,41 +106,34 @@ def collision_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
             continue
         if field.metadata["dissipative"] and not any(result.trajectory.chain.dissipative for result in results):
             continue
-        values = tuple(number_text(getattr(result.measures, field.name)) for result in results)
-        rows.append(MeasureRow(_title(field.metadata), field.metadata["meaning"], values))
-    return rows
+        values = [number_text(getattr(result.measures, field.name)) for result in results]
+        rows.append((_title(field.metadata), field.metadata["meaning"], values))
+    return _table(results, rows)
 
 
-def velocity_rows(results: Sequence[SideResult]) -> list[MeasureRow]:
+def velocity_table(results: Sequence[SideResult]) -> ResultTable:
     """A row a bead: its final velocity; a last one for how well these are known, where a method tells."""
-    most = max(len(result.measures.final_velocity) for result in results)
+    final = [result.measures.final_velocity for result in results]
     rows = []
-    for bead in range(most):
-        final = [result.measures.final_velocity for result in results]
-        values = tuple(number_text(velocity[bead]) if bead < len(velocity) else "" for velocity in final)
-        rows.append(MeasureRow(f"v{subscript(bead)} at the end (m/s)", "", values))
+    for bead in range(max(map(len, final))):
+        values = [number_text(velocity[bead]) if bead < len(velocity) else "" for velocity in final]
+        rows.append((f"v{subscript(bead)} at the end (m/s)", "", values))
     errors = [float(result.trajectory.velocity_error.max()) for result in results]
     if not all(map(math.isnan, errors)):
         meaning = "largest error of these velocities, as the method estimates it along the run"
-        rows.append(MeasureRow("known to (m/s)", meaning, tuple("" if math.isnan(e) else f"{e:.1e}" for e in errors)))
-    return rows
+        rows.append(("known to (m/s)", meaning, ["" if math.isnan(error) else f"{error:.1e}" for error in errors]))
+    return _table(results, rows)
 
 
-def contact_rows(result: SideResult) -> list[MeasureRow]:
+def contact_table(result: SideResult) -> ResultTable:
     """A row a contact of one side."""
     rows, shortest = [], SHORTEST_TIME * float(result.trajectory.time[-1])
     for k, contact in enumerate(result.measures.contacts):
         numbers = {field.name: getattr(contact, field.name) for field in fields(ContactMeasures)}
         numbers |= {name: 0.0 for name in ("open", "touching", "loaded") if numbers[name] < shortest}
-        values = tuple(number_text(value) for value in numbers.values())
         struck = " (struck)" if k == result.measures.struck else ""
-        rows.append(MeasureRow(f"{k}-{k + 1}{struck}", "", values))
-    return rows
-
-
-def contact_titles() -> list[tuple[str, str]]:
-    """Title and meaning of each column of :func:`contact_rows`."""
-    return [(_title(field.metadata), field.metadata["meaning"]) for field in fields(ContactMeasures)]
+        rows.append((f"{k}-{k + 1}{struck}", *map(number_text, numbers.values())))
+    return ResultTable(("contact", *(_title(field.metadata) for field in fields(ContactMeasures))), tuple(rows))
 
 
 def _title(metadata: Mapping[str, Any]) -> str:
@@ -156,28 +142,17 @@ def _title(metadata: Mapping[str, Any]) -> str:
 
 
 def print_tables(output: Console, title: str, results: Sequence[SideResult]) -> None:
-    """The comparison on the terminal."""
+    """The comparison on the terminal; contacts as columns where these are fewer than measures, the narrower of the two."""
     output.print(title, style="bold")
-    made = table("", *(result.side.name.replace("(", "\n(") for result in results), numbers=True)
-    for row in velocity_rows(results) + collision_rows(results):
-        made.add_row(row.title, *row.values)
-    print_table(output, made)
+    speeds, measures = velocity_table(results), collision_table(results)
+    print_rows([name.replace("(", "\n(") for name in speeds.titles], speeds.rows + measures.rows, True, output)
     for result in results:
         output.print(result.side.name, style="bold cyan")
-        print_table(output, _contact_table(result))
+        found = contact_table(result)
+        if len(found.rows) < len(found.titles) - 1:
+            (_, *names), *rows = zip(found.titles, *found.rows, strict=True)
+            print_rows(["contact", *(name.replace(" ", "\n") for name in names)], rows, True, output)
+        else:
+            print_rows([name.replace(" (", "\n(") for name in found.titles], found.rows, True, output)
         for warning in result.trajectory.warnings:
             output.print(f"warning: {warning}", style="yellow")
-
-
-def _contact_table(result: SideResult) -> Table:
-    """A column a contact, or a row where there are many: the narrower of the two."""
-    rows, titles = contact_rows(result), [title for title, _ in contact_titles()]
-    if len(rows) < len(titles):
-        made = table("contact", *(row.title.replace(" ", "\n") for row in rows), numbers=True)
-        for k, title in enumerate(titles):
-            made.add_row(title, *(row.values[k] for row in rows))
-        return made
-    made = table("contact", *(title.replace(" (", "\n(") for title in titles), numbers=True)
-    for row in rows:
-        made.add_row(row.title, *row.values)
-    return made

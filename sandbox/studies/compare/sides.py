@@ -1,15 +1,12 @@
 """The sides of a comparison: lanes of scenes, one scene with several contacts, the nearest contact; refused before any run."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from softcradle.physics.analysis.collision import struck_contact
-from softcradle.physics.analysis.contact_distance import Distance
-from softcradle.physics.analysis.matching import ALPHAS, NEAR, Match, match, only_contact
+from softcradle.physics.analysis.matching import ALPHAS, NEAR, Distance, Match, match, only_contact
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene, SceneError, View

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.physics import Chain, Coupler, draft_gear, ensemble, hooke, one_on, simulate
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.sandbox.quantities import TIME, VELOCITY
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import soft_chain
 from softcradle.sandbox.studies.plot_style import (
@@ -57,7 +58,7 @@ def stops() -> Table:
     for number, train in enumerate((endless, chain, in_halves(chain, STIFF_HALF))):
         halves = len(train.mass) // len(chain.mass)
         starts = [np.repeat(speed * start / start.max(), halves).tolist() for speed in SPEEDS]
-        found = ensemble([train] * len(SPEEDS), starts, DURATION, "conserving", STEP, SAMPLES)
+        found = ensemble([train] * len(SPEEDS), starts, DURATION, KEEPING, STEP, SAMPLES)
         for speed, motion in zip(SPEEDS, found, strict=True):
             first = halves - 1  # the coupling behind the striking wagon
             rows.append((number, speed, motion.force[:, first].max() / KILO, motion.overlap[:, first].max() * KILO))
@@ -93,7 +94,7 @@ def starting() -> Table:
 
     scene = scenes.load(STARTING)
     lane = scene.lanes[0]
-    found = simulate(lane.chain(), lane.velocity, scene.duration, "conserving", samples=1201)
+    found = simulate(lane.chain(), lane.velocity, scene.duration, KEEPING, samples=1201)
     names = ["locomotive", *(f"wagon {k}" for k in range(1, len(lane.velocity)))]
     return {"t": found.time, **dict(zip(names, found.velocity.T[::-1], strict=True))}
 

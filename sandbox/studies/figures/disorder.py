@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from softcradle.physics import Chain, Contact
+from softcradle.physics import Chain
 from softcradle.physics.analysis.measures import loads
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.paper import full_motion, start
+from softcradle.sandbox.studies.paper import full_motion, power_laws, random_beads, spread_by_mass, start
 from softcradle.sandbox.studies.plot_style import BLUE, GREY, ORANGE, PAGE_WIDTH, RED, new_figure, panel_title
 
 if TYPE_CHECKING:
@@ -37,15 +37,14 @@ def chains(kind: float) -> list[Chain]:
     random = np.random.default_rng(SEED)
     found = [_chain(kind, np.ones(TARGETS + 1), np.ones(TARGETS), np.full(TARGETS, 0.5))]
     for _ in range(CHAINS):
-        masses, strengths = (WIDTH ** random.uniform(-1.0, 1.0, count) for count in (TARGETS + 1, TARGETS))
+        masses, strengths = random_beads(random, TARGETS, WIDTH)
         found.append(_chain(kind, masses, strengths, random.uniform(0.0, 1.0, TARGETS)))
     return found
 
 
 def _chain(kind: float, masses: Array, strengths: Array, place: Array) -> Chain:
     low, high = SOFT_EXPONENTS if kind == SOFT else (CRADLE_EXPONENT, CRADLE_EXPONENT)
-    exponents = low + (high - low) * place
-    return Chain(masses, [Contact(0.0, f0, a) for f0, a in zip(strengths, exponents, strict=True)])
+    return Chain(masses, power_laws(strengths, low + (high - low) * place))
 
 
 def outcomes() -> Table:
@@ -63,11 +62,9 @@ def outcomes() -> Table:
 
 
 def spread(table: Table, kind: float, chain: int) -> float:
-    """Root mean square of the targets' velocities about their mean, by mass, as a part of that mean."""
+    """The spread of the targets of a chain, by mass."""
     beads = rows_where(table, kind=kind, chain=chain)
-    mass, velocity = beads["mass"][1:], beads["v"][1:]
-    mean = np.average(velocity, weights=mass)
-    return float(np.sqrt(np.average((velocity - mean) ** 2, weights=mass)) / mean)
+    return spread_by_mass(beads["mass"][1:], beads["v"][1:])
 
 
 def loads_and_spreads(table: Table, kind: float) -> tuple[Array, Array]:

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from softcradle.physics import ensemble
-from softcradle.physics.analysis.cluster_scaling import spread_variable
-from softcradle.physics.analysis.measures import response_times, rigidity
+from softcradle.physics.analysis.measures import response_times, rigidity, spread_variable
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.paper import SAMPLES, soft_chain, start
+from softcradle.sandbox.studies.paper import SAMPLES, psi_limit, soft_chain, start
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,
@@ -46,14 +45,6 @@ def scalings() -> Table:
             found = solve(chain, start(chain), contact_time, samples=SAMPLES)
             rows.append((n, alpha, found.overlap[:, 1].max(), contact_time, response_times(found)[1]))
     return long_table(("n", "alpha", "max psi", "contact time", "response time"), rows)
-
-
-def psi_limit(n: int, alpha: float) -> float:
-    """``n/(2(n+1)) ((n-1)/n)**(1/alpha)``: the limit of max psi; the paper's exp(-1/(n alpha)) has its rate for large n.
-
-    The overlap Phi reaches n/(2(n+1)) against a force of 1, of which f12 is (n-1)/n.
-    """
-    return float(n / (2.0 * (n + 1.0)) * ((n - 1) / n) ** (1.0 / alpha))
 
 
 def stated_duration(n: int, alpha: float) -> float:

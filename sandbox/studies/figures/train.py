@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics import ensemble, simulate
 from softcradle.sandbox.quantities import TIME
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.plot_style import BLUE, GREY, PAGE_WIDTH, new_figure
 
@@ -32,7 +33,7 @@ def history() -> Table:
     table: Table = {}
     for title, name in SCENES.items():
         lane = scenes.load(name).lanes[0]
-        found = simulate(lane.chain(), lane.velocity, DURATION, "conserving", samples=SAMPLES)
+        found = simulate(lane.chain(), lane.velocity, DURATION, KEEPING, samples=SAMPLES)
         table["t"] = found.time
         table |= {f"{title}: force {i + 1}-{i + 2}": force / KILO for i, force in enumerate(found.force.T)}
         table[f"{title}: absorbed by gears"] = found.absorbed_by_contacts / KILO
@@ -59,7 +60,7 @@ def envelopes() -> Table:
         lane = scenes.load(name).lanes[0]
         chain, start = replace(lane.chain(), contact=(coupler,) * lane.chain().contacts), np.array(lane.velocity)
         starts = [(speed * start / start.max()).tolist() for speed in SPEEDS]
-        found = ensemble([chain] * len(SPEEDS), starts, DURATION, "conserving", STEP, PEAK_SAMPLES)
+        found = ensemble([chain] * len(SPEEDS), starts, DURATION, KEEPING, STEP, PEAK_SAMPLES)
         for speed, motion in zip(SPEEDS, found, strict=True):
             forces, travels = motion.force.max(axis=0) / KILO, motion.overlap.max(axis=0) * KILO
             rows += [(number, speed, i + 1, *both) for i, both in enumerate(zip(forces, travels, strict=True))]

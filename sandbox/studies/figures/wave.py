@@ -12,17 +12,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.physics import Chain, Contact, State, advance, hertz, hooke, one_on, power_law
+from softcradle.physics import Contact, State, advance, hertz, hooke, one_on, power_law
 from softcradle.physics.analysis.ringing import returns
+from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.data_table import Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import (
     ALPHA,
+    SPRING_PRESTRESS,
     N,
     driven_amplitude,
     driven_chain,
     driven_period,
     full_motion,
     model_motion,
+    pressed_cluster,
     start,
 )
 from softcradle.sandbox.studies.plot_style import (
@@ -46,9 +49,7 @@ from softcradle.sandbox.studies.plot_style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STRIKER_CONTACT = power_law(1.0, 1.0 / 30.0)
 SPRING = hooke(400.0)
-SPRING_PRESTRESS = 20.0  # force; the springs stay compressed all along
 SOFT = power_law(1.0, ALPHA)
 SOFT_PRESTRESS = 0.75  # force; the soft contacts stay closed all along
 STEP = 1e-4  # units of time
@@ -93,25 +94,15 @@ def roads() -> Table:
 
 def _motion(cluster: StruckCluster) -> Table:
     """t, velocities over the striker's, and the inner forces less the prestress, from rest under the prestress."""
-    chain, speed = _chain(cluster.inner, cluster.prestress), cluster.speed
+    chain, speed = pressed_cluster(N, cluster.inner, cluster.prestress), cluster.speed
     state = State.at_start(chain, speed * np.array(start(chain)))
     rows = []
     for _ in range(SAMPLES):
         force = [float(law.force(d)) for law, d in zip(chain.contact, state.overlap.tolist(), strict=True)]
         rows.append((state.time, *(state.velocity(chain) / speed), *(np.array(force[1:]) - cluster.prestress)))
-        advance(chain, state, cluster.until / SAMPLES, "conserving", STEP)
+        advance(chain, state, cluster.until / SAMPLES, KEEPING, STEP)
     names = ("t", *(f"v{i}" for i in range(N + 1)), *(f"f{i}{i + 1}" for i in range(1, N)))
     return dict(zip(names, np.array(rows).T, strict=True))
-
-
-def _chain(inner: Contact, prestress: float) -> Chain:
-    """A striker and N targets at rest whose ends are pressed together by the force `prestress`."""
-    contacts = (STRIKER_CONTACT, *(inner,) * (N - 1))
-    if not prestress:
-        return one_on(N, contacts)
-    drive = [0.0, prestress, *[0.0] * (N - 2), -prestress]
-    gap = [0.0, *[-float(inner.overlap(prestress))] * (N - 1)]
-    return Chain([1.0] * (N + 1), contacts, gap, drive)
 
 
 def pulse() -> Table:

@@ -1,7 +1,5 @@
 """Measurement: error and time of each solver from coarse to fine, until it is exact enough or its time is used up."""
 
-from __future__ import annotations
-
 import math
 import os
 import platform

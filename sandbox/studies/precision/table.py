@@ -1,7 +1,5 @@
 """The measurements as rows: the least time to each error level for people, every point for files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The scans: one on n beads over exponent, number and preload, by every step or tolerance; how each run fails, and in sum."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence

@@ -4,8 +4,6 @@ Measured with pymunk 7.3: the energy depends on the step, and is lost rather tha
 strike by one ball makes the last ball alone leave, which is the limit of no soft contacts that touch.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

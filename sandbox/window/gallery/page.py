@@ -1,19 +1,20 @@
-"""The page of the gallery: a card for each scene in sections, with its thumbnail, title and text, and a search."""
+"""The page of the gallery: sections of scenes, a card for each with thumbnail, title and text, and a search."""
 
 from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import NamedTuple
 
 import pygame
 import pygame_gui
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, scene_words
+from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.sections import FOUND, Section, found, sections_of
 from softcradle.sandbox.window.hanging.page import (
     HANGING_NAME,
     HANGING_SOURCE,
@@ -25,6 +26,57 @@ from softcradle.sandbox.window.page import Host, Page
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.widgets import TextEntry
 from softcradle.scenes import SceneError, load, names
+
+
+class Section(NamedTuple):
+    """A title and the names of scenes below it."""
+
+    title: str
+    names: tuple[str, ...]
+
+
+SECTIONS = (
+    Section(N_("Start here"), ("hertz-cradle", "one-on-four", "steel-and-soft", "train-shunting")),
+    Section(
+        N_("The paper"),
+        (
+            *("one-on-four-softer", "one-on-ten", "two-on-two", "three-on-five", "galilean", "mixed"),
+            *("hooke-interface", "weak-contact", "prestressed", "driven-cluster", "stiff-springs"),
+            *("experiment-one-on-three", "experiment-two-on-two"),
+        ),
+    ),
+    Section(
+        N_("Draft gears"), ("draft-gear-one-on-three", "locked-pistons", "beads-against-gear", "draft-gear-two-on-two")
+    ),
+    Section(N_("Cradles"), (HANGING_NAME, "hooke-cradle")),
+    Section(N_("Trains"), ("train-solid", "train-cut", "train-starting", "train-braking")),
+)
+REST = N_("More")  # title above scenes that no section names
+MINE = N_("My scenes")  # title above files that were opened or saved last
+FOUND = N_("Found")  # title above what a search has found
+
+
+def sections_of(names: Sequence[str], mine: Sequence[str] = ()) -> list[Section]:
+    """The sections of those scenes, files of one's `mine` after the first; scenes of none come last."""
+    listed = {name for section in SECTIONS for name in section.names} | set(mine)
+    rest = Section(REST, tuple(name for name in names if name not in listed))
+    order = (SECTIONS[0], Section(MINE, tuple(mine)), *SECTIONS[1:], rest)
+    chosen = [Section(title, tuple(name for name in own if name in names)) for title, own in order]
+    return [section for section in chosen if section.names]
+
+
+def found(captions: Mapping[str, Sequence[str]], search: str) -> list[str]:
+    """Names of the scenes whose captions, the title first, contain every word of the search; those in whose title they all
+    are come first, then those with words that begin so."""
+    words = search.lower().split()
+
+    def rank(name: str) -> tuple[bool, bool]:
+        title, text = captions[name][0].lower(), " ".join(captions[name]).lower()
+        return not all(word in title for word in words), not all(f" {word}" in f" {text}" for word in words)
+
+    texts = {name: f"{name} {' '.join(caption)}".lower() for name, caption in captions.items()}
+    return sorted((name for name, text in texts.items() if all(word in text for word in words)), key=rank)
+
 
 MARGIN = 34.0  # design pixels on the left and right
 HEADER = 90.0  # design pixels
@@ -150,17 +202,25 @@ HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
 PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
 
 
+def _beginning(text: str, ends: str, size: float, room: float, most: int) -> list[str]:
+    """The lines of `text` up to the last of its parts, which `ends` end, that `most` lines hold; of the first one at least."""
+    parts = re.findall(rf".+?(?:[{ends}](?= )|$)", text) or [""]
+    wholes = ("".join(parts[: k + 1]).strip(" ;:,") for k in range(len(parts) - 1, -1, -1))
+    lines = next((found for whole in wholes if len(found := wrapped(whole, size, room)) <= most), [])
+    if lines:
+        return lines
+    lines = wrapped(parts[0], size, room)[:most]
+    return [*lines[:-1], shortened(f"{lines[-1]} …", size, room)]
+
+
 def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], picture: pygame.Rect, unit: float) -> None:
-    """Title, the first two lines of the text, and source, below the `picture`."""
+    """Title, as many sentences of the text as two lines hold, and source, below the `picture`."""
     (title, text, source), room = caption, picture.width - 20 * unit
     x, y = picture.left + 10 * unit, picture.bottom + 7 * unit
     write(surface, shortened(title, 16 * unit, room, bold=True), (x, y), 16 * unit, tones.foreground, bold=True)
-    lines = wrapped(text, 13 * unit, room)
-    for row, line in enumerate(lines[:2]):
-        more = row == 1 and len(lines) > 2
-        shown = shortened(f"{line} …" if more else line, 13 * unit, room)
-        write(surface, shown, (x, y + (21 + 16 * row) * unit), 13 * unit, tones.muted)
-    write(surface, shortened(source, 13 * unit, room), (x, y + 54 * unit), 13 * unit, tones.muted)
+    lines = _beginning(text, ".?!", 13 * unit, room, 2) + _beginning(source, ";:,", 13 * unit, room, 1)
+    for row, line in enumerate(lines):
+        write(surface, line, (x, y + (21 + 17 * row) * unit), 13 * unit, tones.muted)
 
 
 def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pressed: bool) -> None:

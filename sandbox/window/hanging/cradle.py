@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -40,6 +41,10 @@ LOST = N_("{percent:.2g} % of the energy was lost; strings lose it too: take mor
 Vector = tuple[float, float]
 
 
+def _pair(vector: Sequence[float]) -> Vector:
+    return float(vector[0]), float(vector[1])
+
+
 def anchors() -> list[float]:
     """Where the strings are fixed [m], such that the balls just touch."""
     return [2.0 * RADIUS * k for k in range(BALLS)]
@@ -63,7 +68,7 @@ class EnergyVerdict(NamedTuple):
 
 @dataclass
 class Cradle:
-    """Balls in a Space of their own; `chain` is None where no SoftChain acts.
+    """Balls in a Space of their own.
 
     Attributes:
         first, greatest: energy [J] when the pointer last did work on it, and the greatest since.
@@ -71,17 +76,30 @@ class Cradle:
     """
 
     space: pymunk.Space
-    balls: tuple[pymunk.Body, ...]
-    chain: SoftChain | None = None
     tangled: int | None = None
 
     def __post_init__(self) -> None:
         self.first = self.greatest = self.energy()
 
+    @property
+    def balls(self) -> list[pymunk.Body]:
+        """From left to right."""
+        return list(self.space.bodies)
+
+    @property
+    def chain(self) -> SoftChain | None:
+        """The soft contacts; None where pymunk's own act."""
+        return next(iter(SoftChain.of(self.space)), None)
+
+    def copy(self) -> Cradle:
+        """The same in a Space of its own."""
+        made = copy(self)
+        made.space = self.space.copy()
+        return made
+
     def places(self) -> list[Vector]:
         """Centres of the balls [m], y upwards from the anchors."""
-        vectors = [ball.position for ball in self.balls] if self.chain is None else self.chain.positions
-        return [(float(place[0]), float(place[1])) for place in vectors]
+        return list(map(_pair, [ball.position for ball in self.balls] if self.chain is None else self.chain.positions))
 
     def energy(self) -> float:
         """Kinetic, potential and stored energy [J]; 0 for balls that hang at rest."""
@@ -127,11 +145,9 @@ def make_cradle(law: Contact | None, places: Sequence[Vector]) -> Cradle:
             circle = pymunk.Circle(ball, RADIUS)
             circle.elasticity = 1.0
             space.add(circle)
-    if law is None:
-        return Cradle(space, balls)
-    chain = SoftChain(balls, law, 2.0 * RADIUS)
-    space.add(*chain)
-    return Cradle(space, balls, chain)
+    if law is not None:
+        space.add(*SoftChain(balls, law, 2.0 * RADIUS))
+    return Cradle(space)
 
 
 class HangingModel:
@@ -152,10 +168,16 @@ class HangingModel:
     def restart(self) -> None:
         """Lift the balls again."""
         places = start_places(self.lifted)
-        self.cradles = make_cradle(LAWS[self.law], places), make_cradle(None, places)
+        self.cradles: tuple[Cradle, ...] = (make_cradle(LAWS[self.law], places), make_cradle(None, places))
         self.time = self._due = 0.0
         self._fresh = False  # whether the pointer has done work since the last frame
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
+
+    def copy(self) -> HangingModel:
+        """The same motion, which goes on by itself to the last digit; no pointer holds it."""
+        made = copy(self)
+        made.cradles, made._pointer = tuple(cradle.copy() for cradle in self.cradles), None
+        return made
 
     def advance(self, seconds: float) -> None:
         """Move both by `seconds` of model time, in whole frames; the rest is due next time."""

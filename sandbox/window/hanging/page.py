@@ -9,9 +9,9 @@ from functools import partial
 import pygame
 import pygame_gui
 from pygame_gui.elements import UIDropDownMenu
-from softcradle.sandbox.draw.bead_sprites import bead_sprite
+from softcradle.sandbox.draw.bead_sprites import bead_sprite, number_sprite
 from softcradle.sandbox.draw.number_format import fixed
-from softcradle.sandbox.draw.palette import bead_colours, tones
+from softcradle.sandbox.draw.palette import bead_colours, text_on, tones
 from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import N_, _, pgettext
@@ -44,7 +44,8 @@ HANGING_TEXT = N_(
     "are solved. Drag a ball and release it."
 )
 NAMES = (N_("soft contacts"), N_("pymunk's rigid collisions"))
-WIDTH, HEIGHT = 2.6, 1.35  # m of a picture
+WIDTH, HEIGHT = 2.3, 1.3  # m of a picture
+MOST_STEPS = 100  # that are undone
 HEAD, FOOT = 29.0, 58.0  # design pixels of the name above a cradle, and of what is said below it
 MENU_ROW = 34.0  # design pixels of a menu in the panel
 MENU = 166.0  # design pixels, the width of a menu
@@ -65,6 +66,7 @@ class HangingPage(Page):
         self.host, self.leave, self.model = host, leave, HangingModel()
         self.playing = False
         self.time_controls = TimeControls(host, lambda: N_("playing") if self.playing else N_("paused"))
+        self.done: list[HangingModel] = []  # what undo goes back to, the last one last
         self.held: tuple[int, int] | None = None  # cradle and ball
         self.pointer = (0, 0)
         self.film = WindowFilm(host)
@@ -73,7 +75,8 @@ class HangingPage(Page):
         self.menus: dict[str, UIDropDownMenu] = {}
         self.actions: Actions = {
             "play_pause": self.play_pause,
-            "restart": self.model.restart,
+            "restart": self.restart,
+            "undo": self.undo,
             "forward": self.step,
             "slower": partial(self.time_controls.step_slow, 1),
             "faster": partial(self.time_controls.step_slow, -1),
@@ -89,6 +92,24 @@ class HangingPage(Page):
         """Whether it plays, holds a ball or is filmed."""
         return self.playing or self.held is not None or self.film.film is not None
 
+    def _remember(self) -> None:
+        """Let undo go back to the present state."""
+        self.done = [*self.done, self.model.copy()][-MOST_STEPS:]
+
+    def restart(self) -> None:
+        """Begin anew."""
+        self._remember()
+        self.model.restart()
+
+    def undo(self) -> None:
+        """Go back to before the last throw, choice or restart."""
+        if not self.done:
+            self.host.messages.show(_("nothing to undo"))
+            return
+        self.held, self.playing = None, False
+        self.model = self.done.pop()
+        self.host.rebuild()  # menus do not change by themselves
+
     def play_pause(self) -> None:
         """Play or pause."""
         self.playing = not self.playing
@@ -97,6 +118,10 @@ class HangingPage(Page):
         """Pause, and go on by a frame."""
         self.playing = False
         self.model.advance(FRAME)
+
+    def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
+        """Beside the clock, or on the time line."""
+        return self.time_controls.beside(self.places.footer)
 
     def build(self) -> None:
         """Make the widgets, in the places of a scene's page."""
@@ -117,12 +142,13 @@ class HangingPage(Page):
         self.text = pygame.Rect(panel.left, top, panel.width, max(0, panel.bottom - top))
         gap = round(MARGIN * unit)
         half = (places.panel.left - 3 * gap) // 2
-        high = min(places.footer.top - places.toolbar.bottom - gap, round((HEAD + FOOT) * unit + half * HEIGHT / WIDTH))
+        high = places.footer.top - places.toolbar.bottom - gap
         self.lanes = [
             pygame.Rect(gap + k * (half + gap), places.toolbar.bottom + gap // 2, half, high) for k in range(2)
         ]
-        head, foot = round(HEAD * unit), round(FOOT * unit)
-        self.pictures = [pygame.Rect(lane.left, lane.top + head, half, high - head - foot) for lane in self.lanes]
+        room, high = high - round((HEAD + FOOT) * unit), round(half * HEIGHT / WIDTH)
+        top = places.toolbar.bottom + gap // 2 + round(HEAD * unit) + max(0, room - high) // 2
+        self.pictures = [pygame.Rect(lane.left, top, half, min(room, high)) for lane in self.lanes]
 
     def handle(self, event: pygame.Event) -> bool:
         """The slider, the menus, and dragging of balls."""
@@ -132,6 +158,8 @@ class HangingPage(Page):
             return self._choose(event)
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             self.held, self.pointer = self._ball_at(event.pos), event.pos
+            if self.held is not None:
+                self._remember()
             return self.held is not None
         if event.type == pygame.MOUSEMOTION and self.held is not None:
             self.pointer, self.playing = event.pos, True
@@ -147,6 +175,7 @@ class HangingPage(Page):
         for field, _name, choices in MENUS:
             if event.ui_element is self.menus[field]:
                 chosen = next(choice for choice in choices if pgettext("button", choice) == event.text)
+                self._remember()
                 setattr(self.model, field, type(getattr(self.model, field))(chosen))
                 self.model.restart()
                 return True
@@ -244,13 +273,16 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[Ve
     beam = pygame.Rect(0, 0, round(ends[-1][0] - ends[0][0] + 2 * size), max(4, round(0.1 * size)))
     beam.midbottom = (round((ends[0][0] + ends[-1][0]) / 2), round(ends[0][1]))
     surface.fill(tones.muted, beam)
-    for end, place, colour in zip(ends, places, bead_colours(BALLS), strict=True):
+    for k, (end, place, colour) in enumerate(zip(ends, places, bead_colours(BALLS), strict=True)):
         centre = to_screen(rect, place)
         share = 1.0 - 0.5 * size / max(math.dist(end, centre), size)  # of the string, outside the ball
         tip = end[0] + share * (centre[0] - end[0]), end[1] + share * (centre[1] - end[1])
         pygame.draw.aaline(surface, tones.muted, end, tip, 2)
-        side = math.ceil(size)
+        side, letters = math.ceil(size), 0.38 * size
         blit_sprite(surface, bead_sprite(size, colour, 0.0), centre[0] - 0.5 * side, centre[1] - 0.5 * side)
+        number = number_sprite(str(k), letters, text_on(colour))
+        half = 0.5 * math.ceil(3.0 * letters)
+        blit_sprite(surface, number, centre[0] - half, centre[1] - half)
 
 
 def hanging_thumbnail(size: tuple[int, int]) -> pygame.Surface:

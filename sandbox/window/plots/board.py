@@ -15,8 +15,8 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import label_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.plots.curves import SECONDS, Plot, TimeSpan
-from softcradle.sandbox.window.plots.data_overlay import Overlaid
+from softcradle.sandbox.window.plots.curves import LATEST, SECONDS, Plot, TimeSpan
+from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay
 from softcradle.sandbox.window.plots.kinds import PAIR, PLOT_KINDS, PlotSetting
 
 MOST_CURVES = 10
@@ -75,6 +75,7 @@ class PlotBoard:
         single: name of the only kind that is shown, at the first level; else empty.
         hidden: whether all plots are hidden for now.
         logarithmic: whether overlaps have a logarithmic axis.
+        whole: whether the time axis spans all that was played, where that is longer than usual.
         pair: the signals that a person has chosen for a plot.
         plots: those on the page.
         keys: kind and lane of each of them.
@@ -85,11 +86,11 @@ class PlotBoard:
     def __init__(self, session: Session, clock: Callable[[], float], chosen: Sequence[str] | None = None) -> None:
         self.session, self.clock = session, clock
         self.chosen = [name for name, kind in PLOT_KINDS.items() if (kind.shown if chosen is None else name in chosen)]
-        self.hidden, self.logarithmic, self.single = False, True, ""
+        self.hidden, self.logarithmic, self.whole, self.single = False, True, False, ""
         self.pair = PAIR
         self.plots: list[Plot] = []
         self.keys: list[Key] = []
-        self.overlays: dict[Key, list[Overlaid]] = {}
+        self.overlays: dict[Key, list[NumbersOverlay | PictureOverlay]] = {}
         self.span = TimeSpan(SECONDS / session.slow, 100)
         self._seen: tuple[object, int] = (None, -1)
 
@@ -170,9 +171,13 @@ class PlotBoard:
     def _set_span(self, width: int) -> None:
         before = self.span.seconds, self.span.width
         share = self.span.x(self.session.time) / self.span.width
-        self.span.seconds, self.span.width = SECONDS / self.session.slow, width
-        if before != (self.span.seconds, self.span.width):
-            self.span.left = max(0, round(self.session.time / self.span.column - share * width))
+        history, seconds = self.session.history, SECONDS / self.session.slow
+        if self.whole:
+            seconds = max(seconds, (history.last_time - history.first_time) / LATEST)
+        self.span.seconds, self.span.width = seconds, width
+        if self.whole or before != (seconds, width):
+            left = history.first_time if self.whole else self.session.time - share * seconds
+            self.span.left = max(0, round(left / self.span.column))
             self._invalidate()
 
     @property

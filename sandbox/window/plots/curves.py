@@ -10,12 +10,11 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.curve_panels import VerticalAxis, ticks_apart
-from softcradle.sandbox.draw.number_format import ticks, time_unit
+from softcradle.sandbox.draw.number_format import spread, ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, width, write
-from softcradle.sandbox.label_places import spread
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import pygame
@@ -21,13 +20,6 @@ TABLES = (".csv", ".tsv", ".txt")
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")
 RING = 3.6  # design pixels, the radius of a ring
 PICTURE_OPACITY = 150  # of 255
-
-
-class Overlaid(Protocol):
-    """What lies over a plot."""
-
-    def paint(self, surface: pygame.Surface, plot: Plot) -> None:
-        """Draw it inside the axes of the plot."""
 
 
 @dataclass(frozen=True, eq=False)

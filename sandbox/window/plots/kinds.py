@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 import pygame
@@ -87,6 +88,7 @@ def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
 
 BEAD_HEIGHT = 0.8  # of a bead's length, in a kymograph
 PAIR = Signal("f"), Signal("d")  # until a person has chosen: the loop of the first contact
+_velocity, _force, _overlap = map(attrgetter, ("velocity", "force", "overlap"))  # (T, k) of a Motion
 MOST_ROW_LABELS = 5  # of a space-time strip
 
 
@@ -216,18 +218,6 @@ def _chosen(setting: PlotSetting) -> PlotContent:
     place = vertical.index + (vertical.quantity.owner == CONTACT)  # curves have the colour of their bead or contact
     colour = tones.accent if vertical.quantity.owner == CHAIN else setting.colours[min(place, len(setting.colours) - 1)]
     return PlotContent(title, linear_axis("", 0.0, 1.0), names, (colour, colour), both)
-
-
-def _velocity(motion: Motion) -> Array:
-    return motion.velocity
-
-
-def _force(motion: Motion) -> Array:
-    return motion.force
-
-
-def _overlap(motion: Motion) -> Array:
-    return motion.overlap
 
 
 def _energy_layers(motion: Motion) -> Array:

@@ -12,8 +12,7 @@ from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
-from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
-from softcradle.sandbox.window.scene.timeline import Timeline
+from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline
 from softcradle.sandbox.window.scene.view import SceneView
 
 APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends

@@ -20,6 +20,7 @@ from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetCon
 from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.kinds import FORCES
 from softcradle.sandbox.window.scene.editor import SceneEditor
@@ -88,6 +89,9 @@ class ExplorePanel(Inspector):
             text = _("Compare with steel balls") if soft else _("Compare with soft beads")
             compare = (text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below"))
             self._row(y, [compare], height=44.0)
+            y += 68 * unit
+        elif len(self.session.lanes) > 1:
+            self._row(y, [(_("Back to one row"), partial(self.host.act, "alone"), hint("alone"))], height=44.0)
             y += 68 * unit
         self._about = pygame.Rect(rect.left, round(y), rect.width, max(0, round(rect.bottom - y)))
 
@@ -165,8 +169,9 @@ def _unused(value: float) -> Input:
     raise NotImplementedError
 
 
-SIZE = 16.0  # design pixels of the text
-MOST_LINES = 3
+SIZE, SMALL = 16.0, 13.0  # design pixels of the text, and where two lanes would become too low beside it
+LOW = 560.0  # design pixels of a window in which they would
+MOST_LINES = 4
 MOST_FORCES = 6  # that are named one by one
 WHY = N_(
     "At the greatest force the contacts push with {forces} N. The marks say what each would carry if the row were one rigid "
@@ -217,14 +222,23 @@ class OutcomeCard:
 
     def hide(self) -> None:
         """Take it away."""
-        self.text = ""
-        self.host.rebuild()
+        if self.text:
+            self.text = ""
+            self.host.rebuild()
 
     def height(self, room: int) -> int:
         """Pixels of the card where it is so wide; 0 where it is not shown."""
-        unit = self.host.unit
-        rows = min(len(wrapped(self.text, SIZE * unit, room - 28 * unit)), MOST_LINES)
-        return round((1.4 * SIZE * rows + 60.0) * unit) if self.text else 0
+        rows = min(len(self._lines(room)), MOST_LINES)
+        return round((1.4 * self._size * rows + 54.0) * self.host.unit) if self.text else 0
+
+    @property
+    def _size(self) -> float:
+        return SMALL if len(self.session.lanes) > 1 and self.host.size[1] < LOW * self.host.unit else SIZE
+
+    def _lines(self, room: int) -> list[str]:
+        """The lines of the text in a card so wide; each lane begins one."""
+        size = self._size * self.host.unit
+        return [line for part in self.text.split("\n") for line in wrapped(part, size, room - 28 * self.host.unit)]
 
     def build(self, room: pygame.Rect) -> None:
         """Take a place at the top of `room`, which lies below the beads."""
@@ -254,6 +268,6 @@ class OutcomeCard:
         surface.fill(
             tones.foreground, (rect.left, rect.top + round(8 * unit), round(3 * unit), rect.height - round(16 * unit))
         )
-        place = rect.inflate(-round(28 * unit), 0)
-        place.top, place.height = rect.top + round(6 * unit), rect.height - round(46 * unit)
-        write_wrapped(surface, self.text, place, SIZE * unit, tones.foreground)
+        for k, line in enumerate(self._lines(rect.width)[:MOST_LINES]):
+            place = (rect.left + 14 * unit, rect.top + (6 + 1.4 * self._size * k) * unit)
+            write(surface, line, place, self._size * unit, tones.foreground)

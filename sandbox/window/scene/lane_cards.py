@@ -20,7 +20,7 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import AUTO
-from softcradle.sandbox.window.widgets import write_wrapped
+from softcradle.sandbox.window.widgets import fits, paint_whole, write_wrapped
 
 HEIGHT = 246.0  # design pixels of the only card
 HEIGHT_COMPACT = 84.0  # design pixels of a card without numbers, as each of two is
@@ -52,6 +52,7 @@ class LaneCards:
         self.checks = [VelocityCheck(session, lane) for lane in range(len(session.lanes))]
         self.tight = self.crowded_out = self.compact = False
         self._named: list[str] = []  # the methods that menus began with
+        self._cut: list[tuple[pygame.Rect, str]] = []  # places of texts for which there is no room, and all of them
         self._seconds = math.inf  # since the health was last read
 
     def build(self, rect: pygame.Rect, selected: bool) -> pygame.Rect:
@@ -119,14 +120,16 @@ class LaneCards:
         self._check_velocities()
         self.health = [self.session.health(lane, check.error()) for lane, check in enumerate(self.checks)]
         for lane, button in enumerate(self.verdicts):
-            text = self._verdict_text(lane)
+            whole = self._verdict_text(lane)
+            text = shortened(whole, 13 * self.host.unit, self.rects[lane].width - 24 * self.host.unit)
             if button.text != text:
                 button.set_text(text)
+                button.tool_tip_text = _("of the whole run") if text == whole else whole
 
     def _check_velocities(self) -> None:
         """Let an accurate run follow each lane, on the thread behind the window."""
-        for check, lane in zip(self.checks, self.session.lanes, strict=True):
-            if self.host.warmup.is_warm(METHOD, lane.chain.dissipative):
+        for check in self.checks:
+            if self.host.warmup.is_warm(METHOD):
                 job = check.job()
                 if job is not None:
                     self.host.warmup.submit(partial(check.take, check.base), job)
@@ -137,15 +140,11 @@ class LaneCards:
             return _("whole run: no fault")
         size, name = time_unit(max(self.session.span[1], 1e-9))
         first, last = (fixed(time / size, 2) for time in (worst.begin, worst.end))
-        room = self.rects[lane].width - 24 * self.host.unit
-        return shortened(
-            _("{cause}, {first} to {last} {unit}", cause=worst.cause, first=first, last=last, unit=name),
-            13 * self.host.unit,
-            room,
-        )
+        return _("{cause}, {first} to {last} {unit}", cause=worst.cause, first=first, last=last, unit=name)
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the badges."""
+        self._cut.clear()
         for number, (rect, state) in enumerate(zip(self.rects, self.health, strict=False)):
             self._card(surface, rect, state, number)
 
@@ -183,6 +182,8 @@ class LaneCards:
         y += 43 * unit
         summary = shortened(_(SUMMARIES[method]), 13 * unit, rect.width)
         write(surface, summary, (x, y), 13 * unit, tones.muted)
+        if summary != _(SUMMARIES[method]):
+            self._cut.append((pygame.Rect(x, round(y), rect.width, round(18 * unit)), _(SUMMARIES[method])))
         return y + 20 * unit
 
     def _numbers(self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str]], y: float) -> float:
@@ -202,6 +203,16 @@ class LaneCards:
         place = pygame.Rect(round(x + 16 * unit), round(y + 2 * unit), rect.width - round(16 * unit), 0)
         place.height = max(round(19 * unit), round(rect.bottom - 30 * unit - y))
         write_wrapped(surface, state.sentence, place, 13 * unit, tint)
+        if not fits(state.sentence, place, 13 * unit):
+            self._cut.append((place, state.sentence))
+
+    def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
+        """Draw all of a text for which there is no room, while the pointer is on it."""
+        unit = self.host.unit
+        for place, text in self._cut:
+            if place.collidepoint(point):
+                corner = place.left - round(20 * unit), place.bottom
+                paint_whole(surface, text, corner, round(1.4 * place.width), unit)
 
 
 def _worst(found: list[Finding]) -> Finding | None:

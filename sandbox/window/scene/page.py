@@ -12,6 +12,7 @@ from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.dialog import EntryDialog
 from softcradle.sandbox.window.lessons.runner import LessonRunner
 from softcradle.sandbox.window.page import Actions, Host, Page
 from softcradle.sandbox.window.plots.board import PlotBoard
@@ -23,8 +24,7 @@ from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm, session_savings
 from softcradle.sandbox.window.scene.sound import SceneSound
-from softcradle.sandbox.window.scene.time_controls import SceneTimeControls
-from softcradle.sandbox.window.scene.timeline import Timeline
+from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.scene.tools import SceneTools, ViewKeys
 from softcradle.sandbox.window.scene.view import SceneView
@@ -43,9 +43,22 @@ def joined(*tables: Actions) -> Actions:
 
 
 class ScenePage(Page):
-    """One session on screen. `leave` goes back to the gallery; `replay` runs the session where it is a recorded one."""
+    """One session on screen.
 
-    def __init__(self, host: Host, session: Session, leave: Callable[[], None], replay: Replay | None = None) -> None:
+    Arguments:
+        leave: goes back to the gallery.
+        replay: runs the session where it is a recorded one.
+        alone: the scene of whose row this one is made, to be compared.
+    """
+
+    def __init__(
+        self,
+        host: Host,
+        session: Session,
+        leave: Callable[[], None],
+        replay: Replay | None = None,
+        alone: Scene | None = None,
+    ) -> None:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
         self._setup, self._scene = session.setup, session.scene
         self.editor = SceneEditor(host, session)
@@ -54,10 +67,9 @@ class ScenePage(Page):
         self.inspector = Inspector(host, session, self.editor)
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
         self.panels = (self.inspector, self.explore)
-        self.view = SceneView(host, session, self.editor, self.board, self.panels)
-        self.timeline = Timeline(session)
         self.outcome = OutcomeCard(host, session, partial(host.act, "compare_balls"))
-        self.view.card_height = lambda: self.outcome.height(self.view.places.lanes[0].width)
+        self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome)
+        self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         self.time_controls = SceneTimeControls(host, session, self.board, self.clock.activity)
         self.clock.controls = self.time_controls
@@ -67,7 +79,7 @@ class ScenePage(Page):
         savings = session_savings(host.messages, session)
         self.dialogs = SaveDialogs(host, self.film, savings)
         self.sound = SceneSound(host, session)
-        self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene)
+        self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene, alone)
         self.unsaved_scene = UnsavedScene(session)
         self.lessons = LessonRunner(host, session, self.clock, self.view.redraw)
         for panel in self.panels:
@@ -85,12 +97,12 @@ class ScenePage(Page):
         parts = (self.tools, self.inspector, self.clock, view_keys, self.editor, self.dialogs)
         self.actions: Actions = joined(own, *(part.actions for part in parts))
 
-    def show_scene(self, scene: Scene) -> None:
+    def show_scene(self, scene: Scene, alone: Scene | None = None) -> None:
         """Show a scene that was made of this one in its place; edits of this one stay unsaved there."""
         session = Session(scene, clock=self.host.clock)
         if self.unsaved:
             session.undo_stack.lose_what_was_saved()
-        self.host.show(ScenePage(self.host, session, self.leave))
+        self.host.show(ScenePage(self.host, session, self.leave, alone=alone))
 
     def ask_words(self) -> None:
         """Ask for the words of the scene."""
@@ -111,7 +123,7 @@ class ScenePage(Page):
         note = _(
             "They are in the scene file, in the film and on the page; a question is asked before the text is shown."
         )
-        self.host.ask_lines(_("Words of the scene"), note, fields | labels, take)
+        self.host.put_over(EntryDialog(self.host, _("Words of the scene"), note, fields | labels, take, long=_("text")))
 
     @property
     def title(self) -> str:  # type: ignore[override]
@@ -155,6 +167,10 @@ class ScenePage(Page):
             self.editor.selection = None
         else:
             self.leave()
+
+    def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
+        """Beside the clock, or on the time line."""
+        return self.time_controls.beside(self.view.places.footer)
 
     def build(self) -> None:
         """Make all widgets for the host's size and unit."""
@@ -274,6 +290,7 @@ class ScenePage(Page):
         for panel in self.panels if self.view.panel_shown else ():
             if panel.rect.width:
                 panel.paint_over(surface, point)
+        self.cards.paint_over(surface, point)
         if not self.tools.covers_plots:
             self.board.paint_reading(surface, point)
         self.tools.paint_over(surface)

@@ -40,10 +40,6 @@ class Clicks:
         sound.set_volume(min(1.0, LEAST_VOLUME + (1.0 - LEAST_VOLUME) * loudness))
         sound.play()
 
-    def close(self) -> None:
-        """Close the mixer."""
-        pygame.mixer.quit()
-
 
 class ForceTones:
     """A tone for each of the first contacts, on the reserved channels of the open mixer.
@@ -65,11 +61,6 @@ class ForceTones:
             share = min(max(shares[k], 0.0), 1.0) if k < len(shares) else 0.0
             self.volumes[k] = TONE_VOLUME * share**TONE_CURVE
             channel.set_volume(self.volumes[k])
-
-    def close(self) -> None:
-        """Be silent."""
-        for channel in self._channels:
-            channel.stop()
 
 
 def click(pitch: float) -> bytes:
@@ -131,9 +122,6 @@ class SceneSound:
 
     def close(self) -> None:
         """Close the mixer."""
-        if self.tones is not None:
-            self.tones.close()
-            self.tones = None
         if self.clicks is not None:
-            self.clicks.close()
-            self.clicks = None
+            pygame.mixer.quit()
+            self.clicks = self.tones = None

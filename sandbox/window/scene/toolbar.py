@@ -17,7 +17,7 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.save_dialogs import WindowFilm
 
-# Text of each button on the right, by action or menu; those of the first level; the actions of each menu.
+# Text of each button on the right, by action or menu; which are there at the first level; the actions of each menu.
 BUTTONS = {
     "film": "",
     "undo": N_("Undo"),
@@ -28,14 +28,7 @@ BUTTONS = {
     "level": N_("Explore"),
     "help": N_("Help"),
 }
-FEW = {
-    "film": "",
-    "undo": N_("Undo"),
-    "share": N_("Share"),
-    "tools": N_("More"),
-    "level": N_("Lab"),
-    "help": N_("Help"),
-}
+FEW = ("film", "undo", "share", "tools", "level", "help")
 MENUS: dict[str, tuple[str, ...]] = {
     "share": (
         *("save_scene", "words", "save_session", "export", "live_page", "share_page", "film"),
@@ -43,7 +36,19 @@ MENUS: dict[str, tuple[str, ...]] = {
     ),
     "plots_menu": (*PLOT_KINDS, "signals", "logarithmic", "plots", "values", "data"),
     "tools": (
-        *("lesson", "tell", "compare", "compare_balls", "sweep", "arrows", "stopwatch", "ruler", "fit", "pause_at_end"),
+        *(
+            "lesson",
+            "tell",
+            "compare",
+            "compare_balls",
+            "alone",
+            "sweep",
+            "arrows",
+            "stopwatch",
+            "ruler",
+            "fit",
+            "pause_at_end",
+        ),
         *("sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
     ),
 }
@@ -111,7 +116,7 @@ class Toolbar:
     @property
     def _shown(self) -> dict[str, str]:
         """Action and text of each button at the present level; that of a film only while there is one."""
-        shown = FEW if self.host.explore else BUTTONS
+        shown = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")} if self.host.explore else BUTTONS
         return {name: text for name, text in shown.items() if name != "film" or self._filming}
 
     def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:

@@ -2,63 +2,156 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
+import numpy as np
 import pygame
-from softcradle.sandbox.languages import N_, _, error_words, label_words, pgettext
+from softcradle.sandbox.draw.number_format import scientific
+from softcradle.sandbox.languages import N_, _, error_words, label_words, localized, ngettext, pgettext
 from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
+from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.values_table import values_csv
+from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.board import PlotBoard
-from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
-from softcradle.sandbox.window.scene.data_tool import DataTool
+from softcradle.sandbox.window.plots.curves import Plot
+from softcradle.sandbox.window.plots.data_overlay import (
+    PICTURES,
+    TABLES,
+    NumbersOverlay,
+    PictureOverlay,
+    edges_of,
+    load_picture,
+)
+from softcradle.sandbox.window.plots.kinds import KEY, KYMOGRAPH, OWN, PLOT_KINDS, VELOCITIES, pair_of
 from softcradle.sandbox.window.scene.editor import SceneEditor
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import Ruler, Stopwatch
+from softcradle.sandbox.window.scene.save_dialogs import shown_path
 from softcradle.sandbox.window.scene.values_board import ValuesBoard
 from softcradle.sandbox.window.scene.view import SceneView
 from softcradle.scenes import Scene
 
+
+class DataTool:
+    """Files that are laid over the plots of a page, and its plot of chosen signals."""
+
+    def __init__(self, host: Host, session: Session, view: SceneView) -> None:
+        self.host, self.session, self.view, self.board = host, session, view, view.board
+        self.actions = {"data": self.ask, "signals": self.ask_signals}
+
+    def ask(self) -> None:
+        """Ask for the path of a file to lay over the plots; nothing typed removes what lies there."""
+        if any(self.board.overlays.values()):
+            self.board.overlays.clear()
+            self.host.messages.show(_("measured data removed"))
+            return
+        note = _(
+            "a table ({endings}: time in s, then a column a curve) or a picture of a kymograph",
+            endings=", ".join(TABLES),
+        )
+        self.host.ask(_("Measured data over a plot"), note, "", self._take_typed)
+
+    def _take_typed(self, text: str) -> None:
+        if not self.take_file(text, (-1, -1)):
+            endings = ", ".join((*TABLES, *PICTURES))
+            wrong = _("{path}: needs the ending {endings}", path=text, endings=endings)
+            self.host.messages.show(wrong, warning=True)
+
+    def take_file(self, text: str, point: tuple[int, int]) -> bool:
+        """Lay a file over the plot at `point`, or over the usual one; whether it is a table or a picture."""
+        path = Path(os.path.expanduser(text))
+        ending = path.suffix.lower()
+        if ending not in (*TABLES, *PICTURES):
+            return False
+        try:
+            if ending in TABLES:
+                self._lay_numbers(path, point)
+            else:
+                self._ask_edges(path)
+        except (UserError, ValueError) as error:  # no file can have a name with a NUL
+            self.host.messages.show(str(error), warning=True)
+        return True
+
+    def _plot(self, kind: str, point: tuple[int, int] = (-1, -1)) -> tuple[tuple[str, int], Plot]:
+        """The kind and lane of the plot at `point`, else of that kind, which is shown for it."""
+        under = self.board.plot_at(point)
+        if under is not None and under.timed:
+            return self.board.keys[self.board.plots.index(under)], under
+        self.view.show_plot(kind)
+        where = next(k for k, key in enumerate(self.board.keys) if key[0] == kind)
+        return self.board.keys[where], self.board.plots[where]
+
+    def _lay_numbers(self, path: Path, point: tuple[int, int]) -> None:
+        data = load_measured(path)
+        key, plot = self._plot(VELOCITIES, point)
+        curves = len(plot.content.colours)
+        if len(data.columns) > curves:
+            raise UserError(_too_many(path, len(data.columns), curves))
+        laid = NumbersOverlay(data)
+        self.board.overlays[key] = [laid]
+        text = ngettext(
+            "{n} time from {path} over {plot}",
+            "{n} times from {path} over {plot}",
+            len(data.time),
+            path=shown_path(path),
+            plot=plot.content.title,
+        )
+        differences = laid.differences(plot)
+        if differences.size:
+            difference = scientific(float(np.sqrt(np.mean(differences**2))), 1)
+            text += _("; they differ by {difference} (root mean square)", difference=difference)
+        self.host.messages.show(text)
+
+    def _ask_edges(self, path: Path) -> None:
+        picture = load_picture(path)
+        key, plot = self._plot(KYMOGRAPH)
+        begin, end = max(0.0, plot.span.time(0)), plot.span.time(plot.area.width)
+        proposed = localized(f"{begin:.4g} {end:.4g} {plot.axis.high:.4g} {plot.axis.low:.4g}")
+        note = _("where its edges lie: time at the left and right [s], place at the top and bottom [m]")
+        self.host.ask(_("A picture over the kymograph"), note, proposed, partial(self._lay_picture, picture, key))
+
+    def _lay_picture(self, picture: pygame.Surface, key: tuple[str, int], text: str) -> None:
+        try:
+            self.board.overlays[key] = [PictureOverlay(picture, edges_of(text))]
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+
+    def ask_signals(self) -> None:
+        """Ask which signal is plotted against which."""
+        vertical, horizontal = self.board.pair
+        text = _("{vertical} against {horizontal}", vertical=vertical, horizontal=horizontal)
+        self.host.ask(_("A signal against another"), _(KEY), text, self._take_signals)
+
+    def _take_signals(self, text: str) -> None:
+        try:
+            self.board.pair = pair_of(text, self.session.lanes[0].chain.contacts + 1)
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        self.view.show_plot(OWN)
+
+
+def _too_many(path: Path, columns: int, curves: int) -> str:
+    """That a table has more columns than a plot has curves."""
+    return ngettext(
+        "{path}: has {columns} columns after the time, and the plot has {n} curve",
+        "{path}: has {columns} columns after the time, and the plot has {n} curves",
+        curves,
+        path=path,
+        columns=columns,
+    )
+
+
 STEEL = N_("steel balls")
 OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/translation.py
-
-
-class Sharing:
-    """What goes from a session to the clipboard."""
-
-    def __init__(self, host: Host, session: Session) -> None:
-        self.host, self.session = host, session
-
-    def copy_values(self) -> None:
-        """Put all values at the frame shown on the clipboard as CSV."""
-        self._copy(lambda: values_csv(self.session), _("the values are on the clipboard, as CSV"))
-
-    def tell(self) -> None:
-        """Show what has happened in words; it can be copied, to be read aloud."""
-        text = summary_text(self.session)
-        self.host.choose(
-            _("What happened"),
-            text,
-            {_("Close"): lambda: None, _("Copy"): lambda: self._copy(lambda: text, _("copied"))},
-        )
-
-    def copy_scene(self) -> None:
-        """Put the scene with all edits on the clipboard as text."""
-        done = _("the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V")
-        self._copy(lambda: shared_text(self.session.to_scene()), done)
-
-    def _copy(self, text: Callable[[], str], done: str) -> None:
-        try:
-            pygame.scrap.put_text(text())
-        except (ValueError, pygame.error) as error:
-            self.host.messages.show(_("nothing was copied: {error}", error=error), warning=True)
-        else:
-            self.host.messages.show(done)
 
 
 def beside_other_balls(session: Session) -> Scene:
@@ -140,7 +233,11 @@ class ViewKeys:
 
 
 class SceneTools:
-    """Tools of one page; `open_scene` shows another scene in its place."""
+    """Tools of one page; `open_scene` shows another scene in its place.
+
+    Attributes:
+        before: the scene of one row that is compared here, or None.
+    """
 
     def __init__(
         self,
@@ -149,21 +246,23 @@ class SceneTools:
         editor: SceneEditor,
         view: SceneView,
         board: PlotBoard,
-        open_scene: Callable[[Scene], None],
+        open_scene: Callable[[Scene, Scene | None], None],
+        before: Scene | None = None,
     ) -> None:
+        self.before = before
         self.host, self.session, self.view, self.board, self.open_scene = host, session, view, board, open_scene
         self.values = ValuesBoard(host, session, editor, self.values_area)
         self.stopwatch = Stopwatch(host, session)
         self.ruler = Ruler(host, session, view)
         self.data = DataTool(host, session, view)
-        sharing = Sharing(host, session)
         self.actions: dict[str, Callable[[], None]] = {
             "values": self.toggle_values,
-            "copy_values": sharing.copy_values,
-            "copy_scene": sharing.copy_scene,
-            "tell": sharing.tell,
+            "copy_values": self.copy_values,
+            "copy_scene": self.copy_scene,
+            "tell": self.tell,
             "compare": self.compare,
             "compare_balls": self.compare_balls,
+            "alone": self.alone,
             "stopwatch": self.stopwatch.press,
             "ruler": self.ruler.toggle,
             **self.data.actions,
@@ -171,12 +270,39 @@ class SceneTools:
 
     def toggle_values(self) -> None:
         """Show the table of values in place of the plots, or the plots."""
+        self.view.card.hide()
         self.view.plots_covered = not self.view.plots_covered
         self.view.redraw()
         if not self.view.places.plots:
             self.board.show((self.board.present or self.board.shown or self.board.available())[0])
             self.host.rebuild()
         self.values.update()
+
+    def copy_values(self) -> None:
+        """Put all values at the frame shown on the clipboard as CSV."""
+        self._copy(lambda: values_csv(self.session), _("the values are on the clipboard, as CSV"))
+
+    def tell(self) -> None:
+        """Show what has happened in words; it can be copied, to be read aloud."""
+        text = summary_text(self.session)
+        self.host.choose(
+            _("What happened"),
+            text,
+            {_("Close"): lambda: None, _("Copy"): lambda: self._copy(lambda: text, _("copied"))},
+        )
+
+    def copy_scene(self) -> None:
+        """Put the scene with all edits on the clipboard as text."""
+        done = _("the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V")
+        self._copy(lambda: shared_text(self.session.to_scene()), done)
+
+    def _copy(self, text: Callable[[], str], done: str) -> None:
+        try:
+            pygame.scrap.put_text(text())
+        except (ValueError, pygame.error) as error:
+            self.host.messages.show(_("nothing was copied: {error}", error=error), warning=True)
+        else:
+            self.host.messages.show(done)
 
     def compare(self) -> None:
         """Open the scene beside a copy of itself."""
@@ -194,8 +320,25 @@ class SceneTools:
         except ValueError as error:
             self.host.messages.show(_("this cannot be compared: {error}", error=error_words(error)), warning=True)
             return False
-        self.open_scene(scene)
+        one = self.session.scene if len(self.session.lanes) == 1 else self.before
+        self.open_scene(scene, one)
         return True
+
+    def alone(self) -> None:
+        """Go back to the first row, with the edits that were made here and the words that it had before."""
+        if len(self.session.lanes) == 1:
+            self.host.messages.show(_("there is one row"))
+            return
+        try:
+            scene = self.session.to_scene()
+        except ValueError as error:
+            self.host.messages.show(str(error), warning=True)
+            return
+        words = self.before or scene.model_copy(update={"title": scene.title.removesuffix(COMPARED)})
+        kept = {name: getattr(words, name) for name in ("title", "text", "question", "source")}
+        self.open_scene(
+            Scene.model_validate({**scene.model_dump(), **kept, "lanes": scene.model_dump()["lanes"][:1]}), None
+        )
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event on the table or the ruler."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import pygame
@@ -25,6 +25,7 @@ from softcradle.sandbox.window.plots.scales import (
     motions_ahead,
 )
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
+from softcradle.sandbox.window.scene.explore_panel import OutcomeCard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
 
@@ -98,20 +99,25 @@ class SceneView:
         motions: the lanes now, one row each.
         places: rectangles of the page.
         panel_shown: whether the panel on the right is there.
-        card_height: gives the height of the card below the beads [pixels].
         plots_covered: whether something else lies in the place of the plots, which are then not drawn.
         rows: the plots of each row of plots that is shown: of `row_count`, those from `first_row` on.
     """
 
     def __init__(
-        self, host: Host, session: Session, editor: SceneEditor, board: PlotBoard, panels: Sequence[Inspector]
+        self,
+        host: Host,
+        session: Session,
+        editor: SceneEditor,
+        board: PlotBoard,
+        panels: Sequence[Inspector],
+        card: OutcomeCard,
     ) -> None:
-        self.host, self.session, self.editor, self.board, self.panels = host, session, editor, board, panels
+        self.host, self.session, self.editor, self.board = host, session, editor, board
+        self.panels, self.card = panels, card
         self.setup = session.setup
         self.lanes: list[LaneView] = []
         self.panel_shown, self.plots_covered = True, False
         self.first_row = self.row_count = 0
-        self.card_height: Callable[[], int] = int  # of the card between beads and plots
         self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
         self._frame = -1  # whose collision the marks are of
@@ -144,19 +150,18 @@ class SceneView:
     def _sees_ahead(self) -> bool:
         """Whether a run ahead takes some milliseconds: its machine code is in memory."""
         methods = {AHEAD, *(lane.setup.method for lane in self.session.lanes)}
-        kinds = {lane.chain.dissipative for lane in self.session.lanes}
-        return all(self.host.warmup.is_warm(method, kind) for method in methods for kind in kinds)
+        return all(self.host.warmup.is_warm(method) for method in methods)
 
     def _geometry(self) -> Geometry:
         self.board.single = (self.board.single or VELOCITIES) if self.host.explore else ""
         size, unit = self.host.size, self.host.unit
-        rows = self.board.rows(plots_width(size, unit, self.panel_shown))
-        most = most_plot_rows(size, unit, len(self.session.lanes))
+        room = plots_width(size, unit, self.panel_shown)
+        rows, card = self.board.rows(room), self.card.height(round(room * unit))
+        most = most_plot_rows(size, unit, len(self.session.lanes), card)
         self.row_count = len(rows)
         self.first_row = min(max(self.first_row, 0), max(0, len(rows) - most))
         self.rows = rows[self.first_row : self.first_row + most]
         counts = [len(row) for row in self.rows]
-        card = self.card_height() if self.host.explore else 0
         return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown, self.host.explore, card)
 
     def plots_area(self) -> pygame.Rect:
@@ -171,7 +176,8 @@ class SceneView:
         self.rebuild()
 
     def show_plot(self, kind: str) -> None:
-        """Bring a kind of plot on screen, also from rows that are not."""
+        """Bring a kind of plot on screen, also from rows that are not, and in place of the card."""
+        self.card.text = ""
         self.board.show(kind)
         self.host.rebuild()
         if all(name != kind for name, _lane in self.board.keys):
@@ -249,6 +255,7 @@ class SceneView:
         ]
         for lane in self.lanes:
             lane.drawing.arrows = self.arrows
+        self.board.whole = bool(self.card.text)
         self.board.build(self.rows, places.plots, unit, scales)
         self.redraw()
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, hooke, one_on, power_law, simulate, step_force
-from softcradle.physics.reference.reference_end import reference_end
 
 from softcradle import scenes
 from tests.helpers.relations import PROMISE, closing_speed, kinetic_energy, simulate_quietly
@@ -154,7 +153,7 @@ def test_a_stiff_contact_that_yields_as_its_neighbour_presses():
     """Newton's iteration crept there, along a law that is all but linear, and was taken to have converged."""
     laws = [Contact(1.9, 23.6, 0.956, loss) for loss in (0.2, 0.7, 0.9)]
     chain = Chain([8.4, 0.113, 2.86, 1.12], laws)
-    exact = reference_end(chain, [1.0, 1.0, 0.0, 0.0], 0.154, tolerance=1e-12).velocity
+    exact = run(chain, [1.0, 1.0, 0.0, 0.0], 0.154, method="scipy", tolerance=1e-10).final_velocity
     for method in ("accurate", "radau", "dop853"):
         for tolerance in (1e-6, 1e-7, 1e-8, 1e-9):
             found = run(chain, [1.0, 1.0, 0.0, 0.0], 0.154, method=method, tolerance=tolerance)

@@ -7,7 +7,11 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive.event_location import (
+from softcradle.physics.adaptive.corners import closes_inactive, is_continued
+from softcradle.physics.numerics.law_curve import NODES
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+
+from tests.helpers.given_steps import (
     CLOSES,
     EASES,
     NOTHING,
@@ -16,13 +20,10 @@ from softcradle.physics.adaptive.event_location import (
     STOPS,
     TURNS,
     YIELDS,
-    closes_inactive,
-    is_continued,
+    H,
+    Step,
+    thrown,
 )
-from softcradle.physics.numerics.law_curve import NODES
-from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
-
-from tests.helpers.given_steps import H, Step, thrown
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
@@ -35,8 +36,12 @@ def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
     peak = 0.5 * 9.0 / 9.8
     assert thrown(3.0, peak - 1e-9).find()[1] == CLOSES  # there and back within the step
     assert thrown(3.0, peak + 1e-9).find() == (-1, NOTHING, 1.0)
-    assert thrown(3.0, 0.4).find(skip=0, skipped=CLOSES) == (-1, NOTHING, 1.0)
-    assert thrown(3.0, 0.4).find(skip=1, skipped=CLOSES)[1] == CLOSES
+    assert thrown(3.0, 0.4).find(landing=(0, 0))[1] == CLOSES  # at the end of the step it is on its way back
+    *_, miss, _ = thrown(3.0, 1.0).corner(landing=(0, 0))
+    assert math.isnan(miss)
+    row, _, _, miss, _ = thrown(5.0, 1.6).corner(landing=(0, 0))  # 0.384 m before it, at 1.08 m/s
+    assert row == -1
+    assert miss == pytest.approx((1.6 - 5.0 * H + 4.9 * H**2) / (5.0 - 9.8 * H), abs=1e-12)
 
 
 def test_a_contact_that_is_pulled_open_or_apart():
@@ -105,10 +110,10 @@ def test_a_sliding_bead_stops(sign):
     found = step.find()
     assert found[:2] == (1, STOPS)
     assert found[2] * H == pytest.approx(0.1 / brake, abs=1e-12)
-    found = step.find(skip=1, skipped=STOPS)
+    found = step.find(landing=(2, 0))
     assert found[:2] == (0, STOPS)
     assert found[2] * H == pytest.approx(0.2 / brake, abs=1e-12)
-    value, slope = step.guard(0, STOPS)
+    value, slope = step.guard(1, 0)
     assert value == pytest.approx(0.2 - H * brake, abs=1e-14)
     assert slope == pytest.approx(-brake)
 
@@ -123,10 +128,10 @@ def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
     found = step.find()
     assert found[:2] == (1, SLIPS)
     assert found[2] * H == pytest.approx(most / 4.0, abs=1e-10)
-    value, slope = step.guard(1, SLIPS)
+    value, slope = step.guard(3, 1 if sign > 0.0 else 0)
     assert value == pytest.approx(most - 4.0 * H)
     assert slope == pytest.approx(-4.0)
-    value, slope = step.guard(0, SLIPS)  # the left bead is pushed to the left, the less it needs the more it has
+    value, slope = step.guard(2, 0)  # the left bead is pushed to the left, the less it needs the more it has
     assert value == pytest.approx(10.0 * most - 0.3 - (4.0 * H if sign > 0.0 else 0.0))
     below = Step(chain, [0.0] * 3, [0.2, 0.2], [LOADED] * 2, [[0.3, 2.0 * most], [0.3, 1.0]], slide=[1, 0, 1])
     assert below.find()[1] in (NOTHING, STOPS)
@@ -135,7 +140,7 @@ def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
 def test_a_steady_push_on_a_bead_counts():
     step = on_bed([0.0, 1.0], [0, 1], drive=(0.95, 0.0))
     assert step.find()[1] == NOTHING
-    value, slope = step.guard(0, SLIPS)
+    value, slope = step.guard(1, 1)
     assert value == pytest.approx(step.chain.bed[0] - 0.95)
     assert slope == pytest.approx(0.0, abs=1e-12)
 

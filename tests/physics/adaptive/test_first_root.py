@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 import pytest
-from softcradle.physics.adaptive.first_root import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
+from softcradle.physics.adaptive.corners import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
 from softcradle.physics.numerics.law_curve import NODES, cubic
 
 PART = np.linspace(0.0, 1.0, 20001)

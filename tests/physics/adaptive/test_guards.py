@@ -7,19 +7,8 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke
-from softcradle.physics.adaptive import event_location
 from softcradle.physics.adaptive.constants import SAFETY
-from softcradle.physics.adaptive.event_location import (
-    CLOSES,
-    EASES,
-    OPENS,
-    TURNS,
-    YIELDS,
-    end_slope,
-    lowest_of,
-    near_switch,
-)
-from softcradle.physics.numerics.law_curve import NODES
+from softcradle.physics.adaptive.corners import guard_of
 from softcradle.physics.numerics.records import LOADED, TOUCHING
 
 from tests.helpers.given_steps import H, Step, thrown
@@ -28,14 +17,14 @@ from tests.helpers.plain_kernels import only_plain
 pytestmark = only_plain
 
 
-@pytest.mark.parametrize("peak", [0.75, 0.5, 0.85])
+@pytest.mark.parametrize("peak", [0.75, 0.5, 0.79])
 @pytest.mark.parametrize("scale", [1.0, 1e-2])
 def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak, scale):
     """A multiplier within 0 and 0.8 N, or a hundredth of that, with a peak at half the step."""
     chain = Chain([1.0, math.inf], draft_gear(2.0 * scale, 0.4))
     force = np.array([0.2, 4.0 * (peak - 0.2) / H, -4.0 * (peak - 0.2) / H**2])
     step = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [scale * force])
-    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
+    found = step.corner()[4]
     assert found == pytest.approx(0.5 if peak > SAFETY * 0.8 else 1.0, abs=1e-9)
 
 
@@ -45,22 +34,22 @@ def test_how_near_is_a_part_of_the_range_of_a_multiplier(peak, near):
     chain = Chain([1.0, math.inf], hooke(2.0, loss=0.4))
     height = peak - 0.7
     step = Step(chain, [0.0, 0.0], [0.5], [TOUCHING], [[0.7, 4.0 * height / H, -4.0 * height / H**2]])
-    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
+    found = step.corner()[4]
     assert found == pytest.approx(0.5 if near else 1.0, abs=1e-9)
 
 
 def test_a_loaded_contact_is_near_no_switch():
     step = Step(Chain([1.0, math.inf], hertz(2.0)), [-1.0, 0.0], [0.3], [LOADED], [0.8])
-    assert near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0) == 1.0
+    assert step.corner()[4] == 1.0
 
 
 def test_an_open_contact_that_nearly_touches_is_looked_at():
     """Both ends tell less than what lies between: where quintic and cubic disagree by more than the gap that is left."""
     step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
-    assert near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0) == 1.0
+    assert step.corner()[4] == 1.0
     step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
-    guard = event_location.overlap_guard(H, -1.0, 0, step.data, step.motion, step.trial, 0.0)
-    found = near_switch(H, step.data, step.regime, step.motion, step.trial, 0.0)
+    guard = guard_of(0, 0, H, step.data, step.regime, step.motion, step.trial, 0.0, step.work)
+    found = step.corner()[4]
     assert 0.0 < found < 1.0
     assert slope_of(guard, found) == pytest.approx(0.0, abs=1e-9)
 
@@ -70,31 +59,18 @@ def slope_of(b, x):
     return sum(5.0 * (b[k + 1] - b[k]) * math.comb(4, k) * x**k * (1.0 - x) ** (4 - k) for k in range(5))
 
 
-def test_the_lowest_point_of_a_guard():
-    powers = np.polynomial.Polynomial([0.3, -1.2, 1.3, 0.2, -0.1, 0.05])
-    b = tuple(sum(math.comb(k, j) / math.comb(5, j) * powers.coef[j] for j in range(k + 1)) for k in range(6))
-    lowest = next(x.real for x in powers.deriv().roots() if abs(x.imag) < 1e-12 and 0.0 < x.real < 1.0)
-    value = powers(lowest)
-    assert lowest_of(b, value + 1e-6) == pytest.approx(lowest, abs=1e-9)
-    assert lowest_of(b, value - 1e-6) == 1.0
-    assert lowest_of((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), 1.0) == 1.0  # at the start
-    assert lowest_of((0.5, 0.4, 0.3, 0.2, 0.1, 0.0), 1.0) == 1.0  # at the end
-
-
 def test_guards_and_slopes_at_the_end():
-    parabola = np.polynomial.Polynomial([0.2, 1.1, -0.7])
-    assert end_slope(*parabola(NODES)) == pytest.approx(parabola.deriv()(1.0))
     chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
     touching = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, 0.5, -0.7]])
     force, slope = touching.forces[0](H), touching.forces[0].deriv()(H)
-    assert touching.guard(0, OPENS) == pytest.approx((force, slope))
-    assert touching.guard(0, YIELDS) == pytest.approx((0.8 - force, -slope))
+    assert touching.guard(0, 0) == pytest.approx((force, slope))
+    assert touching.guard(0, 1) == pytest.approx((0.8 - force, -slope))
     loaded = Step(chain, [-1.0, 0.0], [0.3], [LOADED], [0.8])
-    assert loaded.guard(0, OPENS) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
-    assert thrown(3.0, 0.4).guard(0, CLOSES) == pytest.approx((0.4 - 3.0 * H + 4.9 * H * H, -3.0 + 9.8 * H))
+    assert loaded.guard(0, 0) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
+    assert thrown(3.0, 0.4).guard(0, 0) == pytest.approx((0.4 - 3.0 * H + 4.9 * H * H, -3.0 + 9.8 * H))
     loss = Chain([1.0, math.inf], hertz(2.0, loss=0.4))
     for sign in (1.0, -1.0):
         turning = Step(loss, [0.3 * sign, 0.0], [0.5], [LOADED], [1.5 * sign], easing=[int(sign < 0.0)])
-        assert turning.guard(0, TURNS) == pytest.approx((0.3 - 1.5 * H, -1.5))
+        assert turning.guard(0, 1) == pytest.approx((0.3 - 1.5 * H, -1.5))
     stands = Step(Chain([1.0, math.inf], hooke(2.0, loss=0.4)), [0.0, 0.0], [0.5], [TOUCHING], [[0.9, -1.0]])
-    assert stands.guard(0, EASES) == pytest.approx((0.9 - H - 0.6, -1.0))
+    assert stands.guard(0, 0) == pytest.approx((0.9 - H - 0.6, -1.0))

@@ -7,6 +7,8 @@ from softcradle.physics.adaptive import kept_steps, runner
 
 from tests.helpers.relations import simulate_quietly
 
+KERNELS = runner.TIERS["adaptive"]
+
 CHAINS = {
     "power law": one_on(4, power_law(1.0, 0.1)),
     "gears": one_on(10, draft_gear(1.0, 0.1)),
@@ -40,9 +42,9 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name):
 @pytest.mark.parametrize("name", CHAINS)
 def test_samples_cost_no_second_run(name, monkeypatch):
     runs = []
-    runner.KERNELS.load_made()  # each kernel is called once as it is loaded
+    KERNELS.load_made()  # each kernel is called once as it is loaded
     monkeypatch.setattr(runner, "integrate", _counted(runner.integrate, runs))
-    monkeypatch.setattr(runner.KERNELS, "of", lambda kernel, work=0.0: kernel)
+    monkeypatch.setattr(KERNELS, "of", lambda kernel, work=0.0: kernel)
     chain = CHAINS[name]
     simulate_quietly(chain, struck(chain), samples=2, tolerance=1e-4)
     before = len(runs)

@@ -9,9 +9,8 @@ import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_TRIES, RATIO
 from softcradle.physics.adaptive.dop853 import error_of_range
-from softcradle.physics.adaptive.radau import radau_step
+from softcradle.physics.adaptive.radau import AFTER, INSIDE, first_guess, radau_step
 from softcradle.physics.adaptive.radau_error import compliance, embedded_error
-from softcradle.physics.adaptive.radau_guess import AFTER, INSIDE, first_guess
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
@@ -53,7 +52,7 @@ def random_motion(seed):
 
 def stepped(data, motion, h, past_step=0.0, origin=AFTER, precision=1e-12):
     trial, scratch = empty_trial(motion.rate.size), empty_scratch(motion.rate.size)
-    return radau_step(h, data, motion, precision, past_step, origin, trial, scratch), trial
+    return radau_step(h, data, motion, precision, past_step, origin, trial, scratch)[0], trial
 
 
 @pytest.mark.parametrize("first", range(0, 60, 10))

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, one_on, power_law
-from softcradle.physics.adaptive import runner, undetermined, usual_budget
+from softcradle.physics import Chain, Contact, confirm, draft_gear, hertz, hooke, one_on, power_law
+from softcradle.physics.adaptive import runner, usual_budget
 from softcradle.physics.adaptive.usual_budget import usual_steps
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import closing_scale, largest_error
@@ -114,14 +114,14 @@ def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
     """A run that rattles is computed once, not once more with a larger log; no switch is lost, of samples or not."""
     chain = one_on(7, power_law(1.0, 0.02))
     problem = Problem(chain, State.at_start(chain, struck(chain)), "radau", None, 0.0, 1e-7, 2)
-    whole = runner._pass(problem)
+    whole = runner.one_run(problem)
     assert whole.switch_time.size > 1000
     runs = []
     integrate = runner._integrate
     monkeypatch.setattr(runner, "_integrate", lambda *given: runs.append(1) or integrate(*given))
     for samples in (2, 201):
         runs.clear()
-        found = runner._pass(replace(problem, samples=samples), log_size=64)
+        found = runner.one_run(replace(problem, samples=samples), log_size=64)
         assert len(runs) == 1
         np.testing.assert_array_equal(found.switch_time, whole.switch_time)
         np.testing.assert_array_equal(found.switch_contact, whole.switch_contact)
@@ -154,7 +154,7 @@ def test_a_row_that_rattles_from_its_start_at_rest_is_not_followed_bounce_by_bou
 
 def run_for_ever(problem):
     while True:
-        runner.run(problem)
+        confirm.run(problem)
 
 
 @pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="signals reach the main thread")
@@ -184,7 +184,7 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
     chain, velocity = one_on(15, power_law(1.0, 0.010969857978923836)), np.eye(1, 16)[0]
     times = np.linspace(1.8, 2.0, 4001)  # several in each step
     plain = solve(chain, velocity, 2.5, samples=times)
-    monkeypatch.setattr(undetermined, "STEPS_ALIKE", 40)
+    monkeypatch.setattr(confirm, "STEPS_ALIKE", 40)
     doubled = solve(chain, velocity, 2.5, samples=times)
     assert plain.status == doubled.status == Status.UNDETERMINED
     assert doubled.time.tolist() == plain.time.tolist() == times.tolist()

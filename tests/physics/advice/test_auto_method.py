@@ -21,7 +21,7 @@ from softcradle.physics import (
     simulate,
 )
 from softcradle.physics.advice import auto_method as auto
-from softcradle.physics.analysis.critical_speed import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS

@@ -18,12 +18,12 @@ from softcradle.physics import (
 )
 from softcradle.physics.analysis.closed_forms import (
     LinearChain,
+    critical_speed,
     long_linear_chain,
     one_on_one,
     rigid_collision,
     rigid_stroke,
 )
-from softcradle.physics.analysis.critical_speed import critical_speed
 
 from tests.helpers.relations import SET_VALUED
 from tests.helpers.truth import CRITICAL_SPEEDS, ELASTIC, GEAR, GEARS

@@ -15,12 +15,16 @@ from softcradle.physics import (
     power_law,
     simulate,
 )
-from softcradle.physics.analysis.closed_forms import rigid_collision, rigid_stroke
-from softcradle.physics.analysis.cluster_scaling import spread_variable
-from softcradle.physics.analysis.collision import collide, measured, struck_contact
-from softcradle.physics.analysis.collision_measures import CollisionMeasures
-from softcradle.physics.analysis.critical_speed import critical_speed
-from softcradle.physics.analysis.measures import dwell, energy_inside, interpolated, response_times, rigidity
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
+from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
+from softcradle.physics.analysis.measures import (
+    dwell,
+    energy_inside,
+    interpolated,
+    response_times,
+    rigidity,
+    spread_variable,
+)
 from softcradle.physics.analysis.ringing import ringing
 
 from tests.helpers.truth import ELASTIC, GEARS, Truth

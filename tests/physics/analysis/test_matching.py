@@ -5,15 +5,17 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, step_force
-from softcradle.physics.analysis.closed_forms import rigid_stroke
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import collide
-from softcradle.physics.analysis.contact_distance import DISTANCES, squared_difference
-from softcradle.physics.analysis.critical_speed import critical_speed, speed_ratio
-from softcradle.physics.analysis.matching import NEAR, Match, match
-from softcradle.physics.analysis.matching_starts import (
+from softcradle.physics.analysis.matching import (
+    DISTANCES,
+    NEAR,
     RATIOS,
+    Match,
     gears_of_all_speeds,
     laws_of_all_exponents,
+    match,
+    squared_difference,
 )
 
 pytestmark = pytest.mark.slow  # each match is a search of some seconds

@@ -8,10 +8,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.fixed_step import runner
-from softcradle.physics.numerics.contact_solve import solve_contacts
+from softcradle.physics.kernel_records import NO_FLAGS
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS, DIAGONAL, END, FREE, SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.records import NOTHING, ChainData, Motion
 from softcradle.physics.numerics.resolvent import resolvent
-from softcradle.physics.numerics.solver_rows import SOLVER_ROWS
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import contact_scales
 from softcradle.physics.status import Status
@@ -180,16 +181,11 @@ def test_a_touching_contact_carries_what_it_must():
 def test_a_failure_to_converge_is_returned():
     """`solve_contacts` returns a negative count: here a matrix that is none of a chain's, whose solution does not exist."""
     n = 2
-    law = np.array([[0.0, 1.0, 3.0]] * n)
-    diagonal, coupling, start, none, work = (
-        np.ones(n),
-        np.full(n + 1, 1e3),
-        np.zeros(n),
-        np.zeros(0),
-        np.zeros((SOLVER_ROWS, n)),
-    )
-    rows = diagonal, coupling, none, np.ones(n), start, np.zeros(n), np.ones(n), np.zeros(n), work, work
-    assert solve_contacts(1.0, law, None, None, None, *rows) < 0
+    chain = ChainData(np.array([[0.0, 1.0, 3.0]] * n), np.full(n + 1, 1e3), NOTHING, NOTHING, 0)
+    motion = Motion(np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(n), np.zeros(4), NO_FLAGS, NO_FLAGS)
+    work = np.zeros((SOLVER_ROWS, n))
+    work[[FREE, DIAGONAL, END]] = 1.0
+    assert solve_contacts(1.0, chain, motion, np.zeros((BEAD_ROWS, n + 1)), work) < 0
 
 
 def test_a_soft_cluster_keeps_its_depth():

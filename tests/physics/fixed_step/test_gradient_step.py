@@ -15,10 +15,8 @@ from softcradle.physics.fixed_step.discrete_gradient import (
     gradient_steps,
     single_step,
 )
-from softcradle.physics.numerics.contact_solve import row_residual, sweep
-from softcradle.physics.numerics.fixed_step_friction import slide
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS, UNKNOWN, row_residual, slide, sweep
 from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS, UNKNOWN
 
 from tests.helpers.plain_kernels import only_plain, records_of
 
@@ -76,10 +74,10 @@ def hard_chain(seed):
 
 def step(chain, state, h):
     """One whole step in place; returns the iterations of its solver."""
-    data, dissipation, motion = records_of(chain, state)
+    data, _, motion = records_of(chain, state)
     n = chain.contacts
     beads, work = np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n))
-    return single_step(h, data, dissipation, motion, beads, work, True, True)[0]
+    return single_step(h, data, motion, beads, work, True, True)[0]
 
 
 def stored(chain, i, overlap):
@@ -166,19 +164,19 @@ def test_the_first_bead_to_stop_and_the_first_contact_to_turn_cut_the_step():
     chain = Chain([1.0, 2.0], hooke(1.0), gap=10.0, friction=0.1)
     brake = 0.1 * GRAVITY
     state = State.at_start(chain, [0.5 * brake, -0.25 * brake])
-    data, dissipation, motion = records_of(chain, state)
+    data, _, motion = records_of(chain, state)
     beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
-    used, part = single_step(1.0, data, dissipation, motion, beads, work, False, False)
+    used, part = single_step(1.0, data, motion, beads, work, False, False)
     assert used > 0
     assert part == pytest.approx(0.25)
     assert motion.rate[0] == 0.75 * brake, "the motion stays as it was"
-    assert first_event(1.0, data.joints, dissipation, motion, beads, work) == pytest.approx(0.25)
+    assert first_event(1.0, data, motion, beads, work) == pytest.approx(0.25)
 
     chain = Chain([1.0, math.inf], step_force(2.0, loss=0.5))  # it turns at w/a = 0.4/2
     state = State.at_start(chain, [0.4, 0.0])
-    data, dissipation, motion = records_of(chain, state)
+    data, _, motion = records_of(chain, state)
     motion.overlap[0] = 1.0
-    used, part = single_step(0.25, data, dissipation, motion, np.zeros((BEAD_ROWS, 2)), work, False, False)
+    used, part = single_step(0.25, data, motion, np.zeros((BEAD_ROWS, 2)), work, False, False)
     assert used > 0
     assert part == pytest.approx(0.8)
 
@@ -205,9 +203,9 @@ def test_a_slide_and_a_bounce_end_to_the_digit_in_one_step(h):
 
 def taken(chain, state, h):
     """One step, in as many parts as it wants."""
-    data, dissipation, motion = records_of(chain, state)
+    data, _, motion = records_of(chain, state)
     n = chain.contacts
-    used = gradient_step(h, data, dissipation, motion, np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n)))
+    used = gradient_step(h, data, motion, np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n)))
     state.time += h
     return used
 
@@ -258,13 +256,13 @@ def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
     one, other = (State.at_start(chain, [1.0, 1.0, 1.0, 0.05]) for _ in range(2))
     for state in (one, other):
         state.overlap[:2], state.force[:2] = 1e-9, 50.0 * 1e-9**0.1
-    data, dissipation, motion = records_of(chain, one)
+    data, _, motion = records_of(chain, one)
     beads, work, h = np.zeros((BEAD_ROWS, 4)), np.zeros((WORK_ROWS, 3)), 0.1
-    used, part = single_step(h, data, dissipation, motion, beads, work, False, False)
+    used, part = single_step(h, data, motion, beads, work, False, False)
     assert 0.02 < part < 0.98
     one.force[:] = other.force
     for length in (part * h, h - part * h):
-        used += single_step(length, data, dissipation, motion, beads, work, False, True)[0]
+        used += single_step(length, data, motion, beads, work, False, True)[0]
     assert taken(chain, other, h) == used
     assert other.overlap == pytest.approx(one.overlap, rel=1e-12)
 
@@ -294,10 +292,10 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, ta
     """At 1 m/s over 0.75 m in steps of 0.1 s the contact closes in the eighth; a brake of 0.2 g ends the motion in the sixth."""
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])
-    data, dissipation, motion = records_of(chain, state)
+    data, _, motion = records_of(chain, state)
     counter, closed = np.zeros(COUNTERS, dtype=np.int64), np.zeros(1, dtype=np.int8)
     beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
-    steps = gradient_steps(most, 0.0, 0.1, data, dissipation, motion, closed, beads, work, counter)
+    steps = gradient_steps(most, 0.0, 0.1, data, motion, closed, beads, work, counter)
     assert steps == taken_until
     assert counter[EVALUATION] >= steps
     assert counter[UNCONVERGED] == 0
@@ -311,13 +309,13 @@ def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
     solve, seen = discrete_gradient.solve_contacts, []
 
     def swept(*given):
-        h, _, _, _, dissipation, _, coupling, push, free, start, rate, _, force, beads, work = given
+        h, data, motion, beads, work = given
         solve(*given)
         work[UNKNOWN] += off
         sweep(*given)
         for j in range(2):
-            slide(h, j, coupling, push, dissipation.bed, force, beads)
-        lacks, terms = row_residual(h, 0, dissipation, coupling, push, free, start, rate, force, beads, work)
+            slide(h, j, data, motion.force, beads)
+        lacks, terms = row_residual(h, 0, data, motion, beads, work)
         seen.append(abs(lacks) / terms)
         return solve(*given)
 

@@ -3,9 +3,17 @@
 import numpy as np
 import pytest
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-from softcradle.physics.numerics.fixed_step_friction import distance_to_bend
+from softcradle.physics.numerics.contact_solve import (
+    BEAD_ROWS,
+    DIAGONAL,
+    FORCE_AT_HOLD,
+    FREE_VELOCITY,
+    LEAST_AT_HOLD,
+    UNKNOWN,
+    distance_to_bend,
+)
+from softcradle.physics.numerics.records import NOTHING, ChainData, Dissipation
 from softcradle.physics.numerics.resolvent import mean_force, resolvent, touching
-from softcradle.physics.numerics.solver_rows import BEAD_ROWS, FORCE_AT_HOLD, FREE_VELOCITY, LEAST_AT_HOLD, UNKNOWN
 
 from tests.helpers.plain_kernels import only_plain
 
@@ -48,7 +56,10 @@ def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_d
     beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
     beads[FREE_VELOCITY] = free
     work[UNKNOWN], work[LEAST_AT_HOLD], work[FORCE_AT_HOLD] = s, 2.0, 5.0
-    found = distance_to_bend(h, 0, weight, 0.6, 0.3, up, 1.0 / mass, bed, beads, work)
+    work[DIAGONAL] = 2.0 * weight / h**2
+    law = np.array([[0.3, 1.0, 1.0]])
+    chain = ChainData(law, 1.0 / mass, NOTHING, NOTHING, 0, dissipation=Dissipation(np.zeros(1), bed))
+    found = distance_to_bend(h, 0, chain, 0.6, up, beads, work)
     by_contact = weight * (5.0 - resting if up else resting - 2.0)
     turn = 1.0 if up else -1.0  # more force brakes the left bead and drives the right one
     by_left, by_right = (

@@ -1,4 +1,4 @@
-"""Couplers one by one inside kernels: forces, their means and energies, the resolvent; nothing where a chain has none."""
+"""Couplers one by one inside kernels: forces, their means and energies, the resolvent."""
 
 import numpy as np
 import pytest
@@ -27,13 +27,6 @@ STARTS = (0.0, 0.03, 0.2, -0.04, -SLACK, -0.3)
 def joints(request):
     chain = Chain([1.0, 1.0], request.param)
     return records_of(chain, State.at_start(chain, [0.0, 0.0]))[0].joints
-
-
-def test_a_chain_without_couplers_has_no_force_of_theirs():
-    assert joint_force(None, 0, 0.3, 1.0) == 0.0
-    assert joint_fall(None, 0, 0.3, 0.1, False) == 0.0
-    assert joint_mean_force(None, 0, 0.3, 0.1, True) == (0.0, 0.0)
-    assert joint_resolvent(None, 0, 0.3, 0.1, 1.0, 2.0) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("start", STARTS)

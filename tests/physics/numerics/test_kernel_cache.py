@@ -63,7 +63,7 @@ def test_the_key_follows_every_source(tmp_path):
 def test_sources_of_kernels_are_all_that_they_import():
     names = {path.relative_to(PHYSICS).as_posix() for path in kernel_sources()}
     assert {"numerics/law_kernels.py", "adaptive/dop853_tableau.py", "pymunk_contacts/compiled_law.py"} <= names
-    assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/scipy_runner.py"}
+    assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/runner.py"}
 
 
 def test_the_folder_moves_with_numba_cache_dir(monkeypatch, tmp_path):

@@ -11,10 +11,10 @@ from softcradle.physics.numerics.law_curve import (
     care,
     cubic,
     flow_into,
-    move_along,
     signed_force,
     slope_at,
 )
+from softcradle.physics.numerics.law_curve import move_along as move_along_curve
 
 LAWS = [
     (preload, stiffness, exponent)
@@ -22,6 +22,11 @@ LAWS = [
     for stiffness in (1.0, 40.0)
     for exponent in (1 / 30, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0)
 ]
+
+
+def move_along(preload, stiffness, exponent, *moves):
+    """A move on the curve of one power law."""
+    return move_along_curve(np.array([[preload, stiffness, exponent]]), None, 0, *moves)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)

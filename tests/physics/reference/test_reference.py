@@ -4,10 +4,13 @@ import math
 
 import numpy as np
 import pytest
-import softcradle.physics.reference.scipy_runner
+import softcradle.physics.reference.runner
 from softcradle.physics import (
     Chain,
-    State,
+    Contact,
+    Coupler,
+    OwnLaw,
+    TimedForce,
     cluster_on_cluster,
     draft_gear,
     hertz,
@@ -15,11 +18,9 @@ from softcradle.physics import (
     one_on,
     power_law,
     simulate,
+    step_force,
 )
-from softcradle.physics.reference import stage_equations
-from softcradle.physics.reference.one_thread import one_thread
-from softcradle.physics.reference.phases import OPEN, Phase, System, switched_modes
-from threadpoolctl import threadpool_info, threadpool_limits
+from softcradle.physics.chain import GRAVITY
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.truth import GEAR, GEARS
@@ -35,21 +36,19 @@ CHAINS = {
     "between walls": (Chain([math.inf, 1, 2, math.inf], hooke(5.0), 0.2), [0, 1, -0.5, 0], 4.0),
     "one gear": (Chain([1, 2], draft_gear(3.0, 0.1)), [1, 0], None),
 }
+LOSSY = {
+    "Hertz": hertz(3.0, 0.3),
+    "gear": draft_gear(3.0, 0.1, 0.3),
+    "soft": power_law(1.0, 0.05, 0.3),
+    "step": step_force(2.0, 0.3),
+    "preload and root": Contact(0.5, 2.0, 0.5, 0.3),
+}
 STEPS_A_SECOND = 4000
 
 
-def system(chain, velocity, push=None):
-    """A reference System of a chain, and its start as y."""
-    start = State.at_start(chain, velocity)
-    depth = np.ones(chain.contacts)
-    return System(chain, push, 1.0, depth, 1e-8), np.concatenate((start.overlap, start.rate, start.anchor))
-
-
-def modes(chain, velocity):
-    built, y = system(chain, velocity)
-    everywhere = np.ones(chain.contacts, dtype=bool)
-    mode = switched_modes(built, y, np.full(chain.contacts, OPEN, dtype=np.int8), everywhere)
-    return mode.tolist(), Phase.of(built, mode).force(y[: chain.contacts])
+def ended(chain, velocity, duration=None):
+    """The end of a motion by the reference, as fine as it can be."""
+    return simulate(chain, velocity, duration, "scipy", samples=2, tolerance=1e-11)
 
 
 def test_an_alpha_of_a_thirtieth_is_no_hindrance():
@@ -122,7 +121,7 @@ def test_beads_at_rest_stay_at_rest():
 
 
 def test_running_out_of_phases_is_a_value(monkeypatch):
-    monkeypatch.setattr(softcradle.physics.reference.scipy_runner, "MOST_PHASES", 3)
+    monkeypatch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 3)
     with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = .* 3 changes of contacts"):
         found = simulate(cluster_on_cluster(2, 3, hertz(1.0)), [1, 1, 0, 0, 0], method="scipy")
     assert len(found.warnings) == 1
@@ -154,38 +153,89 @@ def test_scales_of_length_and_time_do_not_matter(method):
     assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)
 
 
-def threads() -> set[int]:
-    """Of all copies of BLAS in this process."""
-    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+@pytest.mark.parametrize("law", LOSSY)
+def test_loss_takes_its_part_of_the_energy(law):
+    """Restitution sqrt(1 - loss), whatever the law and the masses."""
+    restitution = math.sqrt(0.7)
+    found = ended(Chain([1.0, 2.0], LOSSY[law]), [1.0, 0.0])
+    assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=1e-11)
 
 
-def test_dense_solves_run_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: set[int] = set()
-    solved = stage_equations.solved
-
-    def watched(*arguments: object) -> object:
-        seen.update(threads())
-        return solved(*arguments)
-
-    monkeypatch.setattr(stage_equations, "solved", watched)
-    with threadpool_limits(limits=2, user_api="blas"):
-        before = threads()
-        found = simulate(
-            Chain([1.0] * 3, hertz(1.0, loss=0.1)), [1.0, 0.0, 0.0], method="scipy", tolerance=1e-4, samples=2
-        )
-        assert threads() == before
-    assert seen == {1}
-    assert np.isfinite(found.final_velocity).all()
+def test_friction_brings_a_bead_to_rest():
+    chain = Chain([1.0, 2.0], hertz(3.0), gap=100.0, friction=0.3)
+    assert ended(chain, [1.0, 0.0], 0.1).final_velocity == pytest.approx([1.0 - 0.03 * GRAVITY, 0.0], abs=1e-13)
+    found = ended(chain, [1.0, 0.0])
+    assert found.final_velocity.tolist() == [0.0, 0.0]
+    assert found.time[-1] == pytest.approx(1.0 / (0.3 * GRAVITY), rel=1e-12)
 
 
-def test_threads_come_back_when_the_last_run_is_over() -> None:
-    """Runs of an ensemble overlap: the first to end gave threads back to the others, and their last digits changed."""
-    with threadpool_limits(limits=2, user_api="blas"):
-        before = threads()
-        first, second = one_thread(), one_thread()
-        first.__enter__()
-        second.__enter__()
-        first.__exit__(None, None, None)
-        assert threads() == {1}
-        second.__exit__(None, None, None)
-        assert threads() == before
+def test_a_bead_slides_after_it_stuck():
+    """The bed holds a bead until a gear, pressed slowly by the next bead, pushes with more than friction."""
+    chain = Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2)
+    still = ended(Chain([1.0, 1.0], hooke(10.0), drive=[0.99 * 0.2 * GRAVITY, 0.0], friction=0.2), [0, 0], 3.0)
+    assert still.final_velocity.tolist() == [0.0, 0.0]
+    found = ended(chain, [0.0, 0.0], 3.0)
+    # one bead swings about its balance under the spring alone, from rest to rest: it never pushes with 2 * 0.2 mu g
+    frequency, force = math.sqrt(10.0), 0.2 * 0.2 * GRAVITY
+    assert found.final_velocity[1] == 0.0
+    turn = math.pi / frequency
+    assert turn < 3.0
+    assert ended(chain, [0.0, 0.0], turn / 2).final_velocity[0] == pytest.approx(force / frequency, abs=1e-12)
+    assert found.final_velocity[0] == 0.0  # friction holds it where it turns
+
+
+def test_steady_forces_bring_a_bead_back_to_a_wall():
+    """It flies up, touches the ceiling for milliseconds and falls: energy and the swing in the spring give its end."""
+    gravity, stiffness = 9.8, 1e6
+    chain = Chain([1.0, math.inf], hooke(stiffness), gap=4.9, drive=[-gravity, 0.0])
+    found = ended(chain, [10.0, 0.0], 5.0)
+    speed, frequency = math.sqrt(10.0**2 - 2 * gravity * 4.9), math.sqrt(stiffness)
+    contact_time = 2 * math.atan(speed * frequency / gravity) / frequency
+    fall = 5.0 - (10.0 - speed) / gravity - contact_time
+    assert found.final_velocity[0] == pytest.approx(-speed - gravity * fall, abs=1e-11)
+
+
+def test_touching_contacts_are_pulled_apart():
+    found = ended(Chain([1.0, 1.0], hooke(1.0), drive=[-1.0, 0.0]), [0.0, 0.0], 1.0)
+    assert found.final_velocity == pytest.approx([-1.0, 0.0], abs=1e-15)
+
+
+def test_samples_obey_the_ledger_of_energy():
+    """With friction, loss and a brake over time; contacts close and open, and all beads come to rest."""
+    chain = Chain(
+        [1.0, 2.0, 1.0], [hertz(100.0, 0.3), draft_gear(50.0, 0.01, 0.5)], [0.1, 0.0], friction=0.1,
+        brakes=TimedForce(1, [0.0, 0.2, 0.3], [0.0, 2.0, 0.5]),
+    )  # fmt: skip
+    found = simulate(chain, [1.0, 0.0, 0.0], method="scipy", samples=41)
+    assert found.ledger == pytest.approx(np.full(41, found.ledger[0]), rel=1e-9)
+    assert not found.velocity[-1].any()
+    assert found.absorbed_by_contacts[-1] > 0.0
+    assert found.absorbed_by_bed[-1] > 0.0
+    assert len(found.contact_intervals[0]) >= 1
+
+
+def test_parts_of_a_coupler_that_only_together_are_determined():
+    """Both gears of a coupler touch at the same overlap: the force between the beads is one, whichever part carries it."""
+    link = Coupler(draft_gear(100.0, 0.05), pull=draft_gear(80.0, 0.05))
+    chain = Chain([1.0, 2.0, 3.0], link, drive=[3.0, 0.0, 0.0])
+    found = ended(chain, [0.0, 0.0, 0.0], 2.0)
+    assert found.final_velocity == pytest.approx([1.0, 1.0, 1.0], abs=1e-12)
+    assert found.force[-1] == pytest.approx([2.5, 1.5], abs=1e-9)
+
+
+def test_a_touch_within_one_step_is_not_passed_over():
+    """Steps of a flight are as long as it is; a bead thrown at a ceiling comes down at the speed at which it left."""
+    for speed in (3.1, 5.0, 8.0):
+        chain = Chain([1.0, math.inf], hertz(1e6), gap=0.5 * 3.0**2 / 9.8, drive=[-9.8, 0.0])
+        touched = ended(chain, [speed, 0.0], 2.0 * speed / 9.8)
+        assert len(touched.contact_intervals[0]) == 1
+
+
+def test_a_law_of_ones_own_is_what_it_is_as_a_power_law():
+    """On a bed, beside loss and a coupler: whatever the reference carries, it carries together."""
+    link = Coupler(draft_gear(100.0, 0.05, 0.2), pull=hooke(30.0), slack=0.02)
+    ends = [
+        ended(Chain([1.0, 2.0, 1.0, 1.5], [law, hertz(50.0, 0.3), link], friction=0.05), [1.0, 0.5, 0.0, 0.0], 0.4)
+        for law in (OwnLaw(lambda overlap: 20.0 + 100.0 * overlap), Contact(20.0, 100.0, 1.0))
+    ]
+    assert ends[0].final_velocity == pytest.approx(ends[1].final_velocity, abs=1e-9)

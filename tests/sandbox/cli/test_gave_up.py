@@ -12,7 +12,7 @@ GIVES_UP = ("--method", "verlet", "--step", "1e-12")
 @pytest.fixture(autouse=True)
 def few_steps(monkeypatch):
     """A thousand steps of a picosecond end long before the beads touch."""
-    monkeypatch.setattr(runner, "MOST_STEPS", 1000)
+    monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
 
 
 def test_run_marks_the_velocities(capsys):

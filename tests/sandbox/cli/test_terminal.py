@@ -11,8 +11,8 @@ import pytest
 from rich.console import Console
 from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox import console
+from softcradle.sandbox.cli.commands.run import print_report
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.cli.result_tables import print_report
 from softcradle.sandbox.console import print_table, set_quiet, table
 from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.trajectory_summary import summarise
@@ -54,7 +54,7 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
     scene = load_scene("one-on-four")
     summary = summarise("lane", run_scene(scene, method="verlet", step=1e-2)[0])
     output = terminal(width)
-    monkeypatch.setattr("softcradle.sandbox.cli.result_tables.console", lambda: output)
+    monkeypatch.setattr("softcradle.sandbox.cli.commands.run.console", lambda: output)
     print_report(scene, [summary])
     text = shown(output)
     assert "…" not in text

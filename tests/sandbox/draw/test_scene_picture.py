@@ -12,12 +12,12 @@ from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.curve_panels import ticks_apart
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
+from softcradle.sandbox.draw.number_format import spread
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
-from softcradle.sandbox.label_places import spread
 from softcradle.scenes.catalogue import parse
 
 SIZE = (960, 540)

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from softcradle.physics.state import from_anchor
-from softcradle.sandbox.page.packed_motion import LINE_ERROR, SAME_DEPTH, needed_rows, packed_lanes
+from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, needed_rows, packed_lanes
 from softcradle.sandbox.page.played_motion import played_motion
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, axis_range, line_chart
@@ -87,8 +87,8 @@ def test_what_rests_is_at_rest():
 
 
 def test_what_is_too_much_for_a_page_is_a_sentence(monkeypatch):
-    monkeypatch.setattr("softcradle.sandbox.page.packed_motion.USUAL_BYTES", 400)
-    monkeypatch.setattr("softcradle.sandbox.page.packed_motion.MOST_BYTES", 500)
+    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 400)
+    monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
     motion = played("one-on-four")
     with pytest.raises(UserError, match="5 beads is too much for one page"):
         packed_lanes(motion.motions, motion.scales)
@@ -97,7 +97,7 @@ def test_what_is_too_much_for_a_page_is_a_sentence(monkeypatch):
 def test_a_motion_that_needs_too_many_samples_gets_coarser_ones(monkeypatch):
     motion = played("one-on-four")
     (fine,) = packed_lanes(motion.motions, motion.scales)
-    monkeypatch.setattr("softcradle.sandbox.page.packed_motion.USUAL_BYTES", 8000)
+    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 8000)
     (coarse,) = packed_lanes(motion.motions, motion.scales)
     assert coarse["rows"] < fine["rows"]
     assert len(coarse["data"]) <= 8000 * 4 / 3 + 4

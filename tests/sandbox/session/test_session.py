@@ -5,13 +5,11 @@ import re
 import numpy as np
 import pytest
 from softcradle.physics import simulate
-from softcradle.physics.reference.extended_precision import ExtendedRun
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.session import RemoveBead, SetMass, SetMethod, SetSlow, SetVelocity
+from softcradle.sandbox.session import RemoveBead, SetMass, SetMethod, SetSlow, SetVelocity, live_lane
 from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
-from softcradle.sandbox.session.live_lane import REFERENCE_WORK
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import describe
 
@@ -219,30 +217,26 @@ def test_an_impact_is_given_once():
 FRAMES = 6
 
 
-@pytest.mark.parametrize(
-    ("scene", "told"), [("train-solid", False), ("train-shunting", True), ("train-starting", True)]
-)
-def test_the_reference_takes_a_bounded_work_in_a_frame(scene: str, told: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Frames of trains took it seconds. What it does not finish is moved on by `conserving`, and the lane says so."""
-    taken, step = [0], ExtendedRun.step
-
-    def counted(run: ExtendedRun, end: float) -> None:
-        taken[-1] += 1
-        step(run, end)
-
-    monkeypatch.setattr(ExtendedRun, "step", counted)
+@pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
+def test_the_reference_plays_trains(scene: str) -> None:
+    """Frames of trains took it seconds, and more than it may."""
     session = opened(scene)
     for lane in range(len(session.lanes)):
         session.apply(SetMethod(lane, "scipy"))
-    for _ in range(FRAMES):  # a warning stays for longer
-        taken.append(0)
+    for _ in range(FRAMES):
         session.step_frames(1)
-    most = sum(max(1, REFERENCE_WORK // lane.chain.contacts) for lane in session.lanes)
-    assert max(taken) <= most + len(session.lanes)
+        assert not any(lane.warning for lane in session.lanes)
+
+
+def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it does not finish is moved on by `conserving`, and the lane says so."""
+    monkeypatch.setattr(live_lane, "REFERENCE_STEPS", 5)
+    session = opened("train-shunting")
+    session.apply(SetMethod(0, "scipy"))
+    session.step_frames(FRAMES)
     assert session.time == pytest.approx(FRAMES * session.setup.frame_time)
-    assert all(np.isfinite(lane.velocity).all() for lane in session.lanes)
-    if told:
-        assert any("gave up" in lane.warning for lane in session.lanes)
+    assert np.isfinite(session.lanes[0].velocity).all()
+    assert "gave up" in session.lanes[0].warning
 
 
 def test_a_collision_is_told_in_words():

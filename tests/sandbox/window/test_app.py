@@ -11,12 +11,14 @@ from pathlib import Path
 import pygame
 import pytest
 from pygame_gui.core.utility import translate
+from pygame_gui.elements import UITooltip
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.window.display import SMALLEST
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import Settings, settings_path
 
 from softcradle import scenes
+from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 from tools import screenshots
 
@@ -33,6 +35,51 @@ def test_help_covers_the_page_and_is_closed_by_a_key_and_the_loop_ends(driver: D
     pygame.event.post(pygame.Event(pygame.QUIT))
     driver.app.run()
     assert not driver.app.running
+
+
+def shown_help(driver: Driver) -> dict[str, pygame.Rect]:
+    with drawn_texts(driver.app.size) as texts:
+        driver.app.paint()
+    return {one.text: one.rect for one in texts}
+
+
+def test_the_help_grows_with_the_scale_and_is_scrolled(driver: Driver) -> None:
+    driver.key(pygame.K_F1)
+    high = shown_help(driver)["Keys and mouse"].height
+    driver.app.scale = 1.3
+    driver.app.rebuild()
+    assert shown_help(driver)["Keys and mouse"].height > 1.2 * high
+    last = max(rect.bottom for rect in shown_help(driver).values())
+    assert last > driver.app.size[1]
+    for _ in range(40):
+        driver.key(pygame.K_DOWN)
+    texts = shown_help(driver)
+    assert max(rect.bottom for rect in texts.values()) < driver.app.size[1]
+    assert texts["Keys and mouse"].bottom < 0
+    for _ in range(40):
+        driver.key(pygame.K_PAGEUP)
+    assert shown_help(driver)["Keys and mouse"].top > 0
+    assert driver.app.help
+
+
+def tips(driver: Driver) -> list[str]:
+    root = driver.app.manager.get_root_container()
+    return [one.text_block.html_text for one in root.elements if isinstance(one, UITooltip)]
+
+
+def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -> None:
+    play = driver.page.time_controls.buttons["play_pause"].rect.center
+    driver.move(driver.page.toolbar.buttons["tools"].rect.center)
+    driver.frames(90)
+    assert tips(driver)
+    driver.key(pygame.K_F10)
+    assert driver.app.dialog.open
+    assert not tips(driver)
+    driver.key(pygame.K_ESCAPE)
+    driver.click(play)
+    driver.app.rebuild()  # as the card at the end does
+    driver.frames(120)
+    assert not tips(driver)
 
 
 def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -> None:
@@ -109,3 +156,22 @@ def test_a_person_s_settings_are_neither_shown_nor_changed(monkeypatch, tmp_path
     assert path != settings_path()
     assert not path.exists()
     assert settings_path().read_bytes() == before
+
+
+@pytest.mark.parametrize("start", ["one-on-four", "hanging-cradle"])
+@pytest.mark.parametrize(("scale", "text"), [(1.0, "short"), (1.0, "word " * 60), (2.0, "word " * 12)])
+def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale: float, text: str) -> None:
+    driver = Driver(start)
+    driver.app.scale = scale
+    driver.app.rebuild()
+    for number in range(3):
+        driver.app.messages.show(f"{number} {text}")
+    driver.frames(2)
+    page = driver.app.page
+    footer = page.view.places.footer if start == "one-on-four" else page.places.footer
+    places = driver.app.messages._places
+    assert "2 " in places[0][1].text
+    for rect, _message in places[: 1 if len(text) > 100 else None]:
+        assert footer.top - 60 * driver.app.unit * (len(text) > 100) <= rect.top
+        assert rect.bottom <= footer.bottom
+        assert not any(rect.colliderect(one.rect) for one in page.time_controls.buttons.values())

@@ -45,9 +45,7 @@ def test_all_kernels_are_loaded_and_jobs_done_between():
     while not warmup.deliver():
         pass
     assert done == [7]
-    assert all(
-        warmup.is_warm(method, kind) for method in ("conserving", "accurate", "pymunk") for kind in (False, True)
-    )
+    assert all(map(warmup.is_warm, ("conserving", "accurate", "pymunk")))
 
 
 def test_without_machine_code_few_contacts_in_few_steps_can_be_moved(monkeypatch):
@@ -61,7 +59,7 @@ def test_without_machine_code_few_contacts_in_few_steps_can_be_moved(monkeypatch
     steps = dissipative.setup.frame_time / lane.setup.step_for(dissipative.setup.frame_time)
     light = steps * lane.chain.contacts <= PLAIN_FRAME
     assert warmup.can_move(dissipative.lanes, dissipative.setup.frame_time) == light
-    monkeypatch.setattr(TIERS["fixed-step-dissipative"], "_loaded", True)
+    monkeypatch.setattr(TIERS["fixed-step"], "_loaded", True)
     assert warmup.can_move(dissipative.lanes, dissipative.setup.frame_time)
     assert warmup.can_move(dissipative.lanes, time, "pymunk"), "it has nothing to load"
 

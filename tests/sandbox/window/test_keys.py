@@ -10,8 +10,8 @@ from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, gettext, use_language
 from softcradle.sandbox.window.gallery.page import GalleryPage
-from softcradle.sandbox.window.keys import COLUMN, COLUMNS, CTRL, KEYS_ROOM, MOUSE, SHIFT, action_of, bindings, groups
-from softcradle.sandbox.window.widgets import KEYS, Slider
+from softcradle.sandbox.window.keys import COLUMN, CTRL, KEYS_ROOM, MOUSE, ORDER, SHIFT, action_of, bindings, groups
+from softcradle.sandbox.window.widgets import KEYS, REPEAT, Slider
 
 from tests.helpers.windows import Driver
 
@@ -116,7 +116,7 @@ def test_bare_letters_edit_what_is_selected_alone(driver: Driver) -> None:
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_every_group_is_shown_and_every_text_fits_into_its_column(code):
-    assert sorted(name for column in COLUMNS for name in column) == sorted([*groups(), "Mouse"])
+    assert sorted(ORDER) == sorted([*groups(), "Mouse"])
     use_language(code)
     bindings = [binding for group in groups().values() for binding in group]
     texts = [gettext(text) for text in [binding.text for binding in bindings] + [text for _, text in MOUSE]]
@@ -207,3 +207,10 @@ def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
     driver.frames(2)
     assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
     assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
+
+
+def test_keys_that_are_held_repeat_after_something_was_typed(driver: Driver) -> None:
+    driver.click(driver.bead(1))
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.key(pygame.K_RETURN)
+    assert pygame.key.get_repeat() == REPEAT

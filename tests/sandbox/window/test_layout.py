@@ -44,6 +44,12 @@ def _film(driver: Driver) -> None:
     driver.app.rebuild()
 
 
+def _end(driver: Driver) -> None:
+    """The card below the beads."""
+    _select(driver, None)
+    driver.page.outcome.show_outcome()
+
+
 PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
     "gallery": (None, lambda driver: None),
     "scene": ("one-on-four", lambda driver: _select(driver, None)),
@@ -60,6 +66,8 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
     ),
     "values of a train": ("train-braking", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True, values=True)),
     "film": ("three-on-five", _film),
+    "the end": ("two-on-two", _end),
+    "the end of two": ("steel-and-soft", _end),
     "cradle": ("hanging-cradle", lambda driver: None),
     "question": (
         "one-on-four",

@@ -114,10 +114,10 @@ def test_without_the_reference_two_ways_to_the_truth_agree(definitions):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["one-on-5", "one-on-10", "hertz-100", "gear-above"])
 def test_every_truth_is_from_outside(definitions, name):
-    """Half a minute of the reference each, the gears a second; two of our own methods are as near as they say."""
+    """Up to half a minute of the reference each; two of our own methods are as near as they say."""
     solved, ours = definitions[name].solve(), definitions[name].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
-    assert "reference in extended precision" in solved.source
+    assert "scipy at" in solved.source
     assert solved.error(ours.truth) < 3.0 * (ours.uncertainty + solved.uncertainty)
 
 

@@ -9,8 +9,7 @@ from pathlib import Path
 import pygame
 import pytest
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.gallery.page import GalleryPage
-from softcradle.sandbox.window.gallery.sections import SECTIONS
+from softcradle.sandbox.window.gallery.page import SECTIONS, GalleryPage
 
 from softcradle import scenes
 from tests.helpers.windows import Driver
@@ -119,6 +118,18 @@ def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
     track, knob = page.grid._bar()
     gallery.pull(knob.center, (knob.centerx, track.bottom))
     assert page.place(len(page.names) - 1).bottom <= gallery.app.size[1]
+
+
+def test_captions_are_whole_sentences(gallery: Driver) -> None:
+    page, texts = gallery.app.page, gallery.texts()
+    for k in range(4):
+        title, *lines = [one.text for one in texts if page.place(k).collidepoint(one.rect.center)]
+        scene = page.scenes[page.names[k]]
+        said = " ".join(lines[:-1])
+        assert title == scene.title
+        assert scene.text.startswith(said)
+        assert said.endswith(".")
+        assert scene.source.startswith(lines[-1])
 
 
 def test_thumbnails_of_others_have_other_files_and_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):

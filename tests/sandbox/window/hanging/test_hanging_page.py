@@ -5,6 +5,7 @@ from __future__ import annotations
 import pygame
 import pygame_gui
 import pytest
+from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.window.hanging.cradle import LAWS, HangingModel
 from softcradle.sandbox.window.hanging.page import HangingPage, to_screen
 from softcradle.sandbox.window.scene.page import ScenePage
@@ -82,3 +83,51 @@ def test_balls_that_have_passed_each_other_are_a_fault():
     assert "passed each other" in model.cradles[0].verdict().sentence
     model.restart()
     assert model.cradles[0].verdict().level == "good"
+
+
+def state(model: HangingModel) -> list[object]:
+    moving = [[(*ball.position, *ball.velocity) for ball in cradle.balls] for cradle in model.cradles]
+    return [model.time, model.law, moving, [cradle.energy() for cradle in model.cradles]]
+
+
+def test_throws_choices_and_restarts_are_undone():
+    """To the last digit, and what follows as well."""
+    driver = Driver("hanging-cradle")
+    page = driver.app.page
+    driver.key(pygame.K_SPACE)
+    driver.frames(70)
+    driver.key(pygame.K_SPACE)
+    before, expected = state(page.model), page.model.copy()
+    expected.advance(0.5)
+    ball = to_screen(page.pictures[0], page.model.cradles[0].places()[4])
+    driver.drag(ball, (ball[0] + 60, ball[1] - 40), steps=5)
+    driver.release(ball)
+    driver.frames(20)
+    driver.key(pygame.K_SPACE)
+    driver.key(pygame.K_r)
+    menu = page.menus["law"]
+    pygame.event.post(pygame.Event(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text="draft gear"))
+    driver.frames(2)
+    for _ in range(3):
+        assert state(page.model) != before
+        driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert state(page.model) == before
+    page.model.advance(0.5)
+    assert state(page.model) == state(expected)
+    assert page.menus["law"].selected_option[0] == "steel balls (Hertz)"
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert driver.messages == ["nothing to undo"]
+
+
+def test_balls_are_numbered_as_beads_are():
+    """The picture of a ball is not that of its neighbour with another colour: the number is light on dark, or dark on light."""
+    driver = Driver("hanging-cradle")
+    page, surface = driver.app.page, driver.app.surface
+    for number, (place, colour) in enumerate(zip(page.model.cradles[0].places(), bead_colours(5), strict=True)):
+        centre = to_screen(page.pictures[0], place)
+        box = pygame.Rect(0, 0, 14, 14)
+        box.center = round(centre[0]), round(centre[1])
+        pixels = {
+            tuple(surface.get_at((x, y))[:3]) for x in range(*(box.left, box.right)) for y in range(box.top, box.bottom)
+        }
+        assert any(sum(abs(a - b) for a, b in zip(one, colour, strict=True)) > 150 for one in pixels), number

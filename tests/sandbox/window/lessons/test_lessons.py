@@ -125,3 +125,16 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     assert driver.app.dialog.note.startswith("You predicted: all")
     driver.key(pygame.K_ESCAPE)
     assert "They all go." in drawn(driver)
+
+
+def test_a_text_is_typed_in_several_lines_and_kept_as_one(driver: Driver) -> None:
+    driver.key(pygame.K_F4)
+    box = driver.app.dialog.entries["text"]
+    assert len(box.text_box_layout.layout_rows) > 2
+    assert box.rect.height > 2 * driver.app.dialog.entries["title"].rect.height
+    driver.key(pygame.K_TAB)
+    driver.key(pygame.K_END, pygame.KMOD_CTRL)
+    box.set_text("They go\non.")
+    driver.type(" All")
+    driver.key(pygame.K_RETURN)
+    assert driver.session.scene.text == "They go on. All"

@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.session.inputs import SetContact, SetMass, SetMethod, SetStep
 from softcradle.sandbox.session.lane_setup import setup_of
 from softcradle.sandbox.window.scene.editor import Pick
-from softcradle.sandbox.window.scene.sweep_board import COUNT, SweepBoard
+from softcradle.sandbox.window.scene.inspector import COUNT, SweepBoard
 from softcradle.sandbox.window.widgets import number
 
 from softcradle import scenes

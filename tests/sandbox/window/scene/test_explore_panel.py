@@ -131,3 +131,80 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
             made.app.paint()
         said = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
         assert ("rigid-like, not rigid" in said) == cut
+
+
+def played_to_the_end(driver: Driver) -> None:
+    """Play until the card below the beads is there."""
+    if not driver.session.playing:
+        driver.key(pygame.K_SPACE)
+    driver.until(lambda: driver.page.outcome.text, most=900)
+    driver.frames(2)
+
+
+@pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
+@pytest.mark.parametrize(("size", "scale"), [((1280, 720), 1.0), ((1024, 600), 1.0), ((1920, 1080), 2.0)], ids=str)
+@pytest.mark.parametrize("compared", [False, True], ids=["one row", "two rows"])
+def test_the_card_at_the_end_leaves_room_for_beads_and_forces(
+    size: tuple[int, int], scale: float, lab: bool, compared: bool
+) -> None:
+    driver = Driver("one-on-four", size=size, lab=lab)
+    driver.app.scale = scale
+    driver.app.rebuild()
+    if compared:
+        driver.app.act("compare_balls")
+    played_to_the_end(driver)
+    driver.page.outcome.show_forces()
+    driver.frames(2)
+    view, card, unit = driver.page.view, driver.page.outcome._rect, driver.app.unit
+    assert card.height
+    assert card.bottom <= view.places.footer.top
+    assert not any(card.colliderect(rect) for row in view.places.plots for rect in row)
+    for lane in view.lanes:
+        drawing = lane.drawing
+        assert drawing.rect.bottom <= card.top
+        assert drawing.rect.height >= (110 if compared else 180) * unit
+    drawing = view.lanes[0].drawing
+    greatest = float(driver.session.lanes[0].state.force.max())
+    if not compared:  # the rigid marks are at 3/4, 1/2, 1/4
+        assert drawing.bar_base - drawing._bar_top(greatest) > 50 * unit
+
+
+def test_at_the_end_plots_show_all_that_was_played(explorer: Driver) -> None:
+    played_to_the_end(explorer)
+    span, session = explorer.page.board.span, explorer.session
+    assert span.x(0.0) >= 0.0
+    assert span.x(session.time) <= span.width
+    seconds = span.seconds
+    explorer.key(pygame.K_SPACE)
+    explorer.frames(2)
+    assert explorer.page.board.span.seconds < seconds
+
+
+def test_the_card_says_in_few_words_what_happened_in_each_row(explorer: Driver) -> None:
+    played_to_the_end(explorer)
+    assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in explorer.page.outcome.text
+    explorer.app.act("compare_balls")
+    explorer.frames(2)
+    played_to_the_end(explorer)
+    soft, steel = explorer.page.outcome.text.split("\n")
+    assert "go together" in soft
+    assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")
+
+
+def test_back_to_one_row_with_its_words_and_what_was_changed_meanwhile(explorer: Driver) -> None:
+    before = explorer.session.scene
+    explorer.app.act("compare_balls")
+    explorer.frames(2)
+    explorer.session.pause()
+    typed(explorer, "speed", "2")
+    button = next(one for one in explorer.page.explore.buttons if one.text == "Back to one row")
+    explorer.click(button.rect.center)
+    explorer.frames(2)
+    scene = explorer.session.scene
+    assert (scene.title, scene.text, scene.question) == (before.title, before.text, before.question)
+    assert len(explorer.session.lanes) == 1
+    assert explorer.session.lanes[0].velocity.tolist() == [2.0, 0.0, 0.0, 0.0, 0.0]
+    assert explorer.page.unsaved
+    explorer.app.act("compare_balls")
+    explorer.frames(2)
+    assert len(explorer.session.lanes) == 2

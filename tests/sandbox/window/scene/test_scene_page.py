@@ -76,7 +76,7 @@ def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     driver = Driver("one-on-four")
-    monkeypatch.setattr(TIERS["fixed-step-dissipative"], "_loaded", False)
+    monkeypatch.setattr(TIERS["fixed-step"], "_loaded", False)
     monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)
     driver.session.apply(SetFriction(0, 0.1))
     driver.session.play()

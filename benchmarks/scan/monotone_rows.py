@@ -21,7 +21,8 @@ from softcradle.physics.chain import GRAVITY, Chain, Joint
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import OwnLaw
-from softcradle.physics.reference.collocation import Array, Extended
+
+from benchmarks.scan.collocation import Array, Extended
 
 Branches = NDArray[np.int8]
 
@@ -210,5 +211,5 @@ def _response(joint: NDArray[np.intp], side: Array, inverse_mass: Array, on_bed:
 def _parts(contact: Joint) -> tuple[tuple[Contact, float, float], ...]:
     """(law, side, origin) of the contacts between two neighbours."""
     if isinstance(contact, OwnLaw):
-        raise ValueError(f"the reference takes no law of your own on a bed or with loss, {contact.name!r}")
+        raise ValueError(f"the reference in extended precision takes no law of your own, {contact.name!r}")
     return contact.parts if isinstance(contact, Coupler) else ((contact, 1.0, 0.0),)

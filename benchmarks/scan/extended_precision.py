@@ -11,13 +11,14 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.reference.collocation import EPSILON, Array, Extended, tableau
-from softcradle.physics.reference.monotone_rows import HELD, OPEN, PRESSED, STICKS, TOUCHING, Rows
 from softcradle.physics.reference.spans import Span
-from softcradle.physics.reference.stage_equations import Point, Stages
-from softcradle.physics.reference.step_checks import hides_switch, local_error, next_corner
 from softcradle.physics.state import State
+
+from benchmarks.scan.collocation import EPSILON, Array, Extended, Tableau, tableau
+from benchmarks.scan.monotone_rows import HELD, OPEN, PRESSED, RELEASED, STICKS, TOUCHING, Branches, Rows
+from benchmarks.scan.stage_equations import Point, Stages
 
 STAGES = 7  # of a step: order 13
 GROWTH, SAFETY = 4.0, 0.8  # of successive steps; of the step that the local error allows
@@ -31,10 +32,54 @@ FIRST_STEPS = 2  # of a run: before them the branches of rows at rest are not ye
 ROUND_OFF = 64.0 * EPSILON  # of the speed, and of the depth that the quickest contact reaches: no gap, and no closing
 NO_STEP = 1e-6  # of the crossing step: where not even a step so short converges, the run gives up
 MOST_STEPS = 20_000  # of a run, rejected ones included
+NEVER = np.inf
+APPROACH = 15.0 / 16.0  # of the time to a corner: the longest step towards it
+STANDS = 0.01  # of the velocity that a crossing may move: a contact that turns slower stands still
+SLOW = 1e-9  # of the speed scale: loaded contacts that open slower than this are not landed upon, only followed
 
 
 class ReferenceGaveUpError(Exception):
     """The reference has not reached the end within its steps."""
+
+
+@dataclass(frozen=True)
+class ReferenceEnd:
+    """Where a chain ends, with what is known of the error.
+
+    Attributes:
+        velocity: (n+1,) final velocities [m/s].
+        time: of the end [s].
+        error: [m/s] largest difference of a velocity from that of a run with fewer stages and a tenfold tolerance, and the
+            tolerance of the finer run.
+        steps: of both runs.
+    """
+
+    velocity: NDArray[np.float64]
+    time: float
+    error: float
+    steps: int
+
+
+def reference_end(
+    chain: Chain,
+    velocity: ArrayLike,
+    duration: float | None = None,
+    tolerance: float = 1e-13,
+    most_steps: int = MOST_STEPS,
+) -> ReferenceEnd:
+    """Final velocities of `chain` in extended precision, with their error.
+
+    Raises:
+        ReferenceGaveUpError: the motion takes more than `most_steps` steps.
+    """
+    state = State.at_start(chain, velocity)
+    fine = ExtendedRun(chain, state, tolerance, most_steps=most_steps)
+    fine.until(math.inf if duration is None else duration)
+    coarse = ExtendedRun(chain, state, 10.0 * tolerance, STAGES - 2, most_steps)
+    coarse.until(float(fine.time) if duration is None else duration)
+    apart = float(np.abs(fine.point.velocity - coarse.point.velocity).max())
+    error = apart + tolerance * fine.speed
+    return ReferenceEnd(fine.point.velocity.astype(np.float64), float(fine.time), error, fine.steps + coarse.steps)
 
 
 @dataclass
@@ -54,9 +99,7 @@ class ExtendedRun:
     stages: int = STAGES
     most_steps: int = MOST_STEPS
     time: Extended = field(init=False)
-    position: Array = field(init=False)
     point: Point = field(init=False)
-    taken: Array = field(init=False)
     steps: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
@@ -64,14 +107,13 @@ class ExtendedRun:
         self.steady = self.rows = Rows.of(chain, state.external(chain))
         self.tableau, self.span = tableau(self.stages), Span.at(chain, state.time)
         self.rows = self._rows(state.time)
-        self.time, self.position = Extended(state.time), state.position(chain).astype(Extended)
-        self.taken = state.taken.astype(Extended)
+        self.time = Extended(state.time)
         self.point = _first_point(self.rows, chain, state)
         rows = self.rows
         if chain.forces:
             strongest = max(chain.drives, key=lambda force: float(np.abs(force).max()))
             rows = replace(rows, external=strongest.astype(Extended))
-        self.speed, self.quickest = _scales(rows, self.point, self.position)
+        self.speed, self.quickest = _scales(rows, self.point, state.position(chain))
         self.length = 1e-3 * self.tolerance * self.quickest
 
     def until(self, end: float) -> None:
@@ -114,15 +156,6 @@ class ExtendedRun:
             point.side = np.where(braked, point.side, np.sign(point.velocity).astype(np.int8))
             friction = np.where(point.side == STICKS, point.friction, point.side * self.rows.bed)
             point.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
-
-    def reached(self) -> State:
-        """Where the run is, in double precision."""
-        point, anchor = self.point, self.chain.anchor
-        rows, first = self.rows, np.unique(self.rows.joint, return_index=True)[1]  # the pushing part tells of the joint
-        values = point.overlap[first], point.rate[first], rows.on_joints(point.force)
-        overlap, rate, force = (v.astype(np.float64) for v in values)
-        lead = np.array([float(self.position[anchor]), float(point.velocity[anchor])])
-        return State(float(self.time), overlap, rate, lead, force, taken=self.taken.astype(np.float64))
 
     def _rests(self) -> bool:
         """Whether no bead moves and none is accelerated: under steady forces it stays so."""
@@ -219,23 +252,13 @@ class ExtendedRun:
             raise ReferenceGaveUpError(f"at t = {float(self.time):.6g} s: no step converges")
 
     def _take(self, stages: Point, h: Extended, rows: Rows) -> None:
-        acceleration = rows.acceleration(stages.force, stages.friction)
-        rule = tableau(stages.force.shape[0])
-        moved = h * self.point.velocity + h * h * (rule.twice[-1] @ acceleration)
-        before, self.point, at_start = self.point, stages.last(), self.rows
+        before, self.point = self.point, stages.last()
         if rows is not self.rows:
             self.rows = self._rows(self.time + h)
-        self._round_to_rest(before, moved)
-        self._absorb(before, moved, at_start)
-        if rows is not at_start:  # what forces do beyond those at the start
-            weight, finite = h * rule.once[-1], rows.inverse_mass > 0.0
-            push = (rows.external - at_start.external) * stages.velocity
-            self.taken[2] += weight @ push[:, finite].sum(axis=1)
-            if rows.bed.size:
-                self.taken[1] += weight @ ((rows.bed - at_start.bed) * np.abs(stages.velocity)).sum(axis=1)
-        self.position, self.time = self.position + moved, self.time + h
+        self._round_to_rest(before)
+        self.time = self.time + h
 
-    def _round_to_rest(self, before: Point, moved: Array) -> None:
+    def _round_to_rest(self, before: Point) -> None:
         """Set to 0 what is 0 but for round-off: velocities of beads that stick, rates of contacts that touch or are held.
 
         And gaps between beads that move side by side: a push that closes one would make it bounce at the root of the round-off.
@@ -254,9 +277,7 @@ class ExtendedRun:
         left = np.where(rests, point.velocity, 0.0)
         point.velocity -= left
         point.rate -= self.rows.closing(left)
-        stays = rests & (before.velocity == 0.0)
-        moved[stays] = 0.0
-        joint = self.rows.joint
+        stays, joint = rests & (before.velocity == 0.0), self.rows.joint
         both = stays[joint] & stays[joint + 1]
         point.overlap[both] = before.overlap[both]
         point.rate[rests[joint] & rests[joint + 1]] = 0.0
@@ -265,15 +286,6 @@ class ExtendedRun:
         side_by_side = (point.branch == OPEN) & (np.abs(point.rate) <= ROUND_OFF * self.speed)
         side_by_side &= np.abs(point.overlap) <= ROUND_OFF * self.speed * self.quickest
         point.overlap[side_by_side] = point.rate[side_by_side] = 0.0
-
-    def _absorb(self, start: Point, moved: Array, rows: Rows) -> None:
-        """Add what contacts with loss and the bed absorb in a step, and what forces over time give, by `rows` of its start."""
-        before, now = self.rows.stored(start.overlap), self.rows.stored(self.point.overlap)
-        self.taken[0] += (self.rows.loss * np.maximum(before - now, 0.0)).sum()
-        if rows.bed.size:
-            self.taken[1] += (rows.bed * np.abs(moved)).sum()
-        if self.chain.forces:
-            self.taken[2] += ((rows.external - self.steady.external) * moved)[rows.inverse_mass > 0.0].sum()
 
 
 def _first_point(rows: Rows, chain: Chain, state: State) -> Point:
@@ -315,3 +327,140 @@ def _driven_speed(rows: Rows, position: Array) -> float:
     carried = rows.inverse(np.full(rows.contacts, np.abs(rows.external).max()))
     distance = max(float(np.abs(np.diff(position)).max()), float(carried.min()))
     return math.sqrt(2.0 * push * distance) if push and distance else 1.0
+
+
+def local_error(tableau: Tableau, rows: Rows, stages: Point, h: float) -> float:
+    """Error of velocities [m/s] of a step: the last Legendre coefficients of the accelerations, continued as they decay.
+
+    The order is twice the number of coefficients; where they do not decay, as across a switch, the last is the error.
+    """
+    size = np.abs(tableau.legendre @ rows.acceleration(stages.force, stages.friction))
+    if tableau.stages < 4:
+        return float(h * size[-1].max())
+    tail, before = np.maximum(size[-1], size[-2]), np.maximum(size[-3], size[-4])
+    decay = np.minimum(1.0, tail / np.where(before > 0.0, before, 1.0))
+    return float((h * tail * decay**1.0).max())
+
+
+def hides_switch(
+    tableau: Tableau, rows: Rows, start: Point, stages: Point, h: float, slack: float, still: float
+) -> bool:
+    """Whether a guard may change its sign inside the step: one of its Bernstein coefficients has the other sign.
+
+    `slack` [m/s]: a guard of velocities that is past its zero by less does not count; nor a slide of a bead slower than `still`.
+    """
+    kinked = (rows.preload > 0.0) | (rows.loss > 0.0)
+    weight = h * rows.response.diagonal()  # change of a row's velocity by a force of 1 N
+    if _mixes(kinked, stages.branch, stages.force, weight[: kinked.size], slack):
+        return True
+    if rows.bed.size and _mixes(rows.bed > 0.0, stages.side, stages.friction, weight[kinked.size :], slack):
+        return True
+    acceleration = rows.acceleration(stages.force, stages.friction)
+    closing = rows.closing(acceleration)
+    branch = stages.branch[0]
+    overlap = h * h * (tableau.bernstein @ closing)
+    overlap += start.overlap + np.linspace(0.0, 1.0, overlap.shape[0])[:, None] * (h * start.rate)
+    reach = slack * h + 1e-18 * np.abs(start.overlap)
+    found = bool(((stages.branch == OPEN).all(axis=0) & (overlap > reach)).any())
+    found |= bool((kinked & (branch >= PRESSED) & (overlap < -reach)).any())
+    if rows.loss.any():
+        rate = start.rate + h * (tableau.bernstein_once @ closing)
+        lossy = (rows.loss > 0.0) & (start.overlap > 0.0)
+        found |= bool((lossy & (branch == PRESSED) & (rate < -slack)).any())
+        found |= bool((lossy & (branch == RELEASED) & (rate > slack)).any())
+    fixed = (branch == TOUCHING) | (branch == HELD)
+    if fixed.any():
+        force = tableau.bernstein_value @ stages.force
+        low, high = bounds(rows, start)
+        room = 1e-12 * high + slack / weight[: kinked.size]
+        found |= bool((fixed & ((force < low - room) | (force > high + room))).any())
+    if rows.bed.size:
+        side = stages.side[0]
+        velocity = start.velocity + h * (tableau.bernstein_once @ acceleration)
+        friction = tableau.bernstein_value @ stages.friction
+        bed = rows.bed if rows.bed.ndim == 1 else tableau.bernstein_value @ rows.bed
+        found |= bool((side * velocity < -still).any())
+        found |= bool(((side == STICKS) & (np.abs(friction) > bed * (1.0 + 1e-12))).any())
+    return found
+
+
+def _mixes(counts: NDArray[np.bool_], branch: Branches, dual: Array, weight: NDArray[np.float64], slack: float) -> bool:
+    """Whether rows change their branch among the stages, with forces that differ by more than `slack` [m/s]."""
+    mixed = counts & (branch != branch[0]).any(axis=0)
+    return bool((mixed & (weight * np.ptp(dual, axis=0) > slack)).any())
+
+
+def bounds(rows: Rows, point: Point) -> tuple[Array, Array]:
+    """(n,) least and largest force of contacts that touch or are held."""
+    law = rows.law(point.overlap)
+    held = point.branch == HELD
+    return np.where(held, (1.0 - rows.loss) * law, 0.0), np.where(held, law, rows.preload)
+
+
+def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: float, allowed: float) -> float:
+    """Longest next step [s] towards the first zero of a guard that its value, slope and curvature at the end foretell.
+
+    Across the onset of a force that has no corner, a step may go on that moves no velocity by more than `allowed` [m/s].
+    """
+    point = stages.last()
+    acceleration = rows.acceleration(point.force, point.friction)
+    closing = rows.closing(acceleration)
+    branch = point.branch
+    sign = np.where(branch == OPEN, 1.0, -1.0)
+    gap = sign * point.overlap
+    times = np.where(
+        (gap < 0.0) & ((branch == OPEN) | (branch >= PRESSED)) & (np.abs(point.rate) > SLOW * speed),
+        _first_roots(gap, sign * point.rate, sign * closing),
+        NEVER,
+    )
+    moved = 2.0 * times * rows.response.diagonal()[: rows.contacts] * rows.law(np.abs(gap))
+    found = float(np.where(moved <= allowed, 2.0 * times, APPROACH * times).min())
+    return min(found, APPROACH * _next_kink(tableau, rows, stages, closing, acceleration, h, allowed))
+
+
+def _next_kink(
+    tableau: Tableau, rows: Rows, stages: Point, closing: Array, acceleration: Array, h: float, allowed: float
+) -> float:
+    """Time [s] until a multiplier reaches a bound, or a rate with loss or a velocity on the bed reaches 0."""
+    point, found = stages.last(), NEVER
+    branch = point.branch
+    if rows.loss.any():
+        turning = (
+            (rows.loss > 0.0)
+            & (np.abs(point.rate) > STANDS * allowed)
+            & ((branch == PRESSED) | (branch == RELEASED))
+            & (point.overlap > 0.0)
+        )
+        toward = np.where(branch == PRESSED, -1.0, 1.0)
+        found = min(found, _ahead((toward * point.rate)[turning], (toward * closing)[turning]))
+    fixed = (branch == TOUCHING) | (branch == HELD)
+    degree = np.arange(tableau.stages)
+    at_end = (degree * (degree + 1) / h) @ tableau.legendre  # from values at the nodes to the slope at the end
+    if fixed.any():
+        low, high = bounds(rows, point)
+        slope = at_end @ stages.force
+        found = min(found, _ahead((low - point.force)[fixed], -slope[fixed]))
+        found = min(found, _ahead((point.force - high)[fixed], slope[fixed]))
+    if rows.bed.size:
+        slides, sticks = point.side != STICKS, (point.side == STICKS) & (rows.bed > 0.0)
+        found = min(found, _ahead((-point.side * point.velocity)[slides], (-point.side * acceleration)[slides]))
+        slope = at_end @ stages.friction
+        found = min(found, _ahead((point.friction - rows.bed)[sticks], slope[sticks]))
+        found = min(found, _ahead((-point.friction - rows.bed)[sticks], -slope[sticks]))
+    return found
+
+
+def _ahead(value: Array, slope: Array) -> float:
+    """First time at which a line that begins at a value < 0 reaches 0."""
+    rising = (value < 0.0) & (slope > 0.0)
+    return float((-value[rising] / slope[rising]).min()) if rising.any() else NEVER
+
+
+def _first_roots(value: Array, slope: Array, curvature: Array) -> Array:
+    """First times at which parabolas that begin at values < 0 reach 0."""
+    square = slope**2 - 2.0 * curvature * value
+    root = np.sqrt(np.maximum(square, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time = np.where(slope > 0.0, -2.0 * value / (slope + root), (root - slope) / curvature)
+    valid = (square >= 0.0) & (time > 0.0) & ((slope > 0.0) | (curvature > 0.0))
+    return np.where(valid, time, NEVER)

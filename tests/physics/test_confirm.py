@@ -8,9 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law, simulate
-from softcradle.physics.adaptive.runner import completed
-from softcradle.physics.adaptive.self_check import checked
+from softcradle.physics import Chain, Trajectory, confirm, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics.confirm import confirmed, to_its_end
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.state import State
 from softcradle.physics.status import Status
@@ -96,12 +95,17 @@ def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
     assert np.sum(mass * found.final_velocity) == pytest.approx(float(mass @ velocity), abs=1e-9)
 
 
+def grown(record: Record, growth: float) -> Record:
+    """The record, had errors grown by so much."""
+    return replace(record, growth=growth, velocity_error=growth / record.growth * record.velocity_error)
+
+
 @pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
-def test_every_run_that_confirms_is_finer(tolerance: float) -> None:
+def test_every_run_that_confirms_is_finer(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two runs as fine as each other agree, whatever both are off by: from 1e-8 the last two were both at 1e-13."""
     chain = one_on(2, hertz(1.0))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=tolerance, samples=2)
-    first, tolerances = completed(problem), [tolerance]
+    first, tolerances = to_its_end(problem), [tolerance]
 
     def another(finer: Problem) -> Record:
         tolerances.append(finer.tolerance)
@@ -109,48 +113,53 @@ def test_every_run_that_confirms_is_finer(tolerance: float) -> None:
         end.rate *= 1.0 + 0.1 * len(tolerances)
         return replace(first, end=end)
 
-    assert checked(problem, replace(first, growth=GROWN), 1.0, another).status == Status.UNDETERMINED
+    monkeypatch.setattr(confirm, "to_its_end", another)
+    assert confirmed(problem, grown(first, GROWN)).status == Status.UNDETERMINED
     assert len(tolerances) > 1
     assert all(finer < 0.5 * coarser for coarser, finer in pairwise(tolerances))
 
 
-def test_a_finer_run_that_follows_more_confirms_nothing() -> None:
+def test_a_finer_run_that_follows_more_confirms_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rattle that both a run and a finer one damp is followed by a still finer one: many more steps tell where that begins."""
     chain = one_on(2, hertz(1.0))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, steps = completed(problem), []
+    first, steps = to_its_end(problem), []
 
     def another(_: Problem) -> Record:
         steps.append([3, 4][len(steps)] * first.steps)
         return replace(first, steps=steps[-1])
 
-    found = checked(problem, replace(first, growth=GROWN), 1.0, another)
+    monkeypatch.setattr(confirm, "to_its_end", another)
+    found = confirmed(problem, grown(first, GROWN))
     assert steps == [3 * first.steps, 4 * first.steps]
     assert found.steps == first.steps + sum(steps)
     assert not found.warnings
 
 
-@pytest.mark.parametrize(("growth", "taken"), [(7.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
-def test_the_more_errors_grow_the_more_runs_confirm(growth: float, taken: list[float]) -> None:
+@pytest.mark.parametrize(("growth", "taken"), [(29.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
+def test_the_more_errors_grow_the_more_runs_confirm(
+    growth: float, taken: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """None, a coarser one, two finer ones: with growth of 1e4, runs at 1e-8 and 1e-9 agreed to 1e-8 and were off by 1e-5."""
     chain = one_on(2, hertz(1.0))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, found = replace(completed(problem), growth=growth), []
+    first, found = grown(to_its_end(problem), growth), []
 
     def another(other: Problem) -> Record:
         found.append(other.tolerance)
         return first
 
-    assert not checked(problem, first, 1.0, another).warnings
+    monkeypatch.setattr(confirm, "to_its_end", another)
+    assert not confirmed(problem, first).warnings
     assert found == pytest.approx(taken)
 
 
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
-def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float) -> None:
+def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """It ends within five tolerances where the record is within the ten that are promised; else finer runs decide."""
     chain = one_on(2, hertz(1.0))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, tolerances = replace(completed(problem), growth=100.0), []
+    first, tolerances = grown(to_its_end(problem), 100.0), []
 
     def another(other: Problem) -> Record:
         tolerances.append(other.tolerance)
@@ -158,24 +167,28 @@ def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float) -> Non
         end.anchor[1] += apart * (other.tolerance > problem.tolerance)
         return replace(first, end=end)
 
-    found = checked(problem, first, 1.0, another)
+    monkeypatch.setattr(confirm, "to_its_end", another)
+    found = confirmed(problem, first)
     assert tolerances == pytest.approx([1e-5] if apart < 5e-6 else [1e-5, 1e-7])
     assert (found.velocity_error > apart).all() == (apart < 5e-6)
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])
-def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(tolerances: float) -> None:
+def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(
+    tolerances: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Runs that differ by three tolerances when the budget is spent may both be off by ten; with thirty there is a warning."""
     chain = one_on(2, hertz(1.0))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, apart = completed(problem), 1e-6 * tolerances
+    first, apart = to_its_end(problem), 1e-6 * tolerances
 
     def another(_: Problem) -> Record:
         end = first.end.copy()
         end.anchor[1] += apart
         return replace(first, end=end, steps=10**9)
 
-    found = checked(problem, replace(first, growth=GROWN), 1.0, another)
+    monkeypatch.setattr(confirm, "to_its_end", another)
+    found = confirmed(problem, grown(first, GROWN))
     assert (found.status == Status.UNDETERMINED) == (tolerances > 10.0)
     assert (found.velocity_error > (10.0 if tolerances == 3.0 else 1.0) * apart).all()
 

@@ -1,0 +1,338 @@
+"""Corners: where within a step the first row leaves its branch.
+
+A row sits on a monotone graph and moves over its corners. Each side of a branch has its guard, a polynomial over the step that is
+positive while the row stays:
+
+    contact  OPEN      side 0   -d        closes, d the quintic through both ends of the step
+                       side 1    d + s    a coupler comes to the end s of its slack, and pulls
+             LOADED    side 0    d        opens, where its law goes on to d < 0
+                       side 1    w or -w  with loss: turns from pressing in to coming out, or back; cubic through both ends
+                       side 2    t - d    a coupler's gear goes solid at its travel t
+             TOUCHING  side 0   f - low   opens, or comes out;  side 1  high - f  yields; cubic through the stages
+    bed      slides    side 0    v or -v  stops; cubic through both ends
+             sticks    side 0    R + q    slips back;  side 1  R - q  slips on; q the friction it needs, cubic through the stages
+
+Rows 0 to n-1 are the contacts, rows n to 2n the beds under the beads. In Bernstein form a guard whose coefficients have one sign
+has no root, and the convex hull of them gives a time before which it cannot vanish: the search never passes a root.
+"""
+
+from __future__ import annotations
+
+import math
+
+from softcradle.physics.adaptive.constants import FIRST_PART, MOST_MOVES, ROUND_OFF, SAFETY
+from softcradle.physics.adaptive.row_graphs import (
+    acceleration_of,
+    bead_acceleration,
+    friction_needed,
+    length_of,
+    loss_of,
+    most_friction,
+    multiplier_bounds,
+    side_of,
+    slack_of,
+)
+from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.law_curve import NODES, curve_force, is_continued
+from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
+
+BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
+
+
+@piece
+def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
+    """True where a contact closes so slowly, and has so little energy at the end, that its closing may be passed over.
+
+    `inactive` [m/s] is the velocity that does not count.
+    """
+    law, inverse_mass = chain.law, chain.inverse_mass
+    if law[i, 0] > 0.0 or max(rate, end_rate) > inactive or end_overlap <= 0.0:
+        return False
+    push = (inverse_mass[i] + inverse_mass[i + 1]) * curve_force(law, chain.own, i, end_overlap)
+    return push * end_overlap <= inactive * inactive
+
+
+@inlined
+def flies_apart(i, chain, regime, motion, trial):
+    """True where open contact i is open at the end of the step too, and nothing pushes its beads at either end."""
+    if trial.overlap[2, i] >= 0.0 or chain.external.size or trial.overlap[2, i] <= -slack_of(regime, i):
+        return False
+    before = motion.force[i - 1] == 0.0 == trial.force[2, i - 1] if i > 0 else True
+    return before and (motion.force[i + 1] == 0.0 == trial.force[2, i + 1] if i < motion.force.size - 1 else True)
+
+
+@inlined
+def turns(i, regime, motion, slow):
+    """Whether loaded contact i has loss, and is pressed in: it may turn."""
+    return loss_of(regime, i) > 0.0 and (motion.overlap[i] != 0.0 or side_of(regime, i) * motion.rate[i] > slow)
+
+
+@inlined
+def sides_of(row, chain, regime, motion, slow):
+    """(first, end) of the sides on which a row may leave its branch."""
+    n = motion.mode.size
+    if row >= n:
+        return (0, 0) if regime.bed[row - n] == 0.0 else (0, 1 if regime.slide[row - n] != 0 else 2)
+    if motion.mode[row] == OPEN:
+        return 0, 1 if slack_of(regime, row) == math.inf else 2
+    if motion.mode[row] == TOUCHING:
+        return 0, 2
+    if motion.mode[row] != LOADED:
+        return 0, 0
+    end = 3 if length_of(regime, row) < math.inf else 2 if turns(row, regime, motion, slow) else 1
+    return 0 if is_continued(chain.law, row) else 1, end
+
+
+@inlined
+def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
+    """Bernstein coefficients, of degree 5, of the guard of a row on that side; bead velocities at both ends are in `work`.
+
+    A contact that begins at a corner from rest leaves it as its mode tells; a rate or velocity no more than `slow` outside counts
+    as inside.
+    """
+    n, f = motion.mode.size, trial.force
+    if row >= n:
+        j = row - n
+        if regime.slide[j] != 0:
+            sign, v0, v1 = float(regime.slide[j]), work[BEFORE, j], work[AFTER, j]
+            a0 = bead_acceleration(j, chain, regime, motion.force, 0.0)
+            a1 = bead_acceleration(j, chain, regime, f[2], h)
+            return rate_guard(h, sign, v0, a0, v1, a1, slow)
+        sign = 1.0 if side == 0 else -1.0
+        first, last = most_friction(j, chain, regime, 0.0), most_friction(j, chain, regime, h)
+        room, wider = first * (1.0 + ROUND_OFF), (last - first) * (1.0 + ROUND_OFF)
+        return stage_cubic(
+            room + sign * friction_needed(j, chain, regime, motion.force, 0.0),
+            room + NODES[0] * wider + sign * friction_needed(j, chain, regime, f[0], h * NODES[0]),
+            room + NODES[1] * wider + sign * friction_needed(j, chain, regime, f[1], h * NODES[1]),
+            room + wider + sign * friction_needed(j, chain, regime, f[2], h),
+        )
+    if motion.mode[row] == TOUCHING:
+        low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
+        slack = ROUND_OFF * max(high, -low)
+        sign, offset = (1.0, slack - low) if side == 0 else (-1.0, high + slack)
+        return stage_cubic(
+            sign * motion.force[row] + offset, sign * f[0, row] + offset, sign * f[1, row] + offset,
+            sign * f[2, row] + offset,
+        )  # fmt: skip
+    a0, a1 = acceleration_of(row, chain, motion.force, 0.0), acceleration_of(row, chain, f[2], h)
+    sign, offset = side_of(regime, row), 0.0
+    if motion.mode[row] == LOADED and side == 1:
+        sign = -sign if regime.easing[row] != 0 else sign
+        return rate_guard(h, sign, motion.rate[row], a0, trial.rate[2, row], a1, slow)
+    if motion.mode[row] == OPEN and side == 1:
+        offset = slack_of(regime, row)
+    elif motion.mode[row] == OPEN or side == 2:
+        sign, offset = -sign, length_of(regime, row) if side == 2 else 0.0
+    start, rate, bend = sign * motion.overlap[row] + offset, sign * motion.rate[row], sign * a0
+    if start == 0.0 and rate <= slow:
+        rate, bend = max(rate, 0.0), max(bend, 0.0)
+    return hermite_quintic(
+        h, start, rate, bend, sign * trial.overlap[2, row] + offset, sign * trial.rate[2, row], sign * a1
+    )
+
+
+@inlined
+def rate_guard(h, sign, v0, a0, v1, a1, slow):
+    """The guard ``sign v`` of a rate or velocity."""
+    lift = slow if sign * v0 <= slow else 0.0
+    return hermite_cubic(h, sign * v0 + lift, sign * a0, sign * v1 + lift, sign * a1)
+
+
+@inlined
+def stays(row, h, chain, regime, motion, trial, inactive, slow):
+    """True where a row leaves no branch for a reason that costs less than its guard."""
+    n, f = motion.mode.size, trial.force
+    if row >= n:
+        j = row - n
+        if regime.slide[j] != 0:
+            return False
+        least = min(most_friction(j, chain, regime, 0.0), most_friction(j, chain, regime, h))
+        needed = abs(friction_needed(j, chain, regime, motion.force, 0.0))
+        for k in range(3):
+            needed = max(needed, abs(friction_needed(j, chain, regime, f[k], h * NODES[k])))
+        return needed < 0.5 * least
+    if motion.mode[row] == OPEN:
+        return flies_apart(row, chain, regime, motion, trial) or closes_inactive(
+            chain, row, inactive, motion.rate[row], trial.rate[2, row], trial.overlap[2, row]
+        )
+    if motion.mode[row] == TOUCHING:
+        low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
+        least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
+        half = 0.5 * (low + high)
+        if low < 0.0:  # it pulls
+            return least >= half and most <= high - ROUND_OFF * low
+        return least >= low - ROUND_OFF * high and most <= half
+    # one that begins at d = 0 from rest, and is pressed in at the end: what neighbours hand on begins with any power of time
+    inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
+    pressed = inward * trial.overlap[2, row] >= 0.0 and inward * trial.rate[2, row] >= 0.0
+    return at_start and pressed and inward * trial.overlap[2, row] < length_of(regime, row)
+
+
+@piece
+def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactive, slow, work):
+    """The first corner within the step: (row, side, part of the step, miss [s], near); row -1 where there is none.
+
+    `landing` and its side are a corner at which the step is to end: where its guard falls at the end, `miss` is what the step
+    lacks by the slope there, and the row is passed over; else `miss` is nan. `near` is the part of the step at which a guard
+    comes so near to 0 that the polynomial may be wrong about it, 1 where none does. `inactive` [m/s] see `closes_inactive`;
+    `slow` [m/s]: a rate or velocity this small that begins at 0 is round-off.
+    """
+    row, at, part, miss, near = NO_CONTACT, ZERO, 1.0, math.nan, 1.0
+    beds = regime.bed.size
+    if beds:
+        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[BEFORE])
+        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], work[AFTER])
+    for r in range(motion.mode.size + beds):
+        first, end = sides_of(r, chain, regime, motion, slow)
+        if first == end or (r != landing and stays(r, h, chain, regime, motion, trial, inactive, slow)):
+            continue
+        for side in range(first, end):
+            if side == 1 and r < motion.mode.size and motion.mode[r] == LOADED and not turns(r, regime, motion, slow):
+                continue
+            b = guard_of(r, side, h, chain, regime, motion, trial, slow, work)
+            if r == landing and side == landing_side and b[5] < b[4]:
+                miss = 0.2 * h * b[5] / (b[4] - b[5])
+                continue
+            x = first_root(b)
+            if x < part:
+                row, at, part = ZERO + r, ZERO + side, x
+            elif x == NONE and r < motion.mode.size and motion.mode[r] != LOADED:
+                near = min(near, nearest(r, side, h, b, chain, regime, motion, trial))
+    return row, at, part, miss, near
+
+
+@inlined
+def nearest(i, side, h, b, chain, regime, motion, trial):
+    """Where in the step the guard `b` of contact i comes nearer to 0 than its polynomial may be wrong; 1 where it does not."""
+    d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
+    low, high = multiplier_bounds(chain, regime, i, d0)
+    if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):  # it all but yields
+        margin = (1.0 - SAFETY) * (high - low)
+    elif motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:  # by what cubic and quintic differ in the middle
+        middle = (b[0] + b[5] + 5.0 * (b[1] + b[4]) + 10.0 * (b[2] + b[3])) / 32.0
+        margin = abs(middle + 0.5 * (d0 + d1) + 0.125 * h * (w0 - w1))
+    else:
+        return 1.0
+    if min(b[1], b[2], b[3], b[4]) >= margin:
+        return 1.0
+    c0, c1, c2, c3, c4 = b[0] - b[1], b[1] - b[2], b[2] - b[3], b[3] - b[4], b[4] - b[5]  # of its fall
+    fall = (c0, 0.2 * c0 + 0.8 * c1, 0.4 * c1 + 0.6 * c2, 0.6 * c2 + 0.4 * c3, 0.8 * c3 + 0.2 * c4, c4)
+    part = first_root(fall)
+    return part if 0.0 < part < 1.0 and halves(part, b)[0][5] < margin else 1.0
+
+
+NONE = 2.0  # in place of a part of the step: there is no root
+
+
+@piece
+def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
+    """Bernstein coefficients of the quintic through values, rates and accelerations of both ends of a step of length h."""
+    return (
+        y0,
+        y0 + h * v0 / 5.0,
+        y0 + h * (0.4 * v0 + 0.05 * h * a0),
+        y1 - h * (0.4 * v1 - 0.05 * h * a1),
+        y1 - h * v1 / 5.0,
+        y1,
+    )
+
+
+@piece
+def hermite_cubic(h, y0, v0, y1, v1):
+    """Bernstein coefficients, of degree 5, of the cubic through values and rates of both ends of a step of length h."""
+    b1, b2 = y0 + h * v0 / 3.0, y1 - h * v1 / 3.0
+    return elevated(y0, b1, b2, y1)
+
+
+@inlined
+def elevated(b0, b1, b2, b3):
+    """The coefficients of degree 5 of a cubic."""
+    return (
+        b0,
+        0.4 * b0 + 0.6 * b1,
+        0.1 * b0 + 0.6 * b1 + 0.3 * b2,
+        0.3 * b1 + 0.6 * b2 + 0.1 * b3,
+        0.6 * b2 + 0.4 * b3,
+        b3,
+    )
+
+
+@piece
+def stage_cubic(y0, y1, y2, y3):
+    """Bernstein coefficients, of degree 5, of the cubic through the start and the stages of a step."""
+    c1, c2 = NODES[0], NODES[1]
+    first, second, third = (y1 - y0) / c1, (y2 - y1) / (c2 - c1), (y3 - y2) / (1.0 - c2)
+    left, right = (second - first) / c2, (third - second) / (1.0 - c1)
+    bend = right - left
+    slope = first - c1 * left + c1 * c2 * bend
+    b1 = y0 + slope / 3.0
+    b2 = b1 + (slope + left - (c1 + c2) * bend) / 3.0
+    return elevated(y0, b1, b2, y3)
+
+
+@inlined
+def halves(x, b):
+    """Coefficients of the parts [0, x] and [x, 1] by de Casteljau's scheme."""
+    b0, b1, b2, b3, b4, b5 = b
+    c0, c1, c2, c3, c4 = (
+        b0 + x * (b1 - b0),
+        b1 + x * (b2 - b1),
+        b2 + x * (b3 - b2),
+        b3 + x * (b4 - b3),
+        b4 + x * (b5 - b4),
+    )
+    d0, d1, d2, d3 = c0 + x * (c1 - c0), c1 + x * (c2 - c1), c2 + x * (c3 - c2), c3 + x * (c4 - c3)
+    e0, e1, e2 = d0 + x * (d1 - d0), d1 + x * (d2 - d1), d2 + x * (d3 - d2)
+    f0, f1 = e0 + x * (e1 - e0), e1 + x * (e2 - e1)
+    g = f0 + x * (f1 - f0)
+    return (b0, c0, d0, e0, f0, g), (g, f1, e2, d3, c4, b5)
+
+
+@inlined
+def hull_crossing(c, points):
+    """Where the convex hull of the first control `points` of c first reaches 0; 1 where it does not."""
+    found = 1.0
+    for k in range(1, points):
+        if c[k] < 0.0:
+            for j in range(k):
+                if c[j] >= 0.0:
+                    found = min(found, (j + (k - j) * c[j] / (c[j] - c[k])) / (points - 1))
+    return found
+
+
+@inlined
+def safe_move(b):
+    """A part of the interval within which the polynomial does not turn negative; b0 >= 0."""
+    if b[0] > 0.0:
+        return hull_crossing(b, 6)
+    if b[1] > 0.0:  # the root at 0 is divided out
+        return hull_crossing((b[1], b[2] / 2.0, b[3] / 3.0, b[4] / 4.0, b[5] / 5.0, 0.0), 5)
+    return 0.0 if b[1] < 0.0 or b[2] < 0.0 else FIRST_PART
+
+
+@piece
+def first_root(b):
+    """The first part x in [0, 1] at which the quintic with coefficients `b` turns from positive to negative; NONE without."""
+    if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:
+        return NONE
+    left, width = 0.0, 1.0
+    b = (max(b[0], 0.0), b[1], b[2], b[3], b[4], b[5])
+    for _ in range(MOST_MOVES):
+        if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:
+            return NONE
+        move = safe_move(b)
+        if move * width <= ROUND_OFF and (b[1] < 0.0 or width <= ROUND_OFF):
+            return left
+        _, b = halves(move, b)
+        b = (max(b[0], 0.0), b[1], b[2], b[3], b[4], b[5])
+        left += move * width
+        width *= 1.0 - move
+        for part in (0.5, min(0.5, max(2.0 * move, ROUND_OFF))):
+            near, far = halves(part, b)
+            if near[5] < 0.0:
+                b, width = near, part * width
+            elif min(near[1], near[2], near[3], near[4], near[5]) >= 0.0:
+                b, left, width = far, left + part * width, (1.0 - part) * width
+    return NONE

@@ -1,0 +1,302 @@
+"""Adaptive runs above their runner: samples, what one run states of its error, and other runs where that is not enough.
+
+    one run          states DOUBT * growth * sqrt(sum of the squares of its local errors)
+    grown errors     another run of a slightly different chain has to agree: a coarser one, which is cheap, else finer ones
+    rattling         where following each bounce stops paying, several runs of `conserving` carry the motion to its end
+
+Over the random chains of `benchmarks scan` no run whose errors grew by less than MOST_GROWN was silent. That one states little
+tells nothing: gears far below their preload make no local error, and round-off decides which of them yields. Bounces by the
+thousand at a millionth of the closing speed determine no digit of the end that a finer run would confirm. Energy and momentum
+are kept by every step of the discrete gradient, so it carries such a motion on in bounded time, and how far runs of unlike steps
+differ says how well the end is determined.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.adaptive import runner as adaptive
+from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.runner import DOUBT, sampled, scale_of
+from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
+from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
+from softcradle.physics.chain import Chain, per_chain
+from softcradle.physics.fixed_step import runner as fixed_step
+from softcradle.physics.kernel_records import law_rows
+from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
+from softcradle.physics.scales import default_step, is_possible, largest_error
+from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode
+
+Array = NDArray[np.float64]
+EPSILON = float(np.finfo(np.float64).eps)
+
+# What a run promises, and when another one has to confirm it
+PROMISED = 10.0  # tolerances: errors up to these are promised
+MOST_GROWN = 30.0  # factor by which errors may grow before another run has to confirm what one states
+GROWN_ANYWAY = 8.0  # of that factor: what another run does not tell, because it is the same in both
+LEAST_PROMISED = (
+    1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
+)
+# Other runs
+FINER = 10.0  # ratio of the tolerances of successive runs
+# growth of errors beyond which another run may agree by chance: two finer ones have to confirm such a motion
+MOST_TRUSTED = FINER**3
+# Times the steps of a run that the order of radau asks for in one as much finer. A finer one that takes more of them may follow
+# what the other damped: a coarser run then confirms nothing, and with the square of it a finer one neither.
+ALIKE = FINER ** ERROR_EXPONENT[RADAU]
+# Runs of `conserving` to the end
+STEP_PART = 0.25  # of the default step: the longest step of these runs, or
+ELAPSED_PART = 1.0 / 1500.0  # of the time that the motion took so far, where that is longer
+PARTS = (1.0, 0.83, 0.61, 0.5)  # of the longest step, one for each run; the last one is the result
+STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
+# The ledger
+SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
+MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
+
+advance = adaptive.advance
+
+
+def run(problem: Problem) -> Record:
+    """Compute the whole motion; ``problem.state`` stays as it is."""
+    adaptive.kernels_of(problem.chain).load_made()  # so that the cost measured is that of the motion
+    record = to_its_end(problem)
+    if problem.most_steps is None and record.status != Status.UNDETERMINED:
+        record = confirmed(problem, record)
+    if record.kept is not None and not problem.later:
+        began = perf_counter()
+        record = sampled(record, problem.sample_times(record.end.time))
+        record.seconds += perf_counter() - began
+    before, change = _ledger(problem, record)
+    record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
+    _bound_by_energy(problem, record)
+    if record.status == Status.UNDETERMINED:
+        record.warnings += (_undetermined_warning(record.velocity_error),)
+    if change > MOST_ENERGY * problem.tolerance * before:
+        record.warnings += (_energy_warning(problem, change / before),)
+    return record
+
+
+def to_its_end(problem: Problem) -> Record:
+    """One run to the end of the problem, by `conserving` from where contacts only rattle; samples may be still to be taken."""
+    record = adaptive.one_run(problem)
+    return _finished(problem, record) if record.status.gave_up and problem.most_steps is None else record
+
+
+# ---- another run
+
+
+def confirmed(problem: Problem, record: Record) -> Record:
+    """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
+
+    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record, the
+    latter is off by less than that, as a rule by far. Where it does not, finer ones decide.
+    """
+    if record.growth <= MOST_GROWN or record.warnings:
+        return record
+    if record.growth > MOST_TRUSTED:
+        return _finer(problem, record)
+    coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
+    coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
+    apart = np.abs(coarser.end.velocity(problem.chain) - record.end.velocity(problem.chain))
+    promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
+    if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
+        return _with_cost_of(_finer(problem, record), coarser)
+    return replace(_with_cost_of(record, coarser), velocity_error=DOUBT * apart + _error_anyway(record))
+
+
+def _finer(problem: Problem, record: Record) -> Record:
+    """The first record with which a finer one agrees, or the finest, which is undetermined.
+
+    The usual budget bounds the steps of each finer run, and those of all runs before another is tried.
+    """
+    scale = scale_of(problem)
+    allowed = max(problem.tolerance, LEAST_PROMISED) * scale
+    tolerance, runs, confirming, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, scale), record.steps
+    while not record.warnings:
+        tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
+        finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
+        budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
+        finer = to_its_end(replace(_shaken_run(problem, tolerance, runs), budget=budget))
+        apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
+        error, agrees = DOUBT * apart + _error_anyway(finer), apart.max() <= allowed
+        if finer.status == Status.UNDETERMINED:
+            return replace(_with_cost_of(record, finer), status=Status.UNDETERMINED, velocity_error=error)
+        confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
+        if confirming >= (2 if finer.growth > MOST_TRUSTED else 1):
+            return replace(_with_cost_of(record, finer), velocity_error=error)
+        steps, record = finer.steps, replace(_with_cost_of(finer, record), velocity_error=error)
+        if finest or record.steps + finer.steps > usual:
+            if apart.max() > PROMISED * allowed:
+                return replace(record, status=Status.UNDETERMINED, velocity_error=error)
+            # what its budget leaves unconfirmed may be off by more than the difference
+            return record if finest or agrees else replace(record, velocity_error=FINER * error)
+    return record
+
+
+def _error_anyway(record: Record) -> Array:
+    """What a record whose growth of errors another run has shown, or bounded, may be off by beside their difference."""
+    error: Array = record.velocity_error * (min(record.growth, GROWN_ANYWAY) / record.growth)
+    return error
+
+
+def _shaken_run(problem: Problem, tolerance: float, runs: int) -> Problem:
+    """The problem at another tolerance, of a chain that differs by a part of it.
+
+    Steps between sharp events are the same at all tolerances, so two runs of one chain are off alike; and so are two that are
+    shaken alike: this goes to and fro with the number of `runs` so far.
+    """
+    chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
+    state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
+    return replace(problem, tolerance=tolerance, chain=chain, state=state)
+
+
+def _with_cost_of(record: Record, other: Record) -> Record:
+    return replace(
+        record,
+        steps=record.steps + other.steps,
+        evaluations=record.evaluations + other.evaluations,
+        seconds=record.seconds + other.seconds,
+    )
+
+
+def _shaken(chain: Chain, part: float) -> Chain:
+    """The chain with masses that differ by a part of them: so do all accelerations, whatever the laws."""
+    return replace(chain, mass=tuple((np.array(chain.mass) * _up_and_down(part, len(chain.mass))).tolist()))
+
+
+def _up_and_down(part: float, size: int) -> Array:
+    """(size,) factors 1 + part, 1 - part, 1 + part, ..."""
+    factors: Array = np.resize([1.0 + part, 1.0 - part], size)
+    return factors
+
+
+# ---- the end of a motion that rattles
+
+
+def _finished(problem: Problem, given_up: Record) -> Record:
+    """The whole record of a motion that the adaptive method gave up at ``given_up.end``; its error is the spread of the runs."""
+    start = given_up.end
+    elapsed = start.time - problem.state.time
+    step = STEP_PART * default_step(problem.chain, problem.state.velocity(problem.chain))
+    step = max(step, ELAPSED_PART * elapsed)
+    with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
+        ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
+    velocities = np.array([end.end.velocity(problem.chain) for end in ends])
+    spread = np.ptp(velocities, axis=0)  # that of one bead may be small by chance, where those of others are not
+    error = _error_anyway(given_up) + np.maximum(DOUBT * spread, spread.max())
+    times, last = problem.sample_times(ends[-1].end.time), ends[-1]
+    early, late = times[times <= start.time], times[times > start.time]
+    if (late < last.end.time).any():
+        last = replace(_run_on(problem, start, PARTS[-1] * step, last.end.time, late), end=last.end)
+    else:
+        last = with_ends_as_samples(last, start, late)
+    return _joined(problem, sampled(given_up, early), last, error)
+
+
+def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
+    """`conserving` from `start` to `end`, or to the end of the problem, in steps that double again and again."""
+    stop = problem.end if end is None else end
+    state, left = start, times
+    records: list[Record] = []
+    while not records or records[-1].status.gave_up:
+        duration = None if np.isinf(stop) else stop - state.time
+        samples = left if left.size else 2
+        part = Problem(
+            problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE
+        )
+        found = fixed_step.run(part)
+        records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in SAMPLED}))
+        left = left[records[-1].time.size :]  # samples within the step after the last one are taken too
+        state, step = found.end, 2.0 * step
+    starts = [start.time, *(record.end.time for record in records[:-1])]
+    return records[0] if len(records) == 1 else _in_a_row(problem.chain, starts, records)
+
+
+def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Record:
+    """Records of runs that go on from each other, each from its start [s], as one."""
+    closed, switches = np.zeros(chain.contacts, dtype=bool), []
+    for start, record in zip(starts, records, strict=True):
+        switches += continued_switches(closed, start, record)
+    rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in SAMPLED}
+    return replace(
+        records[-1],
+        **rows,
+        switch_contact=np.array([contact for contact, _ in switches], dtype=np.int64),
+        switch_time=np.array([time for _, time in switches]),
+        steps=sum(record.steps for record in records),
+        evaluations=sum(record.evaluations for record in records),
+        seconds=sum(record.seconds for record in records),
+    )
+
+
+def _joined(problem: Problem, first: Record, last: Record, error: Array) -> Record:
+    """Two records, the second of which goes on from the first, as that of a motion not determined."""
+    return replace(
+        _in_a_row(problem.chain, [problem.state.time, first.end.time], [first, last]),
+        status=Status.UNDETERMINED,
+        warnings=(),
+        velocity_error=error,
+        growth=first.growth,
+    )
+
+
+# ---- what energy tells
+
+
+def _bound_by_energy(problem: Problem, record: Record) -> None:
+    """State no error that energy and momentum do not allow; a motion that these determine is determined."""
+    if is_possible(problem.chain, problem.state, float(record.velocity_error.max())):
+        return
+    most = largest_error(problem.chain, problem.state, record.end)
+    record.velocity_error = np.minimum(record.velocity_error, most)
+    if record.status == Status.UNDETERMINED and most.max() <= problem.tolerance * scale_of(problem):
+        record.status = Status.DONE
+
+
+def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
+    """The energy [J] of a chain at the start, and by how much it is off in the end, 0 where work is done on it."""
+    chain, start, end = problem.chain, problem.state, record.end
+    before = start.energy(chain)
+    wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (start.velocity(chain) != 0.0)).any())
+    if wall_moves or chain.forces or start.external(chain) is not None:
+        return before, 0.0
+    return before, abs(end.energy(chain) + float((end.absorbed - start.absorbed).sum()) - before)
+
+
+def _unresolved(chain: Chain, change: float) -> float:
+    """What velocities [m/s] the energy `change` of a run could be, where contacts are so soft that they rattle.
+
+    A cluster of such contacts is all but rigid: rattling far below the closing speed can be damped in every run alike, so that
+    none tells of it, and of its energy alone is known that it is no more than what the ledger lacks.
+    """
+    return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max())) if _rattles(chain) else 0.0
+
+
+@per_chain
+def _rattles(chain: Chain) -> bool:
+    """Whether contacts are so soft that a cluster of them rattles."""
+    law = law_rows(chain)
+    return bool(((law[:, 0] == 0.0) & (law[:, 2] < SOFTEST)).any())
+
+
+def _energy_warning(problem: Problem, error: float) -> CodedWarning:
+    """The energy ledger does not close to within many times the tolerance."""
+    sentence = (
+        f"energy is off by {error:.1g} of itself, more than {problem.method} promises at tolerance {problem.tolerance:g}: "
+        "compare with method 'conserving', or with another tolerance"
+    )
+    return CodedWarning(WarningCode.ENERGY, sentence, {"error": error})
+
+
+def _undetermined_warning(error: Array) -> CodedWarning:
+    """How far a motion is determined."""
+    worst = float(error.max())
+    sentence = f"final velocities are determined to {worst:.1g} m/s only: the contacts rattle, and finer runs differ by as much"
+    return CodedWarning(WarningCode.SENSITIVE, sentence, {"error": worst})

@@ -1,0 +1,316 @@
+"""The reference, method `scipy`: its own right-hand side in NumPy, SciPy's `solve_ivp`, every contact switch located.
+
+It shares no kernel with what it checks. Time is divided into phases in which no contact changes its mode; a phase ends at
+the located root of the first margin that reaches 0, and the next begins there with new modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, minimize_scalar
+from softcradle.physics.chain import Chain
+from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
+from softcradle.physics.reference.phases import (
+    LOADED,
+    RELEASED,
+    TOUCHING,
+    OutOfEvaluationsError,
+    Phase,
+    System,
+    first_phase,
+    next_phase,
+    switched_phase,
+)
+from softcradle.physics.reference.spans import Span
+from softcradle.physics.state import State
+from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
+
+Array = NDArray[np.float64]
+
+EVALUATIONS_A_STEP = 3  # evaluations that count as a step where steps are limited
+
+SMOOTH = "DOP853"  # integrator where all exponents are >= 1: such contacts are never stiff
+STIFF = "Radau"  # integrator where an exponent is below 1: stiffness has no bound
+ROOT = 4e-15  # of a contact time: error of a located switch, for SciPy gives brentq a tolerance of 4 ulp of 1
+LOOKS = np.linspace(
+    0.0, 1.0, 8, endpoint=False
+)  # parts of a step at which margins are looked at: SciPy looks at its end alone
+GAUSS = np.polynomial.legendre.leggauss(7)  # nodes and weights on [-1, 1], of which the dense solution has the order
+MOST_PHASES = 20_000  # of a run: in one with more the contacts chatter
+MOST_IN_PLACE = 50  # switches at one time: more do not end
+
+
+@dataclass
+class _Segment:
+    """One solved phase: its interval, modes, and dense solution in units of `scale` [s] from `start`."""
+
+    start: float
+    end: float
+    scale: float
+    phase: Phase
+    solution: Any
+
+    def at(self, times: Array) -> Array:
+        """(T, m+n+2) states at `times` (T,) [s]."""
+        found: Array = self.solution((times - self.start) / self.scale).T
+        return found
+
+
+class _Run:
+    """Phase after phase from a start state, with what samples and switches need."""
+
+    def __init__(self, chain: Chain, state: State, tolerance: float, most: int | None = None) -> None:
+        self.system = system = System(chain, state, tolerance)
+        self.scale = float((2.0 * system.laws.depth / system.speed).max())
+        if most:
+            system.most_evaluations = EVALUATIONS_A_STEP * most
+        self.chain, self.time, self.taken = chain, state.time, state.taken
+        self.y = system.start(state)
+        self.phase = first_phase(system, Span.at(chain, self.time), self.time, self.y)
+        self.closed = np.zeros(chain.contacts, dtype=bool)
+        self.segments: list[_Segment] = []
+        self.switches: list[tuple[float, int]] = []
+        self.steps = 0
+        self.status = Status.DONE
+        self.warnings: Warnings = ()
+
+    def until(self, end: float) -> None:
+        """Integrate to `end`; with an infinite end until all contacts are open and none closes again, or nothing moves."""
+        try:
+            while self.time < end and not self.status.gave_up:
+                if self.time >= self.phase.span.end:
+                    span, none = Span.at(self.chain, self.time), np.zeros(self.system.m, dtype=bool)
+                    self.phase = next_phase(self.phase, span, self.time, self.y, none)
+                    self._note_openings()
+                if np.isinf(end) and self._is_over():
+                    self.status = Status.SEPARATED
+                    break
+                chatters = [one.end - one.start <= ROOT * self.scale for one in self.segments[-MOST_IN_PLACE:]]
+                if (
+                    len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations)
+                    or sum(chatters) == MOST_IN_PLACE
+                ):
+                    raise OutOfEvaluationsError
+                self._one_phase(min(end, self.phase.span.end))
+            self._note(self.closed & ~self._on_joints(self._carries()))
+        except OutOfEvaluationsError:
+            sentence = (
+                f"scipy gave up at t = {self.time:.6g} s after {self.system.evaluations} evaluations and "
+                f"{len(self.segments)} changes of contacts; what follows repeats the state at that time: take 'radau'"
+            )
+            self._give_up(Status.OUT_OF_STEPS, sentence)
+
+    def _give_up(self, status: Status, sentence: str) -> None:
+        self.status = status
+        self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
+
+    def _is_over(self) -> bool:
+        """Whether nothing moves and nothing is moved, or no contact pushes, none closes, and no bead slides."""
+        system, phase = self.system, self.phase
+        if np.isfinite(phase.span.end):
+            return False
+        change = phase.slope(self.time, self.y)
+        if not (change[: system.m].any() or self.y[-1]):
+            moves = np.abs(change[system.m :]) * self.scale > system.least_rate
+            if not moves.any():
+                return True
+        closes = (system.row_velocity(self.y)[: system.m] > system.least_rate).any()
+        return not (closes or self._carries().any() or phase.side.any())
+
+    def _one_phase(self, end: float) -> None:
+        system, phase, scale, start = self.system, self.phase, self.scale, self.time
+
+        def slope(time: float, y: Array) -> Array:
+            return scale * phase.slope(start + time * scale, y)
+
+        def jacobian(_time: float, y: Array) -> Array:
+            return scale * phase.jacobian(y)
+
+        def margin(time: float, y: Array) -> float:
+            return float(phase.margin(start + time * scale, y).min())
+
+        margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
+        stiff = system.laws.stiff
+        found = solve_ivp(
+            slope, (0.0, (end - start) / scale), self.y, STIFF if stiff else SMOOTH, events=margin,
+            rtol=system.relative, atol=system.absolute, dense_output=True, **({"jac": jacobian} if stiff else {}),
+        )  # fmt: skip
+        self.steps += found.t.size - 1
+        elapsed, met = float(found.t[-1]), found.status == 1
+        earlier = self._passed(found.sol, found.t)
+        if earlier is not None:
+            elapsed, met = earlier, True
+        elapsed += ROOT if met else 0.0
+        now = start + elapsed * scale if met or found.status < 0 else end
+        inside = found.y[:, found.t <= elapsed]
+        self._note_closings(now, inside[: system.m])
+        self.segments.append(_Segment(start, now, scale, phase, found.sol))
+        self.time, self.y = now, found.sol(elapsed)
+        if met:
+            self.phase = switched_phase(phase, self.time, self.y)
+            self._note_openings()
+        elif found.status < 0:
+            self._give_up(Status.FAILED, f"scipy failed at t = {self.time:.6g} s: {found.message}")
+
+    def _passed(self, solution: Any, steps: Array) -> float | None:
+        """The first time, in units of the scale, at which a margin is past within a step though it was not at its ends."""
+        phase, start, scale = self.phase, self.time, self.scale
+
+        def least(time: float) -> float:
+            return float(phase.margin(start + time * scale, solution(time)).min())
+
+        times = np.append((steps[:-1, None] + np.diff(steps)[:, None] * LOOKS).ravel(), steps[-1])
+        margins = phase.margin(start + scale * times, solution(times).T)[:-1]
+        past = np.flatnonzero((margins[1:] < 0.0).any(axis=1)) + 1
+        before, middle, after = margins[:-2], margins[1:-1], margins[2:]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            lowest = middle - 0.125 * (after - before) ** 2 / (before - 2.0 * middle + after)
+        dips = np.flatnonzero(((middle <= before) & (middle <= after) & (lowest < 0.0)).any(axis=1)) + 1
+        for k in dips[dips < past[0]] if past.size else dips:
+            low = minimize_scalar(
+                least, bounds=(times[k - 1], times[k + 1]), method="bounded", options={"xatol": 1e-12}
+            )
+            if low.fun < 0.0:
+                return _root(least, times[k - 1], float(low.x))
+        return _root(least, times[past[0] - 1], times[past[0]]) if past.size else None
+
+    def _note_closings(self, now: float, overlap: Array) -> None:
+        """Log the contacts that closed in a phase with overlaps (m, steps); one that only rested at 0 did not close."""
+        mode, force = self.phase.mode[: self.system.m], self.phase.force(now, self.y)[: self.system.m]
+        loaded = mode >= LOADED
+        pressed = np.where(loaded, (overlap > 0.0).any(axis=1), (mode == TOUCHING) & (force > 0.0))
+        self._note(self._on_joints(pressed) & ~self.closed)
+
+    def _note_openings(self) -> None:
+        loaded = self.phase.mode[: self.system.m] >= LOADED
+        self._note(self.closed & ~self._on_joints(loaded | self._carries()))
+
+    def _carries(self) -> NDArray[np.bool_]:
+        found: NDArray[np.bool_] = self.phase.force(self.time, self.y)[: self.system.m] > 0.0
+        return found
+
+    def _on_joints(self, contacts: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """(n,) whether any of the contacts (m,) of each joint is one."""
+        found = np.zeros(self.system.n, dtype=bool)
+        found[self.system.laws.joint[contacts]] = True
+        return found
+
+    def _note(self, changed: NDArray[np.bool_]) -> None:
+        self.switches.extend((self.time, int(i)) for i in np.flatnonzero(changed))
+        self.closed ^= changed
+
+    def samples(self, times: Array) -> dict[str, Array]:
+        """The rows of samples at `times` (T,)."""
+        system, m = self.system, self.system.m
+        states, forces = np.empty((times.size, self.y.size)), np.empty((times.size, system.rows.shape[0]))
+        states[:], forces[:] = self.y, self.phase.force(self.time, self.y)
+        for segment in self.segments:
+            inside = np.flatnonzero((times >= segment.start) & (times < segment.end))
+            if inside.size:
+                states[inside] = segment.at(times[inside])
+                forces[inside] = segment.phase.force(times[inside], states[inside])
+                for k in inside:
+                    states[k, :m] = segment.phase.shown_overlap(states[k, :m], forces[k, :m])
+        return {"time": times, **self._joint_rows(states, forces), "taken": self.taken_at(times)}
+
+    def _joint_rows(self, states: Array, forces: Array) -> dict[str, Array]:
+        m, first = (
+            self.system.m,
+            np.unique(self.system.laws.joint, return_index=True)[1],
+        )  # the pushing part tells of the joint
+        return {
+            "overlap": states[..., first], "rate": states[..., m:-2], "anchor": states[..., -2:],
+            "force": self.system.on_joints(forces),
+        }  # fmt: skip
+
+    def end(self) -> State:
+        """Where the run is."""
+        rows = self._joint_rows(self.y.copy(), self.phase.force(self.time, self.y))
+        moving = rows["overlap"], rows["rate"], rows["anchor"], rows["force"]
+        return State(self.time, *moving, taken=self.taken_at(np.array([self.time]))[0])
+
+    def taken_at(self, times: Array) -> Array:
+        """(T, 4) energy that contacts and bed have absorbed and work of forces over time [J] up to `times`, as of State."""
+        found, total = np.tile(self.taken, (times.size, 1)), self.taken.copy()
+        if not (self.chain.dissipative or self.chain.forces):
+            return found
+        for segment in self.segments:
+            after = times >= segment.start
+            found[after], total = self._taken_in(segment, times[after], total)
+        return found
+
+    def _taken_in(self, segment: _Segment, times: Array, before: Array) -> tuple[Array, Array]:
+        """(T, 4) what is taken up to `times` in a segment, by Gauss's rule in every step, and at its end."""
+        system, phase = self.system, segment.phase
+        edges = segment.start + segment.scale * segment.solution.ts
+        edges = np.unique(np.clip([*edges, *times], segment.start, segment.end))
+        length, middle = np.diff(edges)[:, None], 0.5 * (edges[1:] + edges[:-1])[:, None]
+        at = (middle + 0.5 * length * GAUSS[0]).ravel()
+        velocity, finite = system.velocity(segment.at(at)), np.isfinite(self.chain.mass)
+        pushed = (phase.span.push_at(at) * velocity)[:, finite].sum(axis=1)
+        braked = (system.brake(at, phase.span) * phase.side * velocity).sum(axis=1) if phase.side.size else 0.0 * pushed
+        given = np.tile(before, (edges.size, 1))
+        for column, power in ((1, braked), (2, pushed)):
+            given[1:, column] += np.cumsum(0.5 * length[:, 0] * (power.reshape(length.size, -1) @ GAUSS[1]))
+        back = phase.mode[: system.m] == RELEASED
+        if back.any():
+            stored = (system.laws.loss * back * system.laws.energy(segment.at(edges)[:, : system.m])).sum(axis=1)
+            given[:, 0] += stored[0] - stored
+        return given[np.searchsorted(edges, np.minimum(times, segment.end))], given[-1]
+
+
+def _root(falling: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function falls below 0 between `low` and `high`; an end where it does so there by round-off."""
+    if falling(low) <= 0.0:
+        return low
+    return float(brentq(falling, low, high, xtol=ROOT)) if falling(high) < 0.0 else high
+
+
+def run(problem: Problem) -> Record:
+    """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
+    solved = _Run(problem.chain, problem.state, problem.tolerance, problem.most_steps)
+    solved.until(problem.end)
+    overlap, rate, anchor, force, _ = empty_samples(0, problem.chain.contacts)
+    found = Record(
+        NO_TIMES, overlap, rate, anchor, force,
+        np.array([contact for _, contact in solved.switches], dtype=np.int64),
+        np.array([time for time, _ in solved.switches]),
+        solved.end(), solved.steps, solved.system.evaluations, solved.status, solved.warnings, kept=_KeptSolution(solved),
+    )  # fmt: skip
+    return found if problem.later else _KeptSolution(solved).record(found, problem.sample_times(solved.time))
+
+
+@dataclass
+class _KeptSolution:
+    """A run whose segments know the motion at every time."""
+
+    solved: _Run
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`; where they lie beyond its end, it goes on to them."""
+        solved = self.solved
+        if times.size and times[-1] > solved.time and not solved.warnings:
+            solved.until(float(times[-1]))
+            found = replace(found, end=solved.end(), steps=solved.steps, evaluations=solved.system.evaluations)
+        sampled: dict[str, Any] = solved.samples(times)
+        return replace(found, kept=None, **sampled)
+
+
+def advance(problem: Problem) -> Status:
+    """Move ``problem.state`` on by the duration in place."""
+    state = problem.state
+    solved = _Run(problem.chain, state, problem.tolerance, problem.most_steps)
+    solved.closed = state.closed
+    solved.until(problem.end)
+    end = solved.end()
+    state.time = end.time
+    state.note_switches([contact for _, contact in solved.switches], [time for time, _ in solved.switches])
+    for name in ("overlap", "rate", "anchor", "force", "taken"):
+        getattr(state, name)[:] = getattr(end, name)
+    return solved.status
