@@ -167,8 +167,13 @@ def _with_cost_of(record: Record, other: Record) -> Record:
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
-    """The chain with masses that differ by a part of them: so do all accelerations, whatever the laws."""
-    return replace(chain, mass=tuple((np.array(chain.mass) * _up_and_down(part, len(chain.mass))).tolist()))
+    """The chain with masses that differ by a part of them: so do all accelerations, whatever the laws.
+
+    The heaviest bead stays the heaviest, for its velocity is the one that a State holds.
+    """
+    mass = np.array(chain.mass) * _up_and_down(part, len(chain.mass))
+    mass[chain.anchor] = (1.0 + EPSILON) * mass.max()
+    return replace(chain, mass=tuple(mass.tolist()))
 
 
 def _up_and_down(part: float, size: int) -> Array:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import notebook_views, trajectory_file, trajectory_tables
+from softcradle.physics import notebook_views, trajectory_file
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import from_anchor
 from softcradle.physics.status import Status, Warnings
@@ -196,11 +196,11 @@ class Trajectory:
 
     def to_xarray(self) -> xr.Dataset:
         """The samples as an xarray Dataset, over time, bead and contact; units are attributes. Extra [notebook]."""
-        return trajectory_tables.dataset(self._columns(), self._attributes())
+        return trajectory_file.dataset(self._columns(), self._attributes())
 
     def to_pandas(self) -> pd.DataFrame:
         """The samples as a pandas DataFrame with the columns of :meth:`to_csv`, time as the index. Extra [notebook]."""
-        return trajectory_tables.data_frame(self._columns(), self._attributes())
+        return trajectory_file.data_frame(self._columns(), self._attributes())
 
     def plot(self) -> Figure:
         """Velocities and forces over time, in the style of the paper's figures. Extra [figures]."""

@@ -1,4 +1,4 @@
-"""Files of trajectories: an .npz file that holds everything and is read back equal, and a .csv table for other programs.
+"""Files and tables of trajectories: an .npz file that holds everything and is read back equal, .csv, xarray and pandas.
 
 The .npz file holds one array per array of a Trajectory, `position` and `velocity` for readers without softcradle,
 `contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`, a JSON text. Nothing is pickled.
@@ -13,7 +13,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from os import PathLike
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,16 @@ from softcradle.physics.atomic_files import output_file
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, hooke
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.extras import needed_for
 from softcradle.physics.own_law import OwnLaw, TabledLaw
 from softcradle.physics.own_law_table import table_of
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 from softcradle.physics.timed_force import TimedForce
 from softcradle.physics.version import version
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 FORMAT = 6
 # 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers, 5 no own laws
@@ -33,6 +38,8 @@ READABLE = 1, 2, 3, 4, 5, 6
 OWN_LAW = (
     "own_law"  # key of a contact with a law of one's own, and what the names of the arrays of its table begin with
 )
+
+DIMENSIONS = {"bead": ("time", "bead"), "contact": ("time", "contact"), "": ("time",)}
 
 Array = NDArray[np.float64]
 NO_LAWS: Mapping[str, Array] = {}
@@ -191,3 +198,29 @@ def _intervals(rows: Array, contacts: int) -> Intervals:
     for contact, closed, opened in rows.tolist():
         found[int(contact)].append((closed, opened))
     return tuple(map(tuple, found))
+
+
+def dataset(columns: Sequence[Columns], attributes: Mapping[str, Any]) -> xr.Dataset:
+    """One variable a quantity, over time and bead or contact."""
+    with needed_for("to_xarray()", "notebook"):
+        import xarray as xr
+    time, *others = columns
+    variables = {
+        part.quantity.replace(" ", "_"): (DIMENSIONS[part.each], part.values, {"units": part.unit}) for part in others
+    }
+    wide = {part.each: part.values.shape[1] for part in others if part.each}
+    coordinates = {
+        "time": ("time", time.values, {"units": time.unit}),
+        **{name: np.arange(n) for name, n in wide.items()},
+    }
+    return xr.Dataset(variables, coordinates, dict(attributes))
+
+
+def data_frame(columns: Sequence[Columns], attributes: Mapping[str, Any]) -> pd.DataFrame:
+    """One row a sample, the columns of the .csv file, time as the index."""
+    with needed_for("to_pandas()", "notebook"):
+        import pandas as pd
+    values: Array = np.column_stack([part.values for part in columns])
+    frame = pd.DataFrame(values, columns=titles(columns)).set_index("time [s]")
+    frame.attrs.update(attributes)
+    return frame

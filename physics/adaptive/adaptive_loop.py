@@ -204,7 +204,7 @@ def go_on(
         counter[STEP] += 1
         if open_passed(row, chain, regime, motion, slow):
             control[LAST] = 0.0
-        log_switches(before, time, regime, motion, wanted, scratch, log)
+        log_switches(before, time, row, regime, motion, wanted, scratch, log)
         grow_errors(row, side, chain, regime, motion, wanted, scratch)
         if row >= 0:
             cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)

@@ -220,7 +220,12 @@ def nearest(i, side, h, b, chain, regime, motion, trial):
     c0, c1, c2, c3, c4 = b[0] - b[1], b[1] - b[2], b[2] - b[3], b[3] - b[4], b[4] - b[5]  # of its fall
     fall = (c0, 0.2 * c0 + 0.8 * c1, 0.4 * c1 + 0.6 * c2, 0.6 * c2 + 0.4 * c3, 0.8 * c3 + 0.2 * c4, c4)
     part = first_root(fall)
-    return part if 0.0 < part < 1.0 and halves(part, b)[0][5] < margin else 1.0
+    if part >= 1.0:
+        return 1.0
+    left = halves(part, b)[0][5]
+    return (
+        part if left < min(margin, min(b[0], b[5]) - left) else 1.0
+    )  # a dip less deep than what is left decides nothing
 
 
 NONE = 2.0  # in place of a part of the step: there is no root

@@ -286,7 +286,7 @@ def cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log):
                 regime.easing[row] = 0
         decide(slipping, chain, regime, motion, slow, scratch)
     control[PAST_STEP] = 0.0
-    log_switches(time, time, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
 
 
 @piece
@@ -344,7 +344,7 @@ def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, tri
             motion.mode[i], motion.force[i] = OPEN, 0.0
             if side_of(regime, i) < 0.0:
                 put_segment(i, regime.segment[i] + 1, regime, motion)
-    log_switches(time, time, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
     scratch.control[NEXT] = math.inf
     until, row, side = next_event(time, end, chain, regime, motion, negligible, scratch.work[0])
     if until < math.inf:
@@ -392,7 +392,7 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
         scratch.opened[i] = time if motion.overlap[i] < 0.0 else math.inf
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
         scratch.course[i] = scratch.turns[i] = 0.0
-    log_switches(time, time, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
 
 
 @piece
@@ -407,5 +407,5 @@ def pass_knot(time, chain, regime, motion, wanted, slow, scratch, log):
         motion.held[i] = 0
     decide(NO_CONTACT, chain, regime, motion, slow, scratch)
     scratch.control[LAST], scratch.control[PAST_STEP] = 0.0, 0.0
-    log_switches(time, time, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
     return acts

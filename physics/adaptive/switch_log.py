@@ -25,21 +25,28 @@ STEADY = 0.3
 
 
 @inlined
-def log_switches(before, time, regime, motion, wanted, scratch, log):
+def log_switches(before, time, landed, regime, motion, wanted, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
-    after the start, or at the end where that is negative. Flights between bounces count in how errors grow, see `grow_errors`.
+    after the start, or at the end where that is negative. The one that has `landed` on a corner is told of when it is over it.
+    Flights between bounces count in how errors grow, see `grow_errors`.
     """
     for i in range(motion.mode.size):
-        now = motion.mode[i] != OPEN and (side_of(regime, i) * motion.overlap[i] > 0.0 or motion.force[i] != 0.0)
+        if i == landed:
+            continue
+        x, w = side_of(regime, i) * motion.overlap[i], side_of(regime, i) * motion.rate[i]
+        through = (
+            log.closed[i] != 0 and motion.mode[i] == LOADED and w > 0.0
+        )  # a coupler without slack, from pulling to pushing
+        now = motion.mode[i] != OPEN and (x > 0.0 or motion.force[i] != 0.0 or through)
         if now != (log.closed[i] != 0):
             when = before if now else time
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)
             if now:
-                flight, speed = when - scratch.opened[i], side_of(regime, i) * motion.rate[i]
+                flight, speed = when - scratch.opened[i], w
                 scratch.lateness[i] = flight / speed if flight > 0.0 and speed > 0.0 else 0.0
                 scratch.most_grown[i] = 2.0 * speed / wanted
             else:

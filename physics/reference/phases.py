@@ -49,6 +49,7 @@ SLACK = 1e-12  # of its largest: a multiplier further than this outside of its b
 ROUND_OFF = 1e-15  # of the forces that a multiplier balances: it is known no better
 SINGULAR = 1e-13  # of the largest eigenvalue: motions that multipliers share below it are one
 TINY = float(np.finfo(np.float64).tiny)
+STILL = 1e-9  # part of any push that a bead feels which the fixed rows hold in its place: round-off
 MOST_EVALUATIONS = 20_000_000  # of a run: some minutes
 
 
@@ -121,7 +122,8 @@ class System:
 class Phase:
     """An interval of time in which no row changes its mode.
 
-    `solved` (p, p) gives the multipliers of fixed rows from the pushes, `carried` (p, p) from the forces of the others.
+    `solved` (p, p) gives the multipliers of fixed rows from the pushes, `carried` (p, p) from the forces of the others. They
+    let no joint (n,) move that `stands` and no bead (n+1,) that is `still`.
     """
 
     system: System
@@ -131,7 +133,7 @@ class Phase:
     def __post_init__(self) -> None:
         system, mode, m = self.system, self.mode, self.system.m
         fixed = np.isin(mode, FIXED)
-        self.fixed, self.sticks = fixed, mode[m:] == STICKS
+        self.fixed = fixed
         self.part = np.select([mode[:m] == LOADED, mode[:m] == RELEASED], [np.ones(m), 1.0 - system.laws.loss], 0.0)
         self.side = np.where(mode[m:] == FORWARD, 1.0, np.where(mode[m:] == BACKWARD, -1.0, 0.0))
         # the sign with which a guard of overlaps or of velocities is positive, 0 where there is none
@@ -140,8 +142,6 @@ class Phase:
         self.turn = np.concatenate((turn, self.side))
         self.stands = np.zeros(system.n, dtype=bool)
         self.stands[system.laws.joint[fixed[:m]]] = True
-        if self.sticks.size:
-            self.stands |= self.sticks[:-1] & self.sticks[1:]
         self.carried, self.solved = np.zeros((mode.size, mode.size)), np.zeros((mode.size, mode.size))
         if fixed.any():
             at, size = np.ix_(fixed, fixed), np.sqrt(system.response[fixed])
@@ -150,6 +150,9 @@ class Phase:
             self.solved[at] = np.linalg.pinv(scaled, SINGULAR, hermitian=True) / np.outer(size, size)
             self.carried = -self.solved @ system.coupling
             self.carried[:, fixed] = 0.0
+        moves = np.eye(system.n + 1) - system.chain.inverse_mass[:, None] * (system.rows.T @ self.solved @ system.rows)
+        self.still = np.abs(moves).max(axis=1) < STILL
+        self.stands |= self.still[:-1] & self.still[1:]
 
     def given(self, time: Any, y: Array) -> Array:
         """(..., p) forces [N] of all rows that are not fixed: by the laws, and by friction."""
@@ -176,8 +179,7 @@ class Phase:
             raise OutOfEvaluationsError
         net = system.push(time, self.span) - self.force(time, y) @ system.rows
         acceleration = net * system.chain.inverse_mass
-        if self.sticks.size:
-            acceleration[self.sticks] = 0.0
+        acceleration[self.still] = 0.0
         rate = y[m:-2]
         closing = np.where(self.stands, 0.0, acceleration[:-1] - acceleration[1:])
         return np.concatenate(
@@ -190,8 +192,7 @@ class Phase:
         stiffness = self.part * system.laws.slope(y[:m])
         by_overlap = (np.eye(self.mode.size, m) + self.carried[:, :m]) * stiffness
         acceleration = -(system.rows.T @ by_overlap) * system.chain.inverse_mass[:, None]
-        if self.sticks.size:
-            acceleration[self.sticks] = 0.0
+        acceleration[self.still] = 0.0
         matrix = np.zeros((y.size, y.size))
         matrix[np.arange(m), m + system.laws.joint] = system.laws.side
         matrix[m : m + n, :m] = np.where(self.stands[:, None], 0.0, acceleration[:-1] - acceleration[1:])
@@ -286,11 +287,12 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
     }
     resting = np.logical_or.reduce(list(kinds.values()))
     if resting.any():
-        _stop(system, y, resting)
-        overlap[corner] = system.least_overlap[corner]
         for kind, rows in kinds.items():
             mode[rows] = AT_REST[kind][1]
-        chosen = _moving(Phase(system, span, mode), time, y, resting)
+        rests = Phase(system, span, mode)
+        _stop(rests, y)
+        overlap[corner] = system.least_overlap[corner]
+        chosen = _moving(rests, time, y, resting)
         for kind, rows in kinds.items():
             mode[rows] = np.array(AT_REST[kind])[1 + chosen[rows]]
         overlap[corner & (mode[:m] != LOADED)] = 0.0
@@ -307,18 +309,15 @@ def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array
         beads[~braked] = FREE
 
 
-def _stop(system: System, y: Array, resting: Which) -> None:
-    """Set the velocities of `resting` rows (p,) to 0, in place: to within the least rate they are."""
-    m, rate = system.m, y[system.m : -2]
-    fixed = np.zeros(system.n, dtype=bool)
-    fixed[system.laws.joint[resting[:m]]] = True
-    rate[fixed] = 0.0
-    still = resting[m:]
-    if still.any():
-        left = np.where(still, system.velocity(y), 0.0)
-        rate -= left[:-1] - left[1:]
-        y[-1] -= left[system.chain.anchor]
-        rate[fixed | (still[:-1] & still[1:])] = 0.0
+def _stop(rests: Phase, y: Array) -> None:
+    """Set the velocities of rows at rest to 0, in place, by the pushes that they give each other: momentum stays what it is."""
+    system, rate = rests.system, y[rests.system.m : -2]
+    left = (rests.solved @ system.row_velocity(y)) @ system.rows * system.chain.inverse_mass
+    rate -= left[:-1] - left[1:]
+    y[-1] -= left[system.chain.anchor]
+    rate[rests.stands] = 0.0
+    if rests.still[system.chain.anchor]:
+        y[-1] = 0.0
 
 
 def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.int8]:

@@ -42,6 +42,7 @@ LOOKS = np.linspace(
     0.0, 1.0, 8, endpoint=False
 )  # parts of a step at which margins are looked at: SciPy looks at its end alone
 GAUSS = np.polynomial.legendre.leggauss(7)  # nodes and weights on [-1, 1], of which the dense solution has the order
+QUIET = np.errstate(under="ignore")  # powers of overlaps next to 0
 MOST_PHASES = 20_000  # of a run: in one with more the contacts chatter
 MOST_IN_PLACE = 50  # switches at one time: more do not end
 
@@ -272,6 +273,7 @@ def _root(falling: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(falling, low, high, xtol=ROOT)) if falling(high) < 0.0 else high
 
 
+@QUIET
 def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
     solved = _Run(problem.chain, problem.state, problem.tolerance, problem.most_steps)
@@ -292,6 +294,7 @@ class _KeptSolution:
 
     solved: _Run
 
+    @QUIET
     def record(self, found: Record, times: Array) -> Record:
         """The record `found` of the run with its samples at `times`; where they lie beyond its end, it goes on to them."""
         solved = self.solved
@@ -302,6 +305,7 @@ class _KeptSolution:
         return replace(found, kept=None, **sampled)
 
 
+@QUIET
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place."""
     state = problem.state

@@ -1,5 +1,6 @@
 """Motions that make much of small errors: deep soft contacts that swing, gears that rattle between two strikers."""
 
+import math
 import warnings
 from dataclasses import replace
 from functools import cache
@@ -171,6 +172,18 @@ def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, monkey
     found = confirmed(problem, first)
     assert tolerances == pytest.approx([1e-5] if apart < 5e-6 else [1e-5, 1e-7])
     assert (found.velocity_error > apart).all() == (apart < 5e-6)
+
+
+@pytest.mark.parametrize("mass", [[1.0] * 5, [2.0, 1.0, 2.0, 2.0], [1.0, math.inf, 1.0, math.inf]])
+def test_other_runs_keep_the_bead_whose_velocity_they_hold(mass: list[float]) -> None:
+    """Of equal beads another one became the heaviest, and the velocity of one was taken for that of the other."""
+    chain = Chain(mass, power_law(1.0, 0.5))
+    problem = Problem(chain, State.at_start(chain, np.zeros(len(mass))), "accurate", 1.0, tolerance=1e-6, samples=2)
+    for runs in range(4):
+        other = confirm._shaken_run(problem, 1e-5, runs).chain
+        assert other.anchor == chain.anchor
+        finite = np.isfinite(mass)
+        assert np.array(other.mass)[finite] == pytest.approx(np.array(mass)[finite], rel=3e-6)
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])

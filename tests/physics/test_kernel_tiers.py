@@ -163,6 +163,14 @@ def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold):
     assert digits(simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)) == digits(found)
 
 
+def test_where_nothing_compiles_that_is_said_once(monkeypatch, caplog):
+    monkeypatch.setattr(kernel_tiers, "INSTALLED", False)
+    kernel_tiers.tell_once.cache_clear()
+    for _ in range(2):
+        KernelTiers("nothing", "no.such.module", lambda: None)
+    assert caplog.messages == [kernel_tiers.SLOW]
+
+
 def test_a_process_that_died_does_not_count_as_compiling(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     kernels = KernelTiers("nothing", "no.such.module", lambda: None)

@@ -9,7 +9,7 @@ import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_TRIES, RATIO
 from softcradle.physics.adaptive.dop853 import error_of_range
-from softcradle.physics.adaptive.radau import AFTER, INSIDE, first_guess, radau_step
+from softcradle.physics.adaptive.radau import AFTER, INSIDE, euler_stages, first_guess, radau_step
 from softcradle.physics.adaptive.radau_error import compliance, embedded_error
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
@@ -259,13 +259,37 @@ def test_a_guess_by_the_step_before_is_as_good_as_its_cubic():
                 first_guess(h, data, motion, h, origin, past, guess)
                 scratch.past[:] = past
                 exact = empty_trial(2)
-                assert 0 < radau_step(h, data, motion, 1e-13, h, origin, exact, scratch) <= 5
+                assert 0 < radau_step(h, data, motion, 1e-13, h, origin, exact, scratch)[0] <= 5
                 if origin == INSIDE:
                     assert guess.overlap == pytest.approx(trial.overlap, abs=1e-5)
                     assert guess.force == pytest.approx(trial.force, rel=1e-4)
             errors.append(np.abs(guess.force - exact.force).max())
         assert errors[0] < 2e-4
         assert errors[1] < errors[0] / 8.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_first_stages_are_implicit_euler_steps_to_each_node(seed):
+    """From rest and from deep inside alike, for slopes over many decades: d = d0 + t w0 - t² (L f - e), on the curves."""
+    chain, data, motion, h = random_motion(seed)
+    for start in (motion.overlap.copy(), np.where(motion.mode == LOADED, 1e-12, motion.overlap)):
+        motion.overlap[:] = start
+        motion.force[:] = [
+            law.force(d) if mode == LOADED else f
+            for law, d, mode, f in zip(chain.contact, start, motion.mode, motion.force, strict=True)
+        ]
+        trial, scratch = empty_trial(start.size), empty_scratch(start.size)
+        euler_stages(h, data, motion, trial, scratch)
+        drive = data.external[:-1] if data.external.size else 0.0
+        for k, time in enumerate(h * NODES):
+            pull = row_matrix(chain) @ trial.force[k]
+            moved = trial.overlap[k] - motion.overlap - time * motion.rate - time**2 * (drive - pull)
+            free = motion.mode != FROZEN
+            largest = time**2 * np.abs(row_matrix(chain)) @ np.abs(trial.force[k]) + np.abs(motion.overlap)
+            assert (np.abs(moved) <= 5e-3 * (largest + time * np.abs(motion.rate)))[free].all()
+            for i, law in enumerate(chain.contact):
+                if motion.mode[i] == LOADED and trial.overlap[k, i] > 0.0:
+                    assert trial.force[k, i] == pytest.approx(law.force(trial.overlap[k, i]), rel=1e-9)
 
 
 @pytest.mark.parametrize("row", [0, 1, 2])
